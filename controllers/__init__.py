@@ -1,0 +1,1 @@
+"""Pure controllers: no I/O, clock, log or randomness."""

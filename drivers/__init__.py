@@ -1,0 +1,1 @@
+"""Device drivers behind the hardware abstraction layer of `rig.hal`."""

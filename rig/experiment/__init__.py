@@ -1,0 +1,1 @@
+"""What to do with a rig: references, the run, and what it measured."""

@@ -1,0 +1,57 @@
+"""The hardware abstraction layer: small, typed, without I/O of its own."""
+
+from rig.hal.bus import Buses, CanBus, CyclicBus, Frame
+from rig.hal.capabilities import (
+    Device,
+    EmergencyStopInput,
+    Homeable,
+    LinearEncoder,
+    MarkerCamera,
+    Markers,
+    PressureRegulator,
+    ServoBus,
+    Vector,
+)
+from rig.hal.clock import Clock, MonotonicClock
+from rig.hal.errors import (
+    ConfigurationError,
+    ConnectionFailed,
+    DeviceError,
+    DeviceFault,
+    EmergencyStop,
+    LimitExceeded,
+    LoopStalled,
+    RigError,
+    SafetyError,
+    StaleReading,
+)
+from rig.hal.reading import Reading
+
+__all__ = [
+    "Buses",
+    "CanBus",
+    "Clock",
+    "ConfigurationError",
+    "ConnectionFailed",
+    "CyclicBus",
+    "Device",
+    "DeviceError",
+    "DeviceFault",
+    "EmergencyStop",
+    "EmergencyStopInput",
+    "Frame",
+    "Homeable",
+    "LimitExceeded",
+    "LinearEncoder",
+    "LoopStalled",
+    "MarkerCamera",
+    "Markers",
+    "MonotonicClock",
+    "PressureRegulator",
+    "Reading",
+    "RigError",
+    "SafetyError",
+    "ServoBus",
+    "StaleReading",
+    "Vector",
+]

@@ -1,0 +1,133 @@
+"""What devices can do, as protocols.
+
+Getters never block: they return the last reading, and the age says what it is worth.
+I/O happens in the cycle, when a device's bus is drained and its setpoints are sent.
+Everything is in SI units: m, rad, s, Pa (gauge). Vectors are tuples of floats, shape (n,).
+"""
+
+from typing import NamedTuple, Protocol
+
+from rig.hal.reading import Reading
+
+Vector = tuple[float, ...]
+
+
+class Device(Protocol):
+    """Something on the rig with a name and a life cycle."""
+
+    name: str
+
+    def connect(self) -> None:
+        """Find, identify, configure and read back; leave it safe and not energised.
+
+        Raises
+        ------
+        ConnectionFailed
+            It did not answer, is of the wrong type, or did not take a setting.
+        """
+        ...
+
+    def arm(self) -> None:
+        """Make it follow setpoints from now on (NMT operational, torque on, supply open)."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Raise if the device is not well.
+
+        Raises
+        ------
+        DeviceFault
+            It reported a fault, fell silent, rebooted or behaves implausibly.
+        """
+        ...
+
+    def make_safe(self) -> None:
+        """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
+        ...
+
+    def close(self) -> None:
+        """Release it. Idempotent, and safe to call in any state."""
+        ...
+
+
+class PressureRegulator(Device, Protocol):
+    """Electro-pneumatic regulators, n channels."""
+
+    channels: tuple[str, ...]
+    pressure_range: tuple[float, float]
+
+    def pressure(self) -> Reading[Vector]:
+        """Return the monitored pressures, Pa gauge, shape (n,)."""
+        ...
+
+    def set_pressure(self, pressure: Vector) -> None:
+        """Take setpoints for this cycle, Pa gauge, shape (n,)."""
+        ...
+
+
+class LinearEncoder(Device, Protocol):
+    """Linear encoders, n channels."""
+
+    channels: tuple[str, ...]
+    stroke: float
+
+    def position(self) -> Reading[Vector]:
+        """Return the rod extensions, m, shape (n,), each within 0 … `stroke`."""
+        ...
+
+    def velocity(self) -> Reading[Vector]:
+        """Return the device's own velocities, m/s, shape (n,); often coarse."""
+        ...
+
+
+class Homeable(Protocol):
+    """A device whose zero must be found before use."""
+
+    def home(self) -> None:
+        """Find the zero."""
+        ...
+
+
+class EmergencyStopInput(Protocol):
+    """A device that also reads the emergency-stop contact."""
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop is pressed (an open contact or broken wire is pressed)."""
+        ...
+
+
+class Markers(NamedTuple):
+    """Markers seen in one image; a marker that was not seen is absent, not zero."""
+
+    ids: tuple[int, ...]
+    positions: tuple[tuple[float, float, float], ...]
+
+
+class MarkerCamera(Device, Protocol):
+    """A camera with its marker detector."""
+
+    def markers(self) -> Reading[Markers]:
+        """Return the newest markers; `t` is the middle of the exposure."""
+        ...
+
+
+class ServoBus(Device, Protocol):
+    """A chain of servo drives, n joints."""
+
+    joint_names: tuple[str, ...]
+
+    def positions(self) -> Reading[Vector]:
+        """Return the joint positions, rad, shape (n,)."""
+        ...
+
+    def command_positions(self, positions: Vector) -> None:
+        """Take position setpoints for this cycle, rad, shape (n,)."""
+        ...
+
+    def command_velocities(self, velocities: Vector) -> None:
+        """Take velocity setpoints for this cycle, rad/s, shape (n,)."""
+        ...
+
+    def set_torque_enabled(self, enabled: bool) -> None:
+        """Energise or release all joints."""
+        ...

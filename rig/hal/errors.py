@@ -1,0 +1,151 @@
+"""What can go wrong with a rig, as one tree.
+
+::
+
+    RigError
+    ├── ConfigurationError      a file, option or combination is wrong     (exit 2)
+    ├── DeviceError             a device or bus is not as it should be     (exit 3 or 4)
+    │   ├── ConnectionFailed    it never answered, or answered as another
+    │   └── DeviceFault         it reported or showed a fault
+    └── SafetyError             a measured or commanded value is not safe  (exit 4)
+        ├── LimitExceeded
+        ├── StaleReading
+        ├── EmergencyStop
+        └── LoopStalled
+
+Whether a `DeviceError` means "never energised" (3) or "fault while running" (4)
+depends on when it comes, so the runtime decides that, not the class.
+"""
+
+
+def describe(value: float, unit: str) -> str:
+    """Format a number with its SI unit for a message."""
+    return f"{value:.6g} {unit}".rstrip()
+
+
+class RigError(Exception):
+    """Base of every error that this program raises on purpose."""
+
+
+class ConfigurationError(RigError):
+    """A profile, experiment, calibration or option cannot be used as it is."""
+
+
+class DeviceError(RigError):
+    """A device or its bus is not as it should be.
+
+    Parameters
+    ----------
+    device : str
+        The device's name in the profile.
+    what : str
+        One sentence without the device's name.
+    node : int, optional
+        Node number on its bus.
+    object : str, optional
+        The object, register or frame concerned, e.g. ``"0x6443:01"``.
+    value, bound : str, optional
+        What was seen and what was allowed, formatted with their unit.
+    """
+
+    def __init__(
+        self,
+        device: str,
+        what: str,
+        *,
+        node: int | None = None,
+        object: str | None = None,
+        value: str | None = None,
+        bound: str | None = None,
+    ) -> None:
+        self.device = device
+        self.what = what
+        self.node = node
+        self.object = object
+        self.value = value
+        self.bound = bound
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        where = self.device if self.node is None else f"{self.device} (node 0x{self.node:02X})"
+        text = f"{where}: {self.what}"
+        details = [
+            f"{label} {item}"
+            for label, item in (
+                ("object", self.object),
+                ("value", self.value),
+                ("bound", self.bound),
+            )
+            if item is not None
+        ]
+        return f"{text} [{', '.join(details)}]" if details else text
+
+
+class ConnectionFailed(DeviceError):
+    """A device never answered, or what answered is not what the profile says."""
+
+
+class DeviceFault(DeviceError):
+    """A device reported a fault or showed one."""
+
+
+class SafetyError(RigError):
+    """A measured or commanded value is not safe."""
+
+
+class LimitExceeded(SafetyError):
+    """A quantity left its permitted range.
+
+    Parameters
+    ----------
+    quantity : str
+        What left its range, e.g. ``"position of the pair"``.
+    value : float
+        What was measured or commanded, SI.
+    lower, upper : float
+        The permitted range, SI.
+    unit : str
+        The SI unit of all three.
+    """
+
+    def __init__(
+        self, quantity: str, value: float, lower: float, upper: float, unit: str
+    ) -> None:
+        self.quantity = quantity
+        self.value = value
+        self.lower = lower
+        self.upper = upper
+        self.unit = unit
+        super().__init__(
+            f"{quantity} is {describe(value, unit)}, "
+            f"outside {describe(lower, unit)} … {describe(upper, unit)}"
+        )
+
+
+class StaleReading(SafetyError):
+    """A reading is older than its limit.
+
+    Parameters
+    ----------
+    device : str
+        The device whose reading is too old.
+    age, bound : float
+        How old it is and how old it may be, s.
+    """
+
+    def __init__(self, device: str, age: float, bound: float) -> None:
+        self.device = device
+        self.age = age
+        self.bound = bound
+        super().__init__(
+            f"{device}: the last reading is {age * 1e3:.1f} ms old, "
+            f"at most {bound * 1e3:.1f} ms is allowed"
+        )
+
+
+class EmergencyStop(SafetyError):
+    """The emergency stop was pressed."""
+
+
+class LoopStalled(SafetyError):
+    """The control loop missed more deadlines than it may."""
