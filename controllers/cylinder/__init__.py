@@ -1,1 +1,1 @@
-"""TODO."""
+"""Position controllers for one antagonistic pair of pneumatic cylinders."""

@@ -1,0 +1,92 @@
+"""The seam between the loop, which is the same for every rig, and a mechanism."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, TypeVar
+
+from rig.runtime.columns import Column
+
+State = TypeVar("State")
+Reference = TypeVar("Reference")
+Command = TypeVar("Command")
+
+
+class Margin(NamedTuple):
+    """How far a quantity is from its limit: 1 is far, 0 is on it."""
+
+    name: str
+    fraction: float
+
+
+class Mechanism(Protocol[State, Reference, Command]):
+    """What the loop needs to know of a rig's mechanics.
+
+    The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
+    `write`, `row`.
+    """
+
+    columns: Sequence[Column]
+
+    def read(self, now: float) -> State:
+        """Assemble one frozen state from the devices' last readings.
+
+        Raises
+        ------
+        StaleReading
+            A reading is older than its limit.
+        """
+        ...
+
+    def check(self, state: State, now: float) -> None:
+        """Raise if the state is not safe.
+
+        Raises
+        ------
+        LimitExceeded, EmergencyStop
+        """
+        ...
+
+    def resting_command(self, state: State) -> Command:
+        """Return the command that changes nothing: what the devices hold now."""
+        ...
+
+    def energised_command(self, state: State) -> Command:
+        """Return the command that energises without moving; control starts from it."""
+        ...
+
+    def released_command(self) -> Command:
+        """Return the command of the released rig, to which a stop leads."""
+        ...
+
+    def blend(self, start: Command, end: Command, share: float) -> Command:
+        """Return the command `share` (0 … 1) of the way from `start` to `end`."""
+        ...
+
+    def start_limiting(self, state: State) -> None:
+        """Make the measured state the one that the rate limit starts from."""
+        ...
+
+    def limit(self, command: Command) -> Command:
+        """Return the command that may be applied; the one choke point."""
+        ...
+
+    def write(self, applied: Command) -> None:
+        """Hand the applied command to the devices as this cycle's setpoints."""
+        ...
+
+    def row(
+        self, state: State, reference: Reference, command: Command, applied: Command
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        ...
+
+    def reference_of(self, state: State) -> Reference:
+        """Return the reference that the rig fulfils as it stands: no motion."""
+        ...
+
+    def worst_margin(self, state: State, applied: Command, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        ...
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        ...

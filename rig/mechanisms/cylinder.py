@@ -1,0 +1,313 @@
+"""One antagonistic pair: two cylinders that pull one carriage against each other."""
+
+import math
+from typing import Protocol
+
+from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
+from rig.hal import (
+    ConfigurationError,
+    EmergencyStop,
+    EmergencyStopInput,
+    LimitExceeded,
+    LinearEncoder,
+    PressureRegulator,
+    SafetyError,
+    StaleReading,
+)
+from rig.mechanisms.base import Margin
+from rig.mechanisms.cylinder_settings import CylinderSettings
+from rig.runtime.columns import Column
+from rig.runtime.limits import VectorLimiter
+
+_CHANNELS = ("agonist", "antagonist")
+
+_SPEED_WINDOW = 0.01
+"""The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
+
+
+class EstimatingController(Protocol):
+    """A controller that shows what it believes: velocity (m/s) and disturbance (N)."""
+
+    @property
+    def estimate(self) -> tuple[float, float]:
+        """Velocity of the pair, m/s, and disturbance force on it, N."""
+        ...
+
+
+class AntagonisticPair:
+    """The loop's view of one antagonistic pair.
+
+    Parameters
+    ----------
+    settings : CylinderSettings
+        Geometry and limits.
+    regulators : PressureRegulator
+        Channels ``agonist`` and ``antagonist``.
+    encoder_agonist, encoder_antagonist : LinearEncoder
+        One channel each.
+    emergency_stop : EmergencyStopInput, optional
+        The device that reads the emergency-stop contact.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices have other channels, or a range that does not hold the limits.
+    """
+
+    Settings = CylinderSettings
+
+    columns = (
+        Column("reading.position", "m", "position of the pair, mean of both rods"),
+        Column("reading.position_agonist", "m", "extension of the agonist's rod"),
+        Column("reading.position_antagonist", "m", "extension of the antagonist's rod"),
+        Column("reading.pressure_agonist", "Pa", "monitored chamber pressure, gauge"),
+        Column("reading.pressure_antagonist", "Pa", "monitored chamber pressure, gauge"),
+        Column("reading.age", "s", "age of the oldest reading when it was used"),
+        Column("reference.position", "m", "desired position"),
+        Column("reference.velocity", "m/s", "desired velocity"),
+        Column("reference.acceleration", "m/s^2", "desired acceleration"),
+        Column("estimate.velocity", "m/s", "velocity as the controller estimates it"),
+        Column("estimate.disturbance", "N", "disturbance as the controller estimates it"),
+        Column("command.agonist", "Pa", "setpoint that the controller wants, gauge"),
+        Column("command.antagonist", "Pa", "setpoint that the controller wants, gauge"),
+        Column("applied.agonist", "Pa", "setpoint that was sent, gauge"),
+        Column("applied.antagonist", "Pa", "setpoint that was sent, gauge"),
+    )
+
+    def __init__(
+        self,
+        settings: CylinderSettings,
+        *,
+        regulators: PressureRegulator,
+        encoder_agonist: LinearEncoder,
+        encoder_antagonist: LinearEncoder,
+        emergency_stop: EmergencyStopInput | None,
+        period: float,
+    ) -> None:
+        _check_devices(settings, regulators, (encoder_agonist, encoder_antagonist))
+        self.settings = settings
+        self.controller: EstimatingController | None = None
+        self._regulators = regulators
+        self._encoder_agonist = encoder_agonist
+        self._encoder_antagonist = encoder_antagonist
+        self._emergency_stop = emergency_stop
+        limits = settings.limits
+        self._limits = limits
+        self._limiter = VectorLimiter(
+            "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
+        )
+        self._max_difference = limits.pair_force / settings.area
+        self._force_hits = 0
+        self._extensions = (settings.home, settings.home)
+        self._age = 0.0
+        self._speed_from: tuple[float, float] | None = None
+        self._moved_from = (settings.home, settings.home)
+
+    @property
+    def model(self) -> PairModel:
+        """What the controllers are told of this pair."""
+        settings = self.settings
+        friction, response = settings.friction, settings.regulator_response
+        return PairModel(
+            area=settings.area,
+            mass=settings.moving_mass,
+            base_pressure=settings.base_pressure,
+            pressure_min=self._limits.pressure[0],
+            pressure_max=self._limits.pressure[1],
+            regulator_bandwidth=response.bandwidth,
+            regulator_damping=response.damping,
+            coulomb=friction.coulomb,
+            breakaway=friction.breakaway,
+            stribeck_velocity=friction.stribeck_velocity,
+            viscous=friction.viscous,
+        )
+
+    def read(self, now: float) -> PairState:
+        """Assemble the pair's state; see `Mechanism.read`."""
+        (agonist,), t_agonist = self._encoder_agonist.position()
+        (antagonist,), t_antagonist = self._encoder_antagonist.position()
+        (p_agonist, p_antagonist), t_pressure = self._regulators.pressure()
+        oldest = min(t_agonist, t_antagonist, t_pressure)
+        self._age = now - oldest
+        if self._age > self._limits.reading_age:
+            device = (
+                self._encoder_agonist
+                if oldest == t_agonist
+                else self._encoder_antagonist
+                if oldest == t_antagonist
+                else self._regulators
+            )
+            raise StaleReading(device.name, self._age, self._limits.reading_age)
+        self._extensions = (agonist, antagonist)
+        return PairState(now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist)
+
+    def check(self, state: PairState, now: float) -> None:
+        """Raise if the state is not safe; see `Mechanism.check`."""
+        if self._emergency_stop is not None:
+            pressed, t = self._emergency_stop.emergency_stop()
+            if pressed:
+                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            if now - t > self._limits.reading_age:
+                raise StaleReading("emergency stop", now - t, self._limits.reading_age)
+        if not math.isfinite(state.position + state.agonist + state.antagonist):
+            raise SafetyError(f"a reading is not a number: {state}")
+        lower, upper = self._limits.position
+        if not lower <= state.position <= upper:
+            raise LimitExceeded("position of the pair", state.position, lower, upper, "m")
+        self._check_rods(now)
+        self._check_speed(state.position, now)
+
+    def _check_rods(self, now: float) -> None:
+        agonist, antagonist = self._extensions
+        mismatch = 0.5 * (agonist + antagonist) - self.settings.home
+        bound = self._limits.mismatch
+        if abs(mismatch) <= bound:
+            if abs(mismatch) < 0.5 * bound:
+                self._moved_from = self._extensions
+            return
+        # Since the rods last agreed, one encoder may not have moved at all: name it.
+        still = [
+            encoder.name
+            for encoder, now_at, was_at in zip(
+                (self._encoder_agonist, self._encoder_antagonist),
+                self._extensions,
+                self._moved_from,
+                strict=True,
+            )
+            if now_at == was_at
+        ]
+        cause = f"{still[0]} is frozen" if len(still) == 1 else "a wire is slack or an encoder wrong"
+        raise LimitExceeded(f"mismatch of the two rods ({cause})", mismatch, -bound, bound, "m")
+
+    def _check_speed(self, position: float, now: float) -> None:
+        if self._speed_from is None:
+            self._speed_from = (now, position)
+            return
+        then, was_at = self._speed_from
+        if now - then < _SPEED_WINDOW:
+            return
+        speed = (position - was_at) / (now - then)
+        bound = self._limits.speed
+        if abs(speed) > bound:
+            raise LimitExceeded("speed of the pair", speed, -bound, bound, "m/s")
+        self._speed_from = (now, position)
+
+    def resting_command(self, state: PairState) -> PairCommand:
+        """Return the measured pressures, within the permitted range."""
+        lower, upper = self._limits.pressure
+        return PairCommand(
+            min(max(state.agonist, lower), upper), min(max(state.antagonist, lower), upper)
+        )
+
+    def energised_command(self, state: PairState) -> PairCommand:
+        """Return the base pressure in both chambers: forces balance, nothing moves."""
+        return PairCommand(self.settings.base_pressure, self.settings.base_pressure)
+
+    def released_command(self) -> PairCommand:
+        """Return both chambers vented."""
+        return PairCommand(self._limits.pressure[0], self._limits.pressure[0])
+
+    def blend(self, start: PairCommand, end: PairCommand, share: float) -> PairCommand:
+        """Return the command `share` of the way from `start` to `end`."""
+        return PairCommand(
+            start.agonist + share * (end.agonist - start.agonist),
+            start.antagonist + share * (end.antagonist - start.antagonist),
+        )
+
+    def start_limiting(self, state: PairState) -> None:
+        """Start the rate limit from the measured pressures."""
+        self._limiter.reset((state.agonist, state.antagonist))
+        self._speed_from = None
+
+    def limit(self, command: PairCommand) -> PairCommand:
+        """Return the command that may be applied: pair force, range and rate."""
+        agonist, antagonist = command
+        difference = agonist - antagonist
+        if abs(difference) > self._max_difference:
+            self._force_hits += 1
+            mean = 0.5 * (agonist + antagonist)
+            half = math.copysign(0.5 * self._max_difference, difference)
+            agonist, antagonist = mean + half, mean - half
+        agonist, antagonist = self._limiter.limit((agonist, antagonist))
+        return PairCommand(agonist, antagonist)
+
+    def write(self, applied: PairCommand) -> None:
+        """Hand the setpoints to the regulators."""
+        self._regulators.set_pressure(applied)
+
+    def row(
+        self,
+        state: PairState,
+        reference: PairReference,
+        command: PairCommand,
+        applied: PairCommand,
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        estimate = self.controller.estimate if self.controller is not None else (0.0, 0.0)
+        return (
+            state.position,
+            *self._extensions,
+            state.agonist,
+            state.antagonist,
+            self._age,
+            *reference,
+            *estimate,
+            *command,
+            *applied,
+        )
+
+    def reference_of(self, state: PairState) -> PairReference:
+        """Return the reference to stay where the pair is."""
+        return PairReference(state.position, 0.0, 0.0)
+
+    def worst_margin(self, state: PairState, applied: PairCommand, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        limits = self._limits
+        lower, upper = limits.position
+        middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+        mismatch = 0.5 * sum(self._extensions) - self.settings.home
+        return min(
+            Margin("position", 1.0 - abs(state.position - middle) / half),
+            Margin("reading age", 1.0 - self._age / limits.reading_age),
+            Margin("pressure", 1.0 - max(applied) / limits.pressure[1]),
+            Margin("rod mismatch", 1.0 - abs(mismatch) / limits.mismatch),
+            key=lambda margin: margin.fraction,
+        )
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        return {
+            "pressure range": self._limiter.range_hits,
+            "pressure rate": self._limiter.rate_hits,
+            "pair force": self._force_hits,
+        }
+
+
+def _check_devices(
+    settings: CylinderSettings,
+    regulators: PressureRegulator,
+    encoders: tuple[LinearEncoder, LinearEncoder],
+) -> None:
+    if tuple(regulators.channels) != _CHANNELS:
+        raise ConfigurationError(
+            f"{regulators.name}: the channels are {', '.join(regulators.channels)}; "
+            f"an antagonistic pair needs {', '.join(_CHANNELS)} in this order"
+        )
+    low, high = regulators.pressure_range
+    if settings.limits.pressure[0] < low or settings.limits.pressure[1] > high:
+        raise ConfigurationError(
+            f"limits.pressure {settings.limits.pressure[0]:g} … {settings.limits.pressure[1]:g} Pa "
+            f"exceeds what {regulators.name} can set, {low:g} … {high:g} Pa"
+        )
+    for encoder in encoders:
+        if len(encoder.channels) != 1:
+            raise ConfigurationError(
+                f"{encoder.name}: it has {len(encoder.channels)} channels, a rod needs one"
+            )
+        if encoder.stroke < settings.stroke:
+            raise ConfigurationError(
+                f"{encoder.name}: its stroke {encoder.stroke:g} m is shorter than the "
+                f"cylinder's, {settings.stroke:g} m"
+            )

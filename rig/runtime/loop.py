@@ -1,0 +1,410 @@
+"""The fixed-rate cycle that every rig runs on every backend.
+
+One cycle: drain the buses, read one frozen state, check it, update the controller, limit,
+write, record, and sleep to an absolute deadline (``start + k * period``). A cycle that comes
+late skips ticks; it never bursts to catch up. Whatever goes wrong, every device is made safe,
+and told so for several cycles, before anything else happens.
+"""
+
+import contextlib
+import math
+from collections.abc import Callable, Sequence
+from enum import IntEnum
+from time import perf_counter
+from typing import Any, Generic, NamedTuple, Protocol
+
+from controllers.base import Controller
+from rig.hal import Clock, CyclicBus, Device, LoopStalled
+from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
+from rig.runtime.columns import Column
+from rig.runtime.states import RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+SAFE_CYCLES = 5
+"""How many cycles the safe setpoints are repeated: one lost frame must not matter."""
+
+
+class Phase(IntEnum):
+    """Where a run is; recorded with every cycle."""
+
+    APPROACH = 0
+    RUN = 1
+    STOP = 2
+
+
+class Motion(Protocol[Reference]):
+    """What the loop follows once the rig is at its start."""
+
+    duration: float
+
+    def at(self, t: float) -> Reference:
+        """Return the reference at `t` seconds."""
+        ...
+
+
+class Timings(NamedTuple):
+    """Durations that shape a run, s.
+
+    Parameters
+    ----------
+    energise : float
+        From the measured pressures or torques to the ones that control starts from.
+    approach : float
+        From the measured state to the start of the reference.
+    release : float
+        From the last command to the released rig, in an orderly stop.
+    """
+
+    energise: float = 1.0
+    approach: float = 2.0
+    release: float = 0.5
+
+
+class Progress(NamedTuple):
+    """What a progress line needs."""
+
+    phase: Phase
+    t: float
+    duration: float
+    margin: Margin
+    missed: int
+
+
+class Outcome(NamedTuple):
+    """How a run ended.
+
+    Parameters
+    ----------
+    cycles : int
+        Cycles that were run and recorded.
+    missed : int
+        Ticks that were skipped because a cycle came late.
+    stopped : int
+        Requests to stop that came: 0 ran to its end, 1 orderly stop, 2 or more at once.
+    fault : Exception or None
+        What ended it early.
+    """
+
+    cycles: int
+    missed: int
+    stopped: int
+    fault: Exception | None
+
+
+class Recorder(Protocol):
+    """Where each cycle goes."""
+
+    def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
+        """Append one cycle; it is with the operating system when this returns."""
+        ...
+
+
+RUN_COLUMNS = (
+    Column("phase", "", "0 approach, 1 run, 2 stop"),
+    Column("reference.time", "s", "time since the reference started; negative before"),
+)
+TIMING_COLUMNS = (
+    Column("timing.lateness", "s", "how late the cycle started"),
+    Column("timing.slack", "s", "time left of the period after the work"),
+    Column("timing.receive", "s", "buses drained and decoded"),
+    Column("timing.read", "s", "state assembled and checked"),
+    Column("timing.control", "s", "reference, estimator, controller, limits"),
+    Column("timing.transmit", "s", "setpoints encoded and sent"),
+    Column("timing.record", "s", "row written, in the cycle before"),
+)
+
+
+class Loop(Generic[State, Reference, Command]):
+    """Runs one motion on one rig.
+
+    Parameters
+    ----------
+    clock : Clock
+        Virtual or real.
+    period : float
+        s.
+    buses, devices : sequence
+        Everything that is exchanged, checked and made safe.
+    mechanism : Mechanism
+        State, limits and log columns.
+    controller : Controller
+        What is updated once a cycle.
+    states : StateMachine
+        IDLE on entry; IDLE or FAULT on return.
+    max_missed : int
+        So many ticks missed in a row are a fault.
+    truth : callable, optional
+        In simulation: the plant's true values, appended to each row.
+    """
+
+    def __init__(
+        self,
+        *,
+        clock: Clock,
+        period: float,
+        buses: Sequence[CyclicBus],
+        devices: Sequence[Device],
+        mechanism: Mechanism[State, Reference, Command],
+        controller: Controller[Reference, State, Command],
+        states: StateMachine,
+        max_missed: int = 5,
+        truth: Callable[[], tuple[float, ...]] = tuple,
+    ) -> None:
+        self.clock = clock
+        self.period = period
+        self.buses = buses
+        self.devices = devices
+        self.mechanism = mechanism
+        self.controller = controller
+        self.states = states
+        self.max_missed = max_missed
+        self.truth = truth
+
+    def run(
+        self,
+        motion: Motion[Reference],
+        approach: Callable[[Reference, Reference, float, float], Reference],
+        *,
+        recorder: Recorder,
+        events: Callable[[float, str, str, dict[str, Any]], None],
+        stop: StopRequests,
+        timings: Timings = Timings(),  # noqa: B008 - immutable
+        progress: Callable[[Progress], None] | None = None,
+        progress_every: float = 0.1,
+    ) -> Outcome:
+        """Energise, approach, follow the motion, release; make safe on every way out.
+
+        Parameters
+        ----------
+        motion : Motion
+            What to follow.
+        approach : callable
+            ``approach(start, end, duration, t)`` is the reference from rest to rest.
+        recorder : Recorder
+            Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, `TIMING_COLUMNS`,
+            the truth.
+        events : callable
+            ``events(t, kind, message, data)``.
+        stop : StopRequests
+            Read once a cycle.
+        timings : Timings
+            Durations of energising, approach and release.
+        progress : callable, optional
+            Called about every `progress_every` seconds of rig time.
+
+        Returns
+        -------
+        Outcome
+            Never raises for what happens on the rig; a `BaseException` that is no `Exception`
+            makes safe and passes on.
+        """
+        run = _Run(self, motion, approach, timings)
+        self.states.move(RigState.RUNNING)
+        stop.in_loop = True
+        fault: Exception | None = None
+        try:
+            self._cycle(run, recorder, events, stop, progress, progress_every)
+        except Exception as error:
+            fault = error
+        finally:
+            self.make_safe()
+            stop.in_loop = False
+        if fault is None:
+            self.states.move(RigState.STOPPING) if run.phase is not Phase.STOP else None
+            self.states.move(RigState.IDLE)
+        else:
+            self.states.latch_fault(fault)
+        for name, hits in self.mechanism.limit_hits().items():
+            if hits:
+                events(run.t, "limit", f"{name} limited {hits} times", {"hits": hits})
+        return Outcome(run.cycles, run.missed, stop.count, fault)
+
+    def make_safe(self) -> None:
+        """Give every device its safe setpoint and repeat it for `SAFE_CYCLES` cycles."""
+        for _ in range(SAFE_CYCLES):
+            for device in self.devices:
+                device.make_safe()
+            now = self.clock.now()
+            for bus in self.buses:
+                with contextlib.suppress(Exception):  # one dead bus must not keep another from it
+                    bus.receive(now)
+                try:
+                    bus.transmit(now)
+                except Exception:
+                    bus.make_safe()
+            self.clock.sleep_until(now + self.period)
+
+    def _cycle(
+        self,
+        run: "_Run[State, Reference, Command]",
+        recorder: Recorder,
+        events: Callable[[float, str, str, dict[str, Any]], None],
+        stop: StopRequests,
+        progress: Callable[[Progress], None] | None,
+        progress_every: float,
+    ) -> None:
+        # Bound once: the cycle is the hot path.
+        clock_now, sleep_until = self.clock.now, self.clock.sleep_until
+        buses, devices, mechanism = self.buses, self.devices, self.mechanism
+        period = self.period
+        show_every = max(1, round(progress_every / period))
+
+        start = clock_now()
+        tick = 0
+        late_in_a_row = 0
+        record_time = 0.0
+        while True:
+            now = clock_now()
+            t = now - start
+            run.t = t
+            began = perf_counter()
+            for bus in buses:
+                bus.receive(now)
+            received = perf_counter()
+            state = mechanism.read(now)
+            fault: Exception | None = None
+            try:
+                for device in devices:
+                    device.check(now)
+                for bus in buses:
+                    bus.check(now)
+                mechanism.check(state, now)
+            except Exception as error:
+                fault = error
+            read = perf_counter()
+
+            if fault is None:
+                reference, command = run.step(t, state, stop.count)
+                applied = mechanism.limit(command)
+            else:  # this cycle is recorded like every other, with what is about to be sent
+                reference = mechanism.reference_of(state)
+                command = applied = mechanism.released_command()
+            mechanism.write(applied)
+            controlled = perf_counter()
+            if fault is None:
+                for bus in buses:
+                    bus.transmit(now)
+            sent = perf_counter()
+
+            row = (
+                float(run.phase),
+                run.reference_time,
+                *mechanism.row(state, reference, command, applied),
+                t - tick * period,
+                period - (sent - began) - record_time,
+                received - began,
+                read - received,
+                controlled - read,
+                sent - controlled,
+                record_time,
+                *self.truth(),
+            )
+            recorder.write(tick, t, row)
+            record_time = perf_counter() - sent
+            run.cycles += 1
+            if fault is not None:
+                raise fault
+            if progress is not None and run.cycles % show_every == 0:
+                margin = mechanism.worst_margin(state, applied, now)
+                progress(Progress(run.phase, run.reference_time, run.duration, margin, run.missed))
+            if run.finished:
+                return
+
+            tick += 1
+            late_by = clock_now() - (start + tick * period)
+            if late_by > 0.0:
+                skipped = math.ceil(late_by / period)
+                tick += skipped
+                run.missed += skipped
+                late_in_a_row += skipped
+                events(t, "overrun", f"{skipped} ticks missed", {"late": late_by})
+                if late_in_a_row > self.max_missed:
+                    raise LoopStalled(
+                        f"{late_in_a_row} ticks of {period * 1e3:g} ms missed in a row, "
+                        f"at most {self.max_missed} are allowed"
+                    )
+            else:
+                late_in_a_row = 0
+            sleep_until(start + tick * period)
+
+
+class _Run(Generic[State, Reference, Command]):
+    """One run's way through its phases: energise, approach, follow, release."""
+
+    def __init__(
+        self,
+        loop: Loop[State, Reference, Command],
+        motion: Motion[Reference],
+        approach: Callable[[Reference, Reference, float, float], Reference],
+        timings: Timings,
+    ) -> None:
+        self.phase = Phase.APPROACH
+        self.duration = motion.duration
+        self.t = 0.0
+        self.reference_time = -(timings.energise + timings.approach)
+        self.cycles = 0
+        self.missed = 0
+        self.finished = False
+        self._loop = loop
+        self._motion = motion
+        self._approach = approach
+        self._timings = timings
+        self._start: State | None = None
+        self._controlling = False
+        self._resting: Command | None = None
+        self._home: Reference | None = None
+        self._last: Command | None = None
+        self._stop_at = 0.0
+        self._stopped_from: Command | None = None
+
+    def step(self, t: float, state: State, stops: int) -> tuple[Reference, Command]:
+        """Return the reference and command of this cycle, and move on to the next phase."""
+        mechanism = self._loop.mechanism
+        if self._resting is None or self._home is None:
+            self._resting = mechanism.resting_command(state)
+            self._home = mechanism.reference_of(state)
+            mechanism.start_limiting(state)
+        timings = self._timings
+        self.reference_time = t - timings.energise - timings.approach
+
+        if self.phase is not Phase.STOP and (stops or self.reference_time >= self.duration):
+            self._begin_stop(t)
+        if stops > 1:  # at once: the loop makes safe right after this cycle
+            self.finished = True
+        if self.phase is Phase.STOP:
+            return mechanism.reference_of(state), self._release(t)
+        if t < timings.energise:
+            share = t / timings.energise
+            command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
+            self._last = command
+            return self._home, command
+
+        if not self._controlling:
+            self._home = mechanism.reference_of(state)
+            self._loop.controller.reset(state)
+            self._controlling = True
+        if self.reference_time < 0.0:
+            into = t - timings.energise
+            start = self._motion.at(0.0)
+            reference = self._approach(self._home, start, timings.approach, into)
+        else:
+            self.phase = Phase.RUN
+            reference = self._motion.at(self.reference_time)
+        command = self._loop.controller.update(state, reference)
+        self._last = command
+        return reference, command
+
+    def _begin_stop(self, t: float) -> None:
+        self.phase = Phase.STOP
+        self._stop_at = t
+        self._stopped_from = self._last if self._last is not None else self._resting
+        self._loop.states.move(RigState.STOPPING)
+
+    def _release(self, t: float) -> Command:
+        mechanism = self._loop.mechanism
+        assert self._stopped_from is not None
+        duration = self._timings.release
+        share = min((t - self._stop_at) / duration, 1.0) if duration > 0.0 else 1.0
+        if share >= 1.0:
+            self.finished = True
+        return mechanism.blend(self._stopped_from, mechanism.released_command(), share)

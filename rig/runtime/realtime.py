@@ -1,0 +1,76 @@
+"""Real-time scheduling of the loop where the system permits it, a plain sentence where not."""
+
+import ctypes
+import gc
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_MCL_CURRENT = 1
+_MCL_FUTURE = 2
+_PR_SET_TIMERSLACK = 29
+_DEFAULT_TIMER_SLACK = 50_000
+"""Linux's default timer slack, ns: every sleep may end that much late."""
+
+
+@contextmanager
+def real_time(priority: int, cpu: int | None = None) -> Iterator[list[str]]:
+    """Run the enclosed loop with as few reasons to be late as the system permits.
+
+    Takes SCHED_FIFO at `priority`, locks memory, sets the timer slack to 1 ns, pins to `cpu`
+    and stops the garbage collector, and undoes all of it at the end.
+
+    Parameters
+    ----------
+    priority : int
+        SCHED_FIFO priority, 1 … 99; 0 leaves the default scheduler.
+    cpu : int, optional
+        The processor to stay on.
+
+    Yields
+    ------
+    list of str
+        A sentence for each measure that was refused: what it costs and what would permit it.
+        Empty when all were taken.
+    """
+    refused: list[str] = []
+    libc = ctypes.CDLL(None, use_errno=True)
+    affinity = os.sched_getaffinity(0)
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    locked = False
+    try:
+        if cpu is not None:
+            try:
+                os.sched_setaffinity(0, {cpu})
+            except OSError as error:
+                refused.append(f"The loop is not pinned to processor {cpu}: {error.strerror}.")
+        if priority:
+            try:
+                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+            except OSError:
+                refused.append(
+                    "The loop runs without SCHED_FIFO: beside other work, single cycles may come "
+                    "several milliseconds late. `ulimit -r 99` (rtprio in "
+                    "/etc/security/limits.conf) or CAP_SYS_NICE permits it."
+                )
+            locked = libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
+            if not locked:
+                refused.append(
+                    "Memory is not locked: a page fault may delay a cycle. `ulimit -l unlimited` "
+                    "(memlock in /etc/security/limits.conf) permits it."
+                )
+        libc.prctl(_PR_SET_TIMERSLACK, 1)
+        gc.collect()
+        gc.freeze()
+        gc.disable()
+        yield refused
+    finally:
+        gc.enable()
+        gc.unfreeze()
+        libc.prctl(_PR_SET_TIMERSLACK, _DEFAULT_TIMER_SLACK)
+        if locked:
+            libc.munlockall()
+        if os.sched_getscheduler(0) != policy:
+            os.sched_setscheduler(0, policy, parameters)
+        if os.sched_getaffinity(0) != affinity:
+            os.sched_setaffinity(0, affinity)

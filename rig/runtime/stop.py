@@ -1,0 +1,43 @@
+"""Ctrl-C and SIGTERM, turned into requests that the cycle reads at a safe point."""
+
+import signal
+from types import FrameType, TracebackType
+
+
+class StopRequests:
+    """Counts requests to stop while active.
+
+    Once asks for an orderly stop (the rig is lowered to its safe state at a bounded rate),
+    twice for the safe state at once. While the loop is not `in_loop` (connecting, say, where
+    nothing moves and a call may block) a request raises `KeyboardInterrupt` as usual.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.in_loop = False
+        self.shielded = False
+        self._previous: dict[int, signal.Handlers | object] = {}
+
+    def request(self) -> None:
+        """Ask for a stop, as Ctrl-C does."""
+        self.count += 1
+
+    def _handle(self, number: int, frame: FrameType | None) -> None:
+        self.count += 1
+        if not self.in_loop and not self.shielded:
+            raise KeyboardInterrupt
+
+    def __enter__(self) -> "StopRequests":
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            self._previous[number] = signal.signal(number, self._handle)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)  # type: ignore[arg-type]
+        self._previous.clear()
