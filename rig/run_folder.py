@@ -1,0 +1,327 @@
+"""The folder that a run leaves behind: everything that was used, happened and came out."""
+
+import contextlib
+import fcntl
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from rig import provenance
+from rig.hal import ConfigurationError, RigError
+from rig.runtime.log import is_locked
+
+MANIFEST = "manifest.json"
+LOG = "log.mcap"
+EVENTS = "events.jsonl"
+EVALUATION = "evaluation.json"
+METRICS = "metrics.json"
+TIMING = "timing.json"
+REPORT = "report.html"
+FIGURES = "figures"
+
+
+class RunStatus(StrEnum):
+    """How a run stands or ended."""
+
+    RUNNING = "running"
+    OK = "ok"
+    FAILED = "failed"
+    """It ran to its end and missed an acceptance bound."""
+    ABORTED = "aborted"
+    """It was interrupted and made safe."""
+    FAULTED = "faulted"
+    CRASHED = "crashed"
+    """The process died; the log holds what had happened until then."""
+
+
+class RunFolderError(RigError):
+    """A run folder cannot be read or written."""
+
+
+class RunFolder:
+    """One run on disk.
+
+    `create` starts one, `open` looks at an existing one. The process that created the folder
+    holds a lock on its events file until `finish`, so that everybody else can tell a run that
+    goes on from one whose process was killed.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    manifest : dict
+        The content of its ``manifest.json``.
+    """
+
+    def __init__(self, path: Path, manifest: dict[str, Any], events_fd: int | None = None) -> None:
+        self.path = path
+        self.manifest = manifest
+        self._events_fd = events_fd
+
+    @classmethod
+    def create(
+        cls,
+        out: str | Path,
+        experiment: str,
+        backend: str,
+        *,
+        inputs: Mapping[str, str],
+        seed: int | None = None,
+        command: Sequence[str] = (),
+        now: datetime | None = None,
+    ) -> "RunFolder":
+        """Make a new folder ``<out>/<UTC stamp>-<experiment>-<backend>``.
+
+        Parameters
+        ----------
+        out : Path
+            Where run folders live; made if it is not there.
+        experiment, backend : str
+            Parts of the name.
+        inputs : mapping of str to str
+            Resolved input files by their path in the folder: ``profile.yaml``,
+            ``experiment.yaml``, ``calibration/…``. They are written and hashed.
+        seed : int, optional
+            Seed of the simulation.
+        command : sequence of str
+            The command line that repeats this run.
+        now : datetime, optional
+            Start; default: now.
+
+        Raises
+        ------
+        ConfigurationError
+            The folder cannot be made or written to.
+        """
+        started = datetime.now(UTC) if now is None else now.astimezone(UTC)
+        try:
+            path = _make_unique(Path(out), f"{started:%Y-%m-%dT%H%M%SZ}-{experiment}-{backend}")
+            events_fd = os.open(path / EVENTS, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+            with contextlib.suppress(OSError):  # no locks on some network file systems
+                fcntl.flock(events_fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            for name, text in inputs.items():
+                target = path / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_text(text, encoding="utf-8")
+            manifest = {
+                "status": RunStatus.RUNNING.value,
+                "experiment": experiment,
+                "backend": backend,
+                "seed": seed,
+                "command": list(command),
+                "started": started.isoformat(timespec="milliseconds"),
+                "ended": None,
+                "exit_code": None,
+                "message": None,
+                "git": provenance.git_state(),
+                "versions": provenance.versions(),
+                "machine": provenance.machine(),
+                "files": provenance.file_hashes(inputs),
+            }
+            _write_json(path / MANIFEST, manifest)
+        except OSError as error:
+            raise ConfigurationError(
+                f"cannot make a run folder in {out}: {error.strerror or error}; "
+                "choose another place with --out"
+            ) from error
+        return cls(path, manifest, events_fd)
+
+    @classmethod
+    def open(cls, path: str | Path) -> "RunFolder":
+        """Open an existing folder; mark it crashed if its process died while it ran.
+
+        Raises
+        ------
+        ConfigurationError
+            It is not a run folder.
+        """
+        path = Path(path)
+        try:
+            manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise ConfigurationError(
+                f"{path} is not a run folder: its {MANIFEST} cannot be read ({error})"
+            ) from error
+        if not isinstance(manifest, dict) or "status" not in manifest:
+            raise ConfigurationError(f"{path} is not a run folder: its {MANIFEST} has no status")
+        folder = cls(path, manifest)
+        if folder.status is RunStatus.RUNNING and not folder.is_live():
+            # The process may have finished between our look at the manifest and at its lock.
+            folder.manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
+            if folder.status is RunStatus.RUNNING:
+                folder._mark_crashed()
+        return folder
+
+    @property
+    def status(self) -> RunStatus:
+        """How the run stands or ended."""
+        return RunStatus(self.manifest["status"])
+
+    @property
+    def log_path(self) -> Path:
+        """Where the log is or will be."""
+        return self.path / LOG
+
+    def is_live(self) -> bool:
+        """Return whether a living process still works on this run."""
+        return is_locked(self.path / EVENTS) or is_locked(self.log_path)
+
+    def record_event(self, t: float | None, kind: str, message: str, **data: Any) -> None:
+        """Append one line to the events; the kernel has it when this returns.
+
+        Parameters
+        ----------
+        t : float or None
+            Time on the rig's clock, s; None before there is one.
+        kind : str
+            ``"state"``, ``"limit"``, ``"fault"``, ``"mark"``, …
+        message : str
+            One sentence.
+        **data
+            Numbers and names that belong to it.
+
+        Raises
+        ------
+        RunFolderError
+            The line cannot be written.
+        """
+        if self._events_fd is None:
+            raise RunFolderError(f"{self.path} is not open for writing")
+        event = {"t": t, "kind": kind, "message": message, "data": data}
+        line = json.dumps(_plain(event), ensure_ascii=False) + "\n"
+        try:
+            os.write(self._events_fd, line.encode())
+        except OSError as error:
+            raise RunFolderError(
+                f"cannot write {self.path / EVENTS}: {error.strerror or error}"
+            ) from error
+
+    def events(self) -> list[dict[str, Any]]:
+        """Return the events; a torn last line is left out."""
+        try:
+            lines = (self.path / EVENTS).read_text(encoding="utf-8", errors="replace").split("\n")
+        except OSError:
+            return []
+        events = []
+        for line in lines:
+            with contextlib.suppress(ValueError):
+                events.append(json.loads(line))
+        return events
+
+    def write_json(self, name: str, content: Mapping[str, Any]) -> None:
+        """Write one of the folder's JSON files, whole or not at all.
+
+        Numbers that JSON does not have (infinite, not a number) are written as null.
+
+        Raises
+        ------
+        RunFolderError
+            It cannot be written.
+        """
+        try:
+            _write_json(self.path / name, content)
+        except OSError as error:
+            raise RunFolderError(
+                f"cannot write {self.path / name}: {error.strerror or error}"
+            ) from error
+
+    def read_json(self, name: str) -> dict[str, Any]:
+        """Return the content of one of the folder's JSON files, ``{}`` if it is absent."""
+        try:
+            content = json.loads((self.path / name).read_text(encoding="utf-8"))
+        except OSError:
+            return {}
+        except ValueError as error:
+            raise RunFolderError(f"{self.path / name} is not JSON: {error}") from error
+        return content if isinstance(content, dict) else {}
+
+    def write_metrics(self, metrics: Iterable[Any]) -> None:
+        """Write ``metrics.json`` from objects with an ``as_json`` method."""
+        self.write_json(METRICS, {"metrics": [metric.as_json() for metric in metrics]})
+
+    def write_timing(self, timing: Mapping[str, Any]) -> None:
+        """Write ``timing.json``: facts of the wall clock, which differ from run to run."""
+        self.write_json(TIMING, timing)
+
+    def finish(self, status: RunStatus, exit_code: int, message: str | None = None) -> None:
+        """Say how the run ended and let go of the folder.
+
+        Raises
+        ------
+        RunFolderError
+            The manifest cannot be written; the folder will be found crashed.
+        """
+        self.manifest.update(
+            status=status.value,
+            exit_code=exit_code,
+            message=message,
+            ended=datetime.now(UTC).isoformat(timespec="milliseconds"),
+        )
+        try:
+            self.write_json(MANIFEST, self.manifest)
+        finally:
+            if self._events_fd is not None:
+                os.close(self._events_fd)
+                self._events_fd = None
+
+    def _mark_crashed(self) -> None:
+        last = self.log_path if self.log_path.exists() else self.path / EVENTS
+        with contextlib.suppress(OSError):
+            ended = datetime.fromtimestamp(last.stat().st_mtime, UTC)
+            self.manifest["ended"] = ended.isoformat(timespec="milliseconds")
+        self.manifest.update(
+            status=RunStatus.CRASHED.value,
+            message="the process died while the run went on",
+        )
+        # A folder on read-only storage can still be looked at.
+        with contextlib.suppress(OSError):
+            _write_json(self.path / MANIFEST, self.manifest)
+
+
+def _make_unique(out: Path, name: str) -> Path:
+    """Make a folder that was not there; a second run in the same second gets a suffix."""
+    out.mkdir(parents=True, exist_ok=True)
+    suffix = 1
+    while True:
+        path = out / (name if suffix == 1 else f"{name}-{suffix}")
+        try:
+            path.mkdir()
+        except FileExistsError:
+            suffix += 1
+            continue
+        return path
+
+
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        with temporary.open("w", encoding="utf-8") as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        temporary.replace(path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise
+
+
+def _plain(value: Any) -> Any:
+    """Make a value of JSON's own types, with null for numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if hasattr(value, "item"):  # a numpy scalar
+        return _plain(value.item())
+    return str(value)
