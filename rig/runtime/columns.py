@@ -30,6 +30,16 @@ class Column(NamedTuple):
     description: str
 
 
+def group_order(columns: Sequence[Column]) -> tuple[int, ...]:
+    """Return the indices that put the columns of each group side by side.
+
+    Groups come in the order of their first column, and columns keep their order in a group.
+    """
+    tops = [column.name.partition(".")[0] for column in columns]
+    rank = {top: number for number, top in reversed(list(enumerate(tops)))}
+    return tuple(sorted(range(len(columns)), key=lambda index: rank[tops[index]]))
+
+
 def schema_text(columns: Sequence[Column]) -> str:
     """Compose the ROS 2 message definition of a row.
 
@@ -40,8 +50,7 @@ def schema_text(columns: Sequence[Column]) -> str:
     Parameters
     ----------
     columns : sequence of Column
-        In the order of the row; the columns of one group stand side by side, because the
-        message's bytes follow the definition's order.
+        In the order of the message's bytes, so those of a group side by side (`group_order`).
 
     Returns
     -------

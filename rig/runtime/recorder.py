@@ -6,10 +6,11 @@ import os
 import struct
 import time
 from collections.abc import Sequence
+from operator import itemgetter
 from pathlib import Path
 
 from rig.hal import RigError
-from rig.runtime.columns import Column
+from rig.runtime.columns import Column, group_order
 from rig.runtime.mcap_file import CHANNEL_ID, encode_ending, encode_preamble
 
 RECORD_HEAD = "<BQHIQQ4siIQd"
@@ -54,7 +55,8 @@ class Recorder:
     path : Path
         A file that does not exist yet.
     columns : sequence of Column
-        What a row holds.
+        What a row holds. Columns of one group need not stand together in the row; they do in
+        the message, and so in `Recorder.columns`.
     wall_clock_ns : int, optional
         Wall-clock time of the first row, ns since the epoch; default: when it is written.
 
@@ -75,7 +77,10 @@ class Recorder:
         self, path: str | Path, columns: Sequence[Column], wall_clock_ns: int | None = None
     ) -> None:
         self.path = Path(path)
-        self.columns = tuple(columns)
+        order = group_order(columns)
+        self.columns = tuple(columns[index] for index in order)
+        self._arrange = None if order == tuple(range(len(order))) else itemgetter(*order)
+        self._width = len(order)
         self.count = 0
         self._record = struct.Struct(f"{RECORD_HEAD}{len(self.columns)}d")
         self._pack = self._record.pack
@@ -117,11 +122,15 @@ class Recorder:
         ------
         RecorderError
             The disk is full or the file cannot be written; every later call says so too.
-        struct.error
+        ValueError
             The row has another length than the columns.
         """
         if self._failed is not None:
             raise self._failed
+        if len(row) != self._width:
+            raise ValueError(f"a row of {len(row)} numbers for {self._width} columns")
+        if self._arrange is not None:
+            row = self._arrange(row)
         epoch = self._epoch
         if epoch is None:
             epoch = self._start(t)

@@ -281,10 +281,28 @@ def test_existing_or_unwritable_path_is_refused(tmp_path: Path) -> None:
 
 def test_row_of_another_length_is_refused(tmp_path: Path) -> None:
     with Recorder(tmp_path / "log.mcap", COLUMNS) as recorder:
-        with pytest.raises(struct.error):
+        with pytest.raises(ValueError, match="2 numbers for 4"):
             recorder.write(0, 0.0, (1.0, 2.0))
         recorder.write(0, 0.0, row(0))
     assert len(read_log(tmp_path / "log.mcap").t) == 1
+
+
+def test_columns_of_a_group_are_brought_together(tmp_path: Path) -> None:
+    names = ["reference.time", "phase", "reading.x", "reference.x", "reading.y"]
+    path = tmp_path / "log.mcap"
+    with Recorder(path, [Column(name, "m", "") for name in names]) as recorder:
+        recorder.write(0, 0.0, (0.0, 1.0, 2.0, 3.0, 4.0))
+        recorder.write(1, 0.1, [10.0, 11.0, 12.0, 13.0, 14.0])
+    log = read_log(path)
+    assert [c.name for c in log.columns] == [
+        "reference.time", "reference.x", "phase", "reading.x", "reading.y",
+    ]  # fmt: skip
+    for number, name in enumerate(names):
+        assert log.column(name).tolist() == [number, 10.0 + number]
+    with path.open("rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        body = next(reader.iter_decoded_messages())[3]
+        assert (body.reference.x, body.reading.y, body.phase) == (3.0, 4.0, 1.0)
 
 
 @pytest.mark.parametrize(
