@@ -1,0 +1,231 @@
+"""An experiment's metrics: a measure over some segments, held against a bound."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+
+import numpy as np
+
+from rig.experiment.measures import MEASURES, Window, local_slope
+from rig.experiment.segments import Segment
+from rig.hal import RigError
+
+if TYPE_CHECKING:
+    from rig.runtime.log import Log
+
+PHASE_RUN = 1.0
+"""Value of the log's column ``phase`` while the reference is followed."""
+
+
+class MetricError(RigError):
+    """A metric cannot be computed from this log."""
+
+
+class MetricSpec(Protocol):
+    """What an experiment says of a metric.
+
+    `measure` defaults to the metric's name, `segments` is a pattern of segment names, `max`
+    and `min` are bounds in the measure's SI unit.
+    """
+
+    @property
+    def measure(self) -> str | None: ...  # noqa: D102 - described above
+
+    @property
+    def segments(self) -> str: ...  # noqa: D102
+
+    @property
+    def max(self) -> float | None: ...  # noqa: D102
+
+    @property
+    def min(self) -> float | None: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedSpec:
+    """A `MetricSpec` as a run folder keeps it."""
+
+    measure: str | None
+    segments: str = "*"
+    max: float | None = None
+    min: float | None = None
+
+
+class Metric(NamedTuple):
+    """A measured number and what was asked of it.
+
+    Parameters
+    ----------
+    name : str
+        The experiment's name for it.
+    value : float
+        SI; infinite if what it times never happened.
+    unit : str
+        SI unit, empty for a ratio.
+    bound : float or None
+        SI; None when the number is only reported.
+    bound_kind : str or None
+        ``"max"`` or ``"min"``.
+    measure, segments : str
+        Which measure was taken over which segments.
+    """
+
+    name: str
+    value: float
+    unit: str
+    bound: float | None
+    bound_kind: str | None
+    measure: str
+    segments: str
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the bound holds; None without a bound."""
+        if self.bound is None:
+            return None
+        return self.value <= self.bound if self.bound_kind == "max" else self.value >= self.bound
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the entry of ``metrics.json``; an infinite value is null there."""
+        return {
+            "name": self.name,
+            "value": self.value if math.isfinite(self.value) else None,
+            "unit": self.unit,
+            "bound": self.bound,
+            "bound_kind": self.bound_kind,
+            "pass": self.passed,
+            "measure": self.measure,
+            "segments": self.segments,
+        }
+
+
+def evaluate(
+    log: "Log", segments: Sequence[Segment], specs: Mapping[str, MetricSpec]
+) -> list[Metric]:
+    """Compute an experiment's metrics from a log.
+
+    Parameters
+    ----------
+    log : Log
+        With the columns ``phase``, ``reference.time``, ``reading.position``,
+        ``reference.position``, ``reference.velocity`` and ``reading.pressure_*``.
+    segments : sequence of Segment
+        Those of the experiment's reference.
+    specs : mapping of str to MetricSpec
+        By the metric's name. One with both bounds gives two metrics, ``name`` for the upper
+        and ``name.min`` for the lower.
+
+    Returns
+    -------
+    list of Metric
+        In the order of `specs`.
+
+    Raises
+    ------
+    MetricError
+        A measure is unknown, a pattern matches no segment, or the log does not hold a segment
+        to its end: a number over half of it would look like one over all of it.
+    """
+    samples = _Samples(log)
+    metrics = []
+    for name, spec in specs.items():
+        measure_name = spec.measure or name
+        measure = MEASURES.get(measure_name)
+        if measure is None:
+            raise MetricError(
+                f"metric {name}: no measure is called {measure_name!r}; there are "
+                + ", ".join(MEASURES)
+            )
+        chosen = [segment for segment in segments if fnmatchcase(segment.name, spec.segments)]
+        if not chosen:
+            raise MetricError(
+                f"metric {name}: no segment matches {spec.segments!r}; there are "
+                + (", ".join(repr(segment.name) for segment in segments) or "none")
+            )
+        windows = [samples.window(name, segment) for segment in chosen]
+        try:
+            value = measure.compute(windows)
+        except ValueError as error:
+            raise MetricError(f"metric {name}: {error}") from error
+        bounds: list[tuple[str, float | None, str | None]] = []
+        if spec.max is not None or spec.min is None:
+            bounds.append((name, spec.max, "max" if spec.max is not None else None))
+        if spec.min is not None:
+            bounds.append((f"{name}.min" if bounds else name, spec.min, "min"))
+        for label, bound, kind in bounds:
+            metrics.append(
+                Metric(label, value, measure.unit, bound, kind, measure_name, spec.segments)
+            )
+    return metrics
+
+
+def evaluation_as_json(
+    segments: Sequence[Segment], specs: Mapping[str, MetricSpec]
+) -> dict[str, Any]:
+    """Return what `evaluate` needs beside the log, for ``evaluation.json`` in a run folder."""
+    return {
+        "segments": [segment._asdict() for segment in segments],
+        "metrics": {
+            name: {
+                "measure": spec.measure,
+                "segments": spec.segments,
+                "max": spec.max,
+                "min": spec.min,
+            }
+            for name, spec in specs.items()
+        },
+    }
+
+
+def evaluation_from_json(
+    content: Mapping[str, Any],
+) -> tuple[tuple[Segment, ...], dict[str, RecordedSpec]]:
+    """Return the segments and metric specifications of an ``evaluation.json``."""
+    segments = tuple(Segment(**segment) for segment in content.get("segments", ()))
+    specs = {name: RecordedSpec(**spec) for name, spec in content.get("metrics", {}).items()}
+    return segments, specs
+
+
+def all_passed(metrics: Iterable[Metric]) -> bool:
+    """Return whether no metric missed its bound."""
+    return all(metric.passed is not False for metric in metrics)
+
+
+class _Samples:
+    """The followed part of a log, and windows of it."""
+
+    def __init__(self, log: "Log") -> None:
+        run = log.column("phase") == PHASE_RUN
+        self.t = log.column("reference.time")[run]
+        self.position = log.column("reading.position")[run]
+        self.reference = log.column("reference.position")[run]
+        self.reference_velocity = log.column("reference.velocity")[run]
+        names = log.names("reading.pressure_")
+        self.pressures = np.column_stack(
+            [log.column(name)[run] for name in names] or [np.empty((len(self.t), 0))]
+        )
+        self.velocity = local_slope(self.t, self.position)
+        self.period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
+
+    def window(self, metric: str, segment: Segment) -> Window:
+        first, last = np.searchsorted(self.t, [segment.start, segment.end])
+        # The last sample of a run comes one period before its end; rounding may take another.
+        reached = len(self.t) > 0 and self.t[-1] >= segment.end - 2.0 * self.period
+        if last <= first or not reached:
+            end = f"{self.t[-1]:.3f} s" if len(self.t) else "before the reference started"
+            raise MetricError(
+                f"metric {metric}: segment {segment.name!r} lasts from {segment.start:.3f} to "
+                f"{segment.end:.3f} s, but the log ends at {end}"
+            )
+        part = slice(int(first), int(last))
+        return Window(
+            segment.name,
+            self.t[part],
+            self.position[part],
+            self.reference[part],
+            self.velocity[part],
+            self.reference_velocity[part],
+            self.pressures[part],
+        )
