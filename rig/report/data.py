@@ -1,0 +1,72 @@
+"""A run as figures and reports see it: everything comes from its folder."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rig.experiment.metrics import PHASE_RUN, evaluation_from_json
+from rig.experiment.segments import Segment
+from rig.run_folder import EVALUATION, METRICS, RunFolder
+from rig.runtime.log import Log, read_log
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class RunData:
+    """One run, loaded.
+
+    Parameters
+    ----------
+    folder : RunFolder
+        Where it came from.
+    log : Log
+        All cycles.
+    segments : tuple of Segment
+        Those of its reference.
+    metrics : tuple of dict
+        The entries of ``metrics.json``.
+    """
+
+    folder: RunFolder
+    log: Log
+    segments: tuple[Segment, ...]
+    metrics: tuple[dict[str, Any], ...]
+
+    @property
+    def t(self) -> "NDArray[np.float64]":
+        """Seconds since the reference started, shape (n,)."""
+        name = "reference.time"
+        return self.log.column(name) if name in self.log else self.log.t
+
+    @property
+    def followed(self) -> "NDArray[np.bool_]":
+        """Which cycles followed the reference; all of them if none did, shape (n,)."""
+        if "phase" not in self.log:
+            return np.ones(len(self.log.t), bool)
+        run = self.log.column("phase") == PHASE_RUN
+        return run if run.any() else np.ones(len(self.log.t), bool)
+
+    @property
+    def error(self) -> "NDArray[np.float64]":
+        """Reference minus reading of the position, m, shape (n,)."""
+        return self.log.column("reference.position") - self.log.column("reading.position")
+
+
+def load_run(path: str | Path) -> RunData:
+    """Load a run folder, whatever became of the run.
+
+    Raises
+    ------
+    ConfigurationError
+        It is not a run folder.
+    LogError
+        It has no readable log.
+    """
+    folder = RunFolder.open(path)
+    segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+    metrics = tuple(folder.read_json(METRICS).get("metrics", ()))
+    return RunData(folder, read_log(folder.log_path), segments, metrics)

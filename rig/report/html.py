@@ -1,0 +1,267 @@
+"""One page that says what was run, how it went and how to run it again; it needs no network."""
+
+import base64
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import datetime
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from rig.report.figures import CAPTIONS
+from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
+
+_EXPLANATIONS = {
+    RunStatus.RUNNING: "The run still goes on; this is what there is so far.",
+    RunStatus.OK: "The run came to its end and kept every bound.",
+    RunStatus.FAILED: "The run came to its end and missed a bound.",
+    RunStatus.ABORTED: "The run was interrupted and the rig made safe.",
+    RunStatus.FAULTED: "A fault ended the run and the rig was made safe.",
+    RunStatus.CRASHED: "The process died; every cycle recorded until then is here.",
+}
+_EVENTS_SHOWN = 200
+_DISPLAY = {
+    "m": (1e3, "mm"),
+    "m/s": (1e3, "mm/s"),
+    "Pa": (1e-3, "kPa"),
+    "": (1e2, "%"),
+}
+"""Units people read, by SI unit: factor and name."""
+
+
+def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[str]) -> Path:
+    """Write ``report.html`` into a run folder.
+
+    Parameters
+    ----------
+    folder : RunFolder
+        The run.
+    figures : sequence of Path
+        PNG files, which are embedded; one named ``.svg`` beside it is linked.
+    problems : sequence of str
+        What could not be judged, and why.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    RunFolderError
+        It cannot be written.
+    """
+    manifest = folder.manifest
+    title = f"{manifest.get('experiment', folder.path.name)} on {manifest.get('backend', '?')}"
+    sections = [
+        _header(folder, title),
+        _metrics(folder.read_json(METRICS).get("metrics", []), problems),
+        _figures(figures),
+        _timing(folder.read_json(TIMING)),
+        _events(folder.events()),
+        _reproduce(manifest),
+        _environment(manifest),
+    ]
+    style = Path(__file__).with_name("report.css").read_text(encoding="utf-8")
+    page = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
+        + "\n".join(section for section in sections if section)
+        + "\n</main>\n</body>\n</html>\n"
+    )
+    target = folder.path / REPORT
+    try:
+        target.write_text(page, encoding="utf-8")
+    except OSError as error:
+        raise RunFolderError(f"cannot write {target}: {error.strerror or error}") from error
+    return target
+
+
+def format_quantity(value: float | None, unit: str) -> str:
+    """Format a number in SI with the unit people read: mm, kPa, %, s."""
+    if value is None:
+        return "never"
+    factor, name = _DISPLAY.get(unit, (1.0, unit))
+    return f"{value * factor:.4g} {name}".rstrip()
+
+
+def _header(folder: RunFolder, title: str) -> str:
+    manifest, status = folder.manifest, folder.status
+    message = manifest.get("message") or _EXPLANATIONS[status]
+    facts = {
+        "started": _time(manifest.get("started")),
+        "took": _duration(manifest.get("started"), manifest.get("ended")),
+        "backend": manifest.get("backend"),
+        "seed": manifest.get("seed"),
+        "exit code": manifest.get("exit_code"),
+        "folder": folder.path.name,
+    }
+    items = "".join(
+        f"<div><dt>{escape(name)}</dt><dd>{escape(str(value))}</dd></div>"
+        for name, value in facts.items()
+        if value is not None
+    )
+    return (
+        f'<header>\n<h1>{escape(title)} <span class="badge {status}">{status}</span></h1>\n'
+        f"<p>{escape(str(message))}</p>\n<dl>{items}</dl>\n</header>"
+    )
+
+
+def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> str:
+    if not metrics and not problems:
+        return ""
+    rows = []
+    for metric in metrics:
+        unit, bound = metric.get("unit", ""), metric.get("bound")
+        sign = {"max": "≤", "min": "≥"}.get(str(metric.get("bound_kind")), "")
+        passed = metric.get("pass")
+        verdict = "" if passed is None else "pass" if passed else "fail"
+        rows.append(
+            [
+                f"<code>{escape(str(metric['name']))}</code>",
+                escape(str(metric.get("segments", ""))),
+                escape(format_quantity(metric["value"], unit)),
+                escape(f"{sign} {format_quantity(bound, unit)}") if bound is not None else "",
+                f'<span class="{verdict}">{verdict}</span>' if verdict else "–",
+            ]
+        )
+    table = _table(["metric", "over", "value", "bound", ""], rows, numeric=(2, 3)) if rows else ""
+    notes = "".join(f"<li>{escape(problem)}</li>" for problem in problems)
+    return _section("Metrics", table + (f'<ul class="problems">{notes}</ul>' if notes else ""))
+
+
+def _figures(figures: Sequence[Path]) -> str:
+    parts = []
+    for figure in figures:
+        data = base64.b64encode(figure.read_bytes()).decode()
+        name = figure.stem
+        vector = f"{figure.parent.name}/{name}.svg"
+        caption = CAPTIONS.get(name, name)
+        parts.append(
+            f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
+            f'<figcaption>{escape(caption)} <a href="{escape(vector)}">svg</a></figcaption>'
+            "</figure>"
+        )
+    return _section("Figures", "\n".join(parts)) if parts else ""
+
+
+def _timing(timing: Mapping[str, Any]) -> str:
+    if not timing.get("stages"):
+        return ""
+
+    def cells(spread: Mapping[str, Any]) -> list[str]:
+        return [f"{spread[key] * 1e6:.1f}" for key in ("p50", "p99", "max")]
+
+    rows = [
+        [escape(name), *cells(stage), f"{100 * stage['share']:.0f}"]
+        for name, stage in timing["stages"].items()
+    ]
+    rows.append(["<b>all work</b>", *cells(timing["work"]), "100"])
+    rows.append(["lateness", *cells(timing["lateness"]), ""])
+    stages = _table(
+        ["stage", "median (µs)", "99 % (µs)", "longest (µs)", "share (%)"], rows, (1, 2, 3, 4)
+    )
+    worst = _table(
+        ["cycle", "t (s)", "work (µs)", "lateness (µs)", "stage to blame"],
+        [
+            [
+                str(cycle["cycle"]),
+                f"{cycle['t']:.3f}",
+                f"{cycle['work'] * 1e6:.1f}",
+                f"{cycle['lateness'] * 1e6:.1f}",
+                escape(cycle["blame"]),
+            ]
+            for cycle in timing["worst"]
+        ],
+        (0, 1, 2, 3),
+    )
+    text = (
+        f"<p>{timing['cycles']} cycles of {timing['period'] * 1e3:.4g} ms; "
+        f"{timing['overruns']} took longer than that, {timing['missed']} ticks were missed. "
+        "These are wall-clock times of this machine and differ from run to run.</p>"
+    )
+    details = f"<details><summary>The longest cycles</summary>{worst}</details>"
+    return _section("Timing", text + stages + details)
+
+
+def _events(events: Sequence[Mapping[str, Any]]) -> str:
+    if not events:
+        return ""
+    rows = []
+    for event in events[:_EVENTS_SHOWN]:
+        t = event.get("t")
+        data = event.get("data") or {}
+        details = ", ".join(f"{key} {value}" for key, value in data.items())
+        rows.append(
+            [
+                f"{t:.3f}" if isinstance(t, int | float) else "",
+                escape(str(event.get("kind", ""))),
+                escape(str(event.get("message", ""))),
+                escape(details),
+            ]
+        )
+    left = len(events) - len(rows)
+    more = f"<p>{left} more are in <code>events.jsonl</code>.</p>" if left > 0 else ""
+    return _section("Events", _table(["t (s)", "kind", "event", "data"], rows, (0,)) + more)
+
+
+def _reproduce(manifest: Mapping[str, Any]) -> str:
+    command = manifest.get("command")
+    if not command:
+        return ""
+    git = manifest.get("git")
+    lines = [f"git checkout {git['commit']}"] if git else []
+    lines.append(shlex.join(command))
+    note = (
+        "<p>The checkout had uncommitted changes, so its commit alone is not what ran.</p>"
+        if git and git.get("dirty")
+        else ""
+    )
+    code = escape("\n".join(lines))
+    return _section("How to run it again", f"<pre>{code}</pre>{note}")
+
+
+def _environment(manifest: Mapping[str, Any]) -> str:
+    facts: dict[str, Any] = {**manifest.get("machine", {}), **manifest.get("versions", {})}
+    rows = [[escape(str(key)), escape(str(value))] for key, value in facts.items()]
+    files = [
+        [f'<a href="{escape(name)}">{escape(name)}</a>', f"<code>{escape(digest)}</code>"]
+        for name, digest in manifest.get("files", {}).items()
+    ]
+    body = _table(["", ""], rows)
+    if files:
+        body += _table(["file", "SHA-256"], files)
+    return _section("Environment", f"<details><summary>Machine, versions, files</summary>{body}"
+                    "</details>")  # fmt: skip
+
+
+def _section(title: str, body: str) -> str:
+    return f"<section>\n<h2>{title}</h2>\n{body}\n</section>"
+
+
+def _table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], numeric: tuple[int, ...] = ()
+) -> str:
+    def cell(tag: str, column: int, content: str) -> str:
+        kind = ' class="number"' if column in numeric else ""
+        return f"<{tag}{kind}>{content}</{tag}>"
+
+    top = "".join(cell("th", column, escape(text)) for column, text in enumerate(head))
+    body = "\n".join(
+        "<tr>" + "".join(cell("td", column, text) for column, text in enumerate(row)) + "</tr>"
+        for row in rows
+    )
+    header = f"<thead><tr>{top}</tr></thead>" if any(head) else ""
+    return f'<div class="wide"><table>{header}<tbody>\n{body}\n</tbody></table></div>'
+
+
+def _time(stamp: str | None) -> str | None:
+    return f"{datetime.fromisoformat(stamp):%Y-%m-%d %H:%M:%S} UTC" if stamp else None
+
+
+def _duration(started: str | None, ended: str | None) -> str | None:
+    if not started or not ended:
+        return None
+    seconds = (datetime.fromisoformat(ended) - datetime.fromisoformat(started)).total_seconds()
+    return f"{seconds:.1f} s"

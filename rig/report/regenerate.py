@@ -1,0 +1,70 @@
+"""Everything that can be derived from a run's log, derived again."""
+
+from pathlib import Path
+
+from rig.experiment.metrics import Metric, MetricError, evaluate, evaluation_from_json
+from rig.report.figures import draw_figures
+from rig.report.html import write_html
+from rig.report.timing import summarise_timing
+from rig.run_folder import EVALUATION, METRICS, TIMING, RunFolder, RunStatus
+from rig.runtime.log import Log, LogError, read_log
+
+
+def write_report(path: str | Path) -> Path:
+    """Derive metrics, timing, figures and ``report.html`` from a run folder alone.
+
+    It works on any run: of one that ended early, what its log holds is judged, and the report
+    says what could not be and why.
+
+    Parameters
+    ----------
+    path : Path
+        The run folder.
+
+    Returns
+    -------
+    Path
+        The report.
+
+    Raises
+    ------
+    ConfigurationError
+        It is not a run folder.
+    RunFolderError
+        It cannot be written.
+    """
+    folder = RunFolder.open(path)
+    problems: list[str] = []
+    try:
+        log = read_log(folder.log_path)
+    except LogError as error:
+        return write_html(folder, [], [str(error)])
+    if folder.status is not RunStatus.RUNNING:
+        metrics, problems = measure_run(folder, log)
+        if metrics or not (folder.path / METRICS).exists():
+            folder.write_metrics(metrics)
+        if not (folder.path / TIMING).exists():
+            folder.write_timing(summarise_timing(log))
+    figures = [figure for figure in draw_figures(folder.path) if figure.suffix == ".png"]
+    return write_html(folder, figures, problems)
+
+
+def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
+    """Compute every metric of a run that its log permits.
+
+    Returns
+    -------
+    metrics : list of Metric
+        Those that could be computed.
+    problems : list of str
+        Why the others could not.
+    """
+    segments, specs = evaluation_from_json(folder.read_json(EVALUATION))
+    metrics: list[Metric] = []
+    problems: list[str] = []
+    for name, spec in specs.items():
+        try:
+            metrics += evaluate(log, segments, {name: spec})
+        except MetricError as error:
+            problems.append(str(error))
+    return metrics, problems

@@ -1,0 +1,133 @@
+"""Figures: drawn from the folder alone, not empty, and honest about peaks."""
+
+from collections.abc import Callable
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from rig.hal import ConfigurationError
+from rig.report.compare import compare_metrics, draw_comparison
+from rig.report.data import load_run
+from rig.report.envelope import envelope
+from rig.report.figures import FIGURES, draw_error, draw_figures
+from rig.report.style import format_length, paper_style
+from rig.report.timing import STAGES, summarise_timing
+from rig.run_folder import RunStatus
+
+MakeRun = Callable[..., Path]
+
+
+def ink(path: Path) -> float:
+    """Share of the pixels that are not white."""
+    return float(np.mean(np.any(imread(path)[..., :3] < 0.98, axis=-1)))
+
+
+def test_every_figure_is_drawn_as_png_and_svg(make_run: MakeRun) -> None:
+    run = make_run()
+    paths = draw_figures(run)
+    assert {p.name for p in paths} == {f"{n}.{s}" for n in FIGURES for s in ("png", "svg")}
+    for path in paths:
+        assert path.parent == run / "figures"
+        if path.suffix == ".png":
+            assert ink(path) > 0.02
+            width_mm = imread(path).shape[1] / 220 * 25.4
+            assert min(abs(width_mm - 85), abs(width_mm - 170)) < 0.5
+        else:
+            assert ElementTree.parse(path).getroot().tag.endswith("svg")
+
+
+def test_same_run_gives_the_same_bytes(make_run: MakeRun) -> None:
+    run = make_run(duration=2.0)
+    first = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"])]
+    again = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"])]
+    assert first == again
+
+
+def test_killed_run_has_figures_too(make_run: MakeRun) -> None:
+    run = make_run(status=None)
+    assert len(draw_figures(run)) == 2 * len(FIGURES)
+
+
+def test_unknown_figure_is_named(make_run: MakeRun) -> None:
+    with pytest.raises(ValueError, match=r"'speed'.*tracking"):
+        draw_figures(make_run(duration=2.0), ["speed"])
+
+
+def test_error_figure_shows_error_bounds_and_units(make_run: MakeRun) -> None:
+    run = load_run(make_run(error=2e-4))
+    with paper_style():
+        figure = draw_error(run)
+    assert figure is not None
+    axes = figure.axes[0]
+    assert axes.get_ylabel() == "error (mm)"
+    assert axes.get_xlabel().endswith("(s)")
+    drawn = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
+    peak = np.abs(run.error[run.followed]).max() * 1e3
+    assert np.abs(drawn).max() == pytest.approx(peak)
+    low, high = axes.get_ylim()
+    assert low < -0.3 and high > 0.3, "the bound of 0.3 mm is in view"
+    levels = {round(float(abs(p[0, 1])), 6) for c in axes.collections for p in c.get_segments()}
+    assert levels == {0.15, 0.3}
+    texts = [text.get_text() for text in axes.texts]
+    assert len(texts) == 3 and all("Hz" in text for text in texts)
+
+
+def test_envelope_keeps_every_peak_and_its_order() -> None:
+    t = np.linspace(0.0, 1.0, 100_003)
+    x = np.sin(2 * np.pi * 5000.0 * t)
+    x[[777, 55_555, 100_002]] = [9.0, -8.0, 7.0]
+    short_t, short_x = envelope(t, x, 2000)
+    assert len(short_t) <= 2000
+    assert {9.0, -8.0, 7.0} <= set(short_x.tolist())
+    assert np.all(np.diff(short_t) >= 0.0)
+    assert np.all(np.isin(short_t, t))
+    assert np.ptp(short_x[(short_t > 0.1) & (short_t < 0.2)]) > 1.99, "no folding"
+    assert envelope(t[:50], x[:50], 2000)[0] is not None
+    assert np.array_equal(envelope(t[:50], x[:50], 2000)[1], x[:50])
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(83.2e-6, "83.2 µm"), (0.15e-3, "0.15 mm"), (0.0, "0 µm")]
+)
+def test_lengths_read_well(value: float, text: str) -> None:
+    assert format_length(value) == text
+
+
+def test_timing_names_the_stage_to_blame(make_run: MakeRun) -> None:
+    run = load_run(make_run(duration=2.0))
+    timing = summarise_timing(run.log)
+    assert timing["period"] == pytest.approx(0.002)
+    assert timing["cycles"] == len(run.log.t) and timing["missed"] == 0
+    assert timing["overruns"] == 1
+    worst = timing["worst"][0]
+    assert worst["blame"] == "transmit" and worst["work"] > 2.5e-3
+    assert worst["cycle"] == len(run.log.t) // 2
+    assert sum(stage["share"] for stage in timing["stages"].values()) == pytest.approx(1.0)
+    assert tuple(timing["stages"]) == STAGES
+    gaps = run.log._replace(cycle=run.log.cycle * 3)
+    assert summarise_timing(gaps)["missed"] == 2 * (len(run.log.t) - 1)
+    untimed = run.log._replace(columns=run.log.columns[:3], values=run.log.values[:, :3])
+    assert summarise_timing(untimed) == {}
+
+
+def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
+    paths = [
+        make_run("pid", error=3e-4, status=RunStatus.FAILED),
+        make_run("cascade", error=0.5e-4),
+        make_run("killed", duration=4.0, status=None),
+    ]
+    labels = ["pid", "cascade", "killed"]
+    png, svg = draw_comparison(paths, labels, tmp_path / "compared")
+    assert ink(png) > 0.02 and svg.exists()
+    rows = compare_metrics(paths, labels)
+    assert [row["name"] for row in rows] == [
+        "tracking_rms", "tracking_max", "velocity_ripple", "pressure_max",
+    ]  # fmt: skip
+    pid, cascade, killed = rows[0]["values"]
+    assert pid > 3 * cascade and killed is None
+    assert (rows[0]["unit"], rows[0]["bound"], rows[0]["bound_kind"]) == ("m", 1.5e-4, "max")
+    with pytest.raises(ConfigurationError, match="3 runs and 1 labels"):
+        draw_comparison(paths, ["pid"], tmp_path)
