@@ -1,0 +1,131 @@
+"""Faults of an emulated node, by name: what any CANopen device may do wrong."""
+
+from collections.abc import Callable
+from math import inf
+
+FaultAction = Callable[[float | None], None]
+
+
+class FaultInjection:
+    """The faults that every node knows; a device profile adds its own with `add_fault`.
+
+    ``silent`` (value: s, default for ever)
+        Off the bus: sends and hears nothing, as with a pulled plug.
+    ``reboot``
+        Power cycle: all settings are lost, a boot-up message follows.
+    ``wrong_state`` (value: NMT state, default 4 = STOPPED)
+        Changes its state although no master asked for it.
+    ``wrong_device_type`` (value: object 0x1000, default 0)
+        Says that it is something else.
+    ``sdo_abort`` (value: index·256 + sub-index)
+        Refuses every access to that object with 0x08000000.
+    ``sdo_silent`` (value: s, default for ever)
+        Does not answer SDO requests.
+    ``heartbeat_silent`` (value: s, default for ever)
+        Works, but sends no heartbeat.
+    ``emergency`` (value: error code, default 0x1000)
+        Sends an EMCY.
+    ``repair``
+        Ends everything above except what a reboot or state change did.
+    """
+
+    # Provided by the node.
+    name: str
+    now: float
+    due: float
+
+    def __init__(self) -> None:
+        self.connected = True
+        self.heartbeat_muted = False
+        self.sdo_muted = False
+        self.fault_due = inf
+        self._ends: dict[str, float] = {}
+        self._faults: dict[str, FaultAction] = {}
+        self._repairs: list[Callable[[], None]] = []
+
+    def add_fault(
+        self, fault: str, action: FaultAction, repair: Callable[[], None] | None = None
+    ) -> None:
+        """Make a fault known by name, with what undoes it."""
+        self._faults[fault] = action
+        if repair is not None:
+            self._repairs.append(repair)
+
+    @property
+    def known_faults(self) -> tuple[str, ...]:
+        """Names that `inject` accepts."""
+        return (*self._faults, "repair")
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Make a fault happen now.
+
+        Parameters
+        ----------
+        fault : str
+            One of `known_faults`.
+        value : float, optional
+            What the fault's description says.
+
+        Raises
+        ------
+        ValueError
+            The fault is not known here, or the value does not fit it.
+        """
+        if fault == "repair":
+            self.repair()
+            return
+        action = self._faults.get(fault)
+        if action is None:
+            known = ", ".join(self.known_faults)
+            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
+        action(value)
+        self.due = -inf
+
+    def repair(self) -> None:
+        """End all faults that last."""
+        self._ends.clear()
+        self.fault_due = inf
+        self.connected = True
+        self.heartbeat_muted = self.sdo_muted = False
+        for repair in self._repairs:
+            repair()
+        self.due = -inf
+
+    def mute(self, attribute: str, value: bool, duration: float | None) -> None:
+        """Set a flag, and set it back after `duration` (s) if there is one.
+
+        Raises
+        ------
+        ValueError
+            The duration is not positive.
+        """
+        if duration is not None and not duration > 0.0:
+            raise ValueError(f"{self.name}: a fault lasts longer than {duration:g} s")
+        setattr(self, attribute, value)
+        self._ends.pop(attribute, None)
+        if duration is not None:
+            self._ends[attribute] = self.now + duration
+        self.fault_due = min(self._ends.values(), default=inf)
+
+    def expire_faults(self, now: float) -> None:
+        """End the faults whose time has come."""
+        if now < self.fault_due:
+            return
+        for attribute in [flag for flag, end in self._ends.items() if now >= end]:
+            del self._ends[attribute]
+            setattr(self, attribute, attribute == "connected")
+        self.fault_due = min(self._ends.values(), default=inf)
+
+
+def whole_number(name: str, fault: str, value: float | None, default: int, high: int) -> int:
+    """Return a fault's value as an integer in 0 … `high`.
+
+    Raises
+    ------
+    ValueError
+        It is none, or outside.
+    """
+    number = default if value is None else value
+    if not 0 <= number <= high or number != int(number):
+        raise ValueError(f"{name}: {fault} takes a whole number in 0 … {high}, not {number:g}")
+    return int(number)

@@ -1,0 +1,329 @@
+"""PDO parameters of an emulated node and the rules under which a master may change them.
+
+The rules are those of CANopenNode, stricter than CiA 301 leaves a device free to be:
+a COB-ID changes only by way of "not valid" (bit 31), a mapping only while the PDO is not
+valid and its count is 0, and every entry is checked when it is written.
+
+References
+----------
+CiA 301 V4.2, section 7.2.2 (PDO) and objects 0x1400, 0x1600, 0x1800, 0x1A00.
+"""
+
+from collections.abc import Callable, Sequence
+from math import inf
+from struct import Struct
+
+from drivers.sim.nodes.object_dictionary import (
+    UNSIGNED8,
+    UNSIGNED16,
+    UNSIGNED32,
+    Abort,
+    ObjectDictionary,
+    SdoAbortError,
+    Value,
+    Variable,
+)
+
+MAX_ENTRIES = 8
+NOT_VALID = 1 << 31
+NO_RTR = 1 << 30
+
+# Identifiers that CiA 301 table 24 reserves for other services.
+_RESTRICTED = (
+    range(0x080),
+    range(0x101, 0x181),
+    range(0x581, 0x600),
+    range(0x601, 0x680),
+    range(0x6E0, 0x700),
+    range(0x701, 0x800),
+)
+
+# Dummy entries (CiA 301 section 7.4.7): index = number of a data type, value = its bytes.
+_DUMMY_BYTES = {0x0002: 1, 0x0003: 2, 0x0004: 4, 0x0005: 1, 0x0006: 2, 0x0007: 4}
+
+
+class Pdo:
+    """What receive and transmit PDOs have in common: COB-ID, type and mapping.
+
+    Parameters
+    ----------
+    dictionary : ObjectDictionary
+        Gets the parameters and holds what is mapped.
+    communication, mapping : int
+        Indices of the two parameter records.
+    direction : str
+        ``"r"`` or ``"t"``: which objects may be mapped.
+    cob_id : int
+        Default COB-ID with the bits 30 and 31.
+    entries : sequence of int
+        Default mapping.
+    changed : callable
+        Called when validity or COB-ID have changed, so that the node routes anew.
+    """
+
+    def __init__(
+        self,
+        dictionary: ObjectDictionary,
+        *,
+        communication: int,
+        mapping: int,
+        direction: str,
+        cob_id: int,
+        entries: Sequence[int],
+        changed: Callable[[], None],
+    ) -> None:
+        self._dictionary = dictionary
+        self._direction = direction
+        self._route = changed
+        add = dictionary.add
+        self._cob_id = add(
+            communication,
+            1,
+            Variable(UNSIGNED32, cob_id, check=self._check_cob_id, changed=self.configure),
+        )
+        self._type = add(
+            communication,
+            2,
+            Variable(UNSIGNED8, 255, check=self._check_type, changed=self.configure),
+        )
+        self._count = add(
+            mapping,
+            0,
+            Variable(UNSIGNED8, len(entries), check=self._check_count, changed=self.configure),
+        )
+        padded = [*entries, *[0] * (MAX_ENTRIES - len(entries))]
+        self._entries = [
+            add(mapping, sub, Variable(UNSIGNED32, entry, check=self._check_entry))
+            for sub, entry in enumerate(padded, start=1)
+        ]
+        self.can_id: int | None = None
+        self.transmission_type = 255
+        self.variables: tuple[Variable, ...] = ()
+        self.layout = Struct("<")
+
+    def configure(self) -> None:
+        """Precompile the PDO from its parameters as they are now."""
+        cob_id = self._cob_id.integer
+        self.can_id = None if cob_id & NOT_VALID else cob_id & 0x7FF
+        self.transmission_type = self._type.integer
+        code = "<"
+        variables = []
+        for entry in self._entries[: self._count.integer]:
+            index, sub, bits = _split(entry.integer)
+            if index in _DUMMY_BYTES:
+                code += f"{bits // 8}x"
+            else:
+                variable = self._dictionary.find(index, sub)
+                code += variable.data_type.code
+                variables.append(variable)
+        self.variables = tuple(variables)
+        self.layout = Struct(code)
+        self._route()
+
+    @property
+    def mapped(self) -> int:
+        """How many entries are mapped."""
+        return self._count.integer
+
+    def _check_cob_id(self, value: int) -> None:
+        can_id = value & 0x7FF
+        if value & 0x3FFFF800:  # bit 29: extended identifiers are not offered
+            raise SdoAbortError(Abort.RANGE)
+        if value & NOT_VALID:
+            return
+        moved = self.can_id is not None and can_id != self.can_id
+        if moved or not self._count.value or any(can_id in ids for ids in _RESTRICTED):
+            raise SdoAbortError(Abort.RANGE)
+
+    def _check_type(self, value: int) -> None:
+        if 240 < value < 254:  # reserved, and on remote request, which is not offered
+            raise SdoAbortError(Abort.RANGE)
+
+    def _check_entry(self, value: int) -> None:
+        if self.can_id is not None or self._count.value:
+            raise SdoAbortError(Abort.UNSUPPORTED_ACCESS)
+        if value:
+            self._mapped_bits(value)
+
+    def _check_count(self, value: int) -> None:
+        if self.can_id is not None:
+            raise SdoAbortError(Abort.UNSUPPORTED_ACCESS)
+        if value > MAX_ENTRIES:
+            raise SdoAbortError(Abort.MAPPING_TOO_LONG)
+        if sum(self._mapped_bits(entry.integer) for entry in self._entries[:value]) > 64:
+            raise SdoAbortError(Abort.MAPPING_TOO_LONG)
+
+    def _mapped_bits(self, entry: int) -> int:
+        """Return the length of a mapping entry in bits, or refuse it."""
+        index, sub, bits = _split(entry)
+        if index in _DUMMY_BYTES:
+            if self._direction == "r" and sub == 0 and bits == 8 * _DUMMY_BYTES[index]:
+                return bits
+            raise SdoAbortError(Abort.NOT_MAPPABLE)
+        variable = self._dictionary.find(index, sub)
+        if self._direction not in variable.mapping or bits != 8 * variable.data_type.size:
+            raise SdoAbortError(Abort.NOT_MAPPABLE)
+        return bits
+
+
+class ReceivePdo(Pdo):
+    """A PDO that the node consumes, with deadline monitoring (sub-index 5).
+
+    Parameters are those of `Pdo`; `number` counts from 0.
+    """
+
+    def __init__(
+        self,
+        dictionary: ObjectDictionary,
+        number: int,
+        *,
+        cob_id: int,
+        entries: Sequence[int],
+        changed: Callable[[], None],
+    ) -> None:
+        communication = 0x1400 + number
+        dictionary.add(communication, 0, Variable(UNSIGNED8, 5, "const"))
+        super().__init__(
+            dictionary,
+            communication=communication,
+            mapping=0x1600 + number,
+            direction="r",
+            cob_id=cob_id,
+            entries=entries,
+            changed=changed,
+        )
+        self._timer = dictionary.add(
+            communication, 5, Variable(UNSIGNED16, 0, changed=self.stop_watching)
+        )
+        self.number = number
+        self.due = inf
+        self._waiting: bytes | None = None
+
+    @property
+    def synchronous(self) -> bool:
+        """Whether what was received acts only at the next SYNC."""
+        return self.transmission_type <= 240
+
+    def stop_watching(self) -> None:
+        """Expect nothing until the next frame came; drop what waits for SYNC."""
+        self.due = inf
+        self._waiting = None
+
+    def receive(self, data: bytes, now: float) -> bool:
+        """Take a frame of sufficient length; return whether objects changed at once."""
+        if self._timer.value:
+            self.due = now + self._timer.integer * 1e-3
+        if self.synchronous:
+            self._waiting = data
+            return False
+        self._apply(data)
+        return True
+
+    def synchronise(self) -> bool:
+        """Apply what waited for SYNC; return whether there was something."""
+        if self._waiting is None:
+            return False
+        self._apply(self._waiting)
+        self._waiting = None
+        return True
+
+    def _apply(self, data: bytes) -> None:
+        values: tuple[Value, ...] = self.layout.unpack_from(data)
+        for variable, value in zip(self.variables, values, strict=True):
+            # A PDO has no way to refuse; a value out of range leaves the object as it was.
+            if not isinstance(value, bytes) and variable.low <= value <= variable.high:
+                variable.value = value
+
+
+class TransmitPdo(Pdo):
+    """A PDO that the node produces: on SYNC, on change, by event timer, not too often.
+
+    Parameters are those of `Pdo`; `number` counts from 0, `send` takes CAN id and bytes.
+    """
+
+    def __init__(
+        self,
+        dictionary: ObjectDictionary,
+        number: int,
+        *,
+        cob_id: int,
+        entries: Sequence[int],
+        changed: Callable[[], None],
+        send: Callable[[int, bytes], None],
+    ) -> None:
+        communication = 0x1800 + number
+        dictionary.add(communication, 0, Variable(UNSIGNED8, 5, "const"))
+        super().__init__(
+            dictionary,
+            communication=communication,
+            mapping=0x1A00 + number,
+            direction="t",
+            cob_id=cob_id,
+            entries=entries,
+            changed=changed,
+        )
+        self._inhibit = dictionary.add(
+            communication, 3, Variable(UNSIGNED16, 0, check=self._check_inhibit)
+        )
+        self.event_timer = dictionary.add(
+            communication, 5, Variable(UNSIGNED16, 0, changed=self.restart)
+        )
+        self._send = send
+        self.number = number
+        self._syncs = 0
+        self._changed = False
+        self._next_event = inf
+        self._not_before = -inf
+
+    @property
+    def event_driven(self) -> bool:
+        """Whether it is sent on change and by the event timer."""
+        return self.transmission_type >= 254
+
+    @property
+    def due(self) -> float:
+        """When it wants to be sent without a SYNC, s."""
+        if self.can_id is None or not self.event_driven:
+            return inf
+        return self._not_before if self._changed else max(self._next_event, self._not_before)
+
+    def restart(self) -> None:
+        """Begin anew: an event-driven PDO is sent once when the node starts."""
+        self._syncs = 0
+        self._changed = True
+        self._next_event = inf
+        self._not_before = -inf
+        self._route()
+
+    def note_change(self) -> None:
+        """Remember that a mapped object changed."""
+        self._changed = True
+
+    def wants_sync(self) -> bool:
+        """Count a SYNC and return whether this one asks for the PDO."""
+        if self.can_id is None or self.transmission_type > 240:
+            return False
+        if self.transmission_type == 0:
+            return self._changed
+        self._syncs += 1
+        return self._syncs >= self.transmission_type
+
+    def transmit(self, now: float) -> None:
+        """Pack the mapped objects and send them."""
+        self._syncs = 0
+        self._changed = False
+        if self.event_driven:
+            timer = self.event_timer.integer
+            self._next_event = now + timer * 1e-3 if timer else inf
+            self._not_before = now + self._inhibit.integer * 1e-4
+        if self.can_id is not None:
+            self._send(self.can_id, self.layout.pack(*[item.value for item in self.variables]))
+
+    def _check_inhibit(self, _: int) -> None:
+        if self.can_id is not None:
+            raise SdoAbortError(Abort.RANGE)
+
+
+def _split(entry: int) -> tuple[int, int, int]:
+    """Return index, sub-index and length in bits of a mapping entry."""
+    return entry >> 16, entry >> 8 & 0xFF, entry & 0xFF
