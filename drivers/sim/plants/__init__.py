@@ -1,1 +1,1 @@
-"""TODO."""
+"""What the simulated rigs are made of: physics only, no protocol and no device."""

@@ -1,0 +1,198 @@
+"""One channel: regulator, chamber, piston and wire. Any rig with pulling cylinders is n of these.
+
+A channel's state and its parameters are one record each of a structured array, so that a kernel
+reads ``channel.pressure`` and Python allocates nothing per step. The rig couples its channels:
+it steps each one with the stretch of its wire and takes the tension from the record.
+
+The main valve's overlap and its flow's shape make the regulator's small-signal gain uneven, as
+in the real one: filling is faster than exhausting at low pressure.
+"""
+
+import numpy as np
+
+from drivers.sim.plants.compiled import inlined
+from drivers.sim.plants.friction import bristle_damping, step_bristle, stribeck_force
+from drivers.sim.plants.pneumatics import ATMOSPHERE, mass_flow, step_pressure
+from drivers.sim.plants.regulator import bow, follow_with_play, step_opening, step_pilot
+
+REGULATING = 0.0
+STUCK = 1.0
+"""The regulator holds the pressure that it had and follows no setpoint."""
+STUCK_OPEN = 2.0
+"""The main valve stands open to the supply."""
+STUCK_CLOSED = 3.0
+"""The main valve is closed both ways: the chamber is locked."""
+
+STATE = np.dtype(
+    [
+        ("setpoint", float),  # input, Pa gauge, as the converter puts it out
+        ("mode", float),  # input, one of the constants above
+        ("leak", float),  # input, sonic conductance to the atmosphere, m³/(s Pa)
+        ("play", float),  # behind the hysteresis, Pa gauge
+        ("pilot", float),  # Pa gauge
+        ("pilot_rate", float),  # Pa/s
+        ("opening", float),  # main valve, -1 … 1
+        ("pressure", float),  # chamber, Pa absolute
+        ("extension", float),  # rod, m
+        ("speed", float),  # of the extension, m/s
+        ("bristle", float),  # of the seals, m
+        ("friction", float),  # of the seals, N, against the extension's speed
+        ("tension", float),  # of the wire, N
+    ]
+)
+"""State and inputs of a channel."""
+
+PARAMETERS = np.dtype(
+    [
+        (name, float)
+        for name in (
+            "full_scale",
+            "hysteresis",
+            "bow",
+            "bandwidth",
+            "damping",
+            "pilot_rate",
+            "dead_band",
+            "band",
+            "valve_time",
+            "conductance_in",
+            "conductance_out",
+            "critical_ratio",
+            "area",
+            "stroke",
+            "dead_volume",
+            "mass",
+            "coulomb",
+            "breakaway",
+            "stribeck_velocity",
+            "viscous",
+            "pressure_friction",
+            "bristle_stiffness",
+            "bristle_damping",
+            "stop_stiffness",
+            "stop_damping",
+            "wire_stiffness",
+            "wire_damping",
+        )
+    ]
+)
+"""Parameters of a channel in SI units; `hysteresis`, `dead_band` and `band` in Pa."""
+
+_LEAST_FRICTION = 1e-6
+"""Keeps the bristle equation defined without friction, N."""
+
+
+@inlined
+def wire_tension(stretch, rate, stiffness, damping):  # type: ignore[no-untyped-def]
+    """Return the tension of a wire, N: a spring and damper that cannot push.
+
+    Parameters
+    ----------
+    stretch : float
+        Beyond its free length, m; slack if negative.
+    rate : float
+        Of the stretch, m/s.
+    stiffness, damping : float
+        N/m and N s/m.
+    """
+    if stretch <= 0.0:
+        return 0.0
+    return max(stiffness * stretch + damping * rate, 0.0)
+
+
+@inlined
+def step_regulator(state, p, supply, dt):  # type: ignore[no-untyped-def]
+    """Step everything from the setpoint to the main valve's opening.
+
+    The pilot stage is fed by the same supply, so it cannot rise above it: without supply the
+    pilot pressure falls and the main valve exhausts the chamber.
+    """
+    state.play = follow_with_play(state.play, state.setpoint, 0.5 * p.hysteresis)
+    if state.mode == STUCK:
+        state.pilot_rate = 0.0
+    else:
+        target = min(bow(state.play, p.full_scale, p.bow), supply - ATMOSPHERE)
+        state.pilot, state.pilot_rate = step_pilot(
+            state.pilot, state.pilot_rate, target, p.bandwidth, p.damping, p.pilot_rate, dt
+        )
+    state.pilot = max(min(state.pilot, supply - ATMOSPHERE), 0.0)
+    if state.mode == STUCK_OPEN:
+        state.opening = 1.0
+    elif state.mode == STUCK_CLOSED:
+        state.opening = 0.0
+    else:
+        error = state.pilot - (state.pressure - ATMOSPHERE)
+        state.opening = step_opening(state.opening, error, p.dead_band, p.band, p.valve_time, dt)
+
+
+@inlined
+def step_chamber(state, p, supply, dt):  # type: ignore[no-untyped-def]
+    """Step the chamber's pressure over the piston's motion of this step."""
+    volume = p.dead_volume + p.area * (p.stroke - state.extension)
+    new_volume = volume - p.area * state.speed * dt
+    inflow = 0.0
+    outflow = mass_flow(state.leak, p.critical_ratio, state.pressure, ATMOSPHERE)
+    if state.opening > 0.0:
+        inflow = mass_flow(
+            state.opening * p.conductance_in, p.critical_ratio, supply, state.pressure
+        )
+    else:
+        outflow += mass_flow(
+            -state.opening * p.conductance_out, p.critical_ratio, state.pressure, ATMOSPHERE
+        )
+    state.pressure = step_pressure(state.pressure, volume, new_volume, inflow, outflow, dt)
+
+
+@inlined
+def stop_force(extension, speed, p):  # type: ignore[no-untyped-def]
+    """Return the force of the end stops along the extension, N; they push and never pull."""
+    if extension < 0.0:
+        return max(-p.stop_stiffness * extension - p.stop_damping * speed, 0.0)
+    if extension > p.stroke:
+        return min(p.stop_stiffness * (p.stroke - extension) - p.stop_damping * speed, 0.0)
+    return 0.0
+
+
+@inlined
+def seal_friction(state, p, dt):  # type: ignore[no-untyped-def]
+    """Step the seals' bristles and return their friction, N, opposed to the speed."""
+    speed = state.speed
+    load = p.pressure_friction * max(state.pressure - ATMOSPHERE, 0.0)
+    limit = load + stribeck_force(speed, p.coulomb, p.breakaway, p.stribeck_velocity)
+    limit = max(limit, _LEAST_FRICTION)
+    bristle = step_bristle(state.bristle, speed, p.bristle_stiffness, limit, dt)
+    damping = bristle_damping(speed, p.bristle_damping, p.stribeck_velocity)
+    force = (
+        p.bristle_stiffness * bristle + damping * (bristle - state.bristle) / dt + p.viscous * speed
+    )
+    state.bristle = bristle
+    return force
+
+
+@inlined
+def step_channel(state, p, supply, stretch, rate, dt):  # type: ignore[no-untyped-def]
+    """Step one channel: forces at the old position, then speed, air and position.
+
+    Parameters
+    ----------
+    state, p : record
+        `STATE`, changed in place, and `PARAMETERS`.
+    supply : float
+        Supply pressure, Pa absolute.
+    stretch, rate : float
+        Of the channel's wire, m and m/s.
+    dt : float
+        s.
+    """
+    step_regulator(state, p, supply, dt)
+    state.tension = wire_tension(stretch, rate, p.wire_stiffness, p.wire_damping)
+    state.friction = seal_friction(state, p, dt)
+    force = (
+        state.tension
+        - p.area * (state.pressure - ATMOSPHERE)
+        - state.friction
+        + stop_force(state.extension, state.speed, p)
+    )
+    state.speed += dt * force / p.mass
+    step_chamber(state, p, supply, dt)
+    state.extension += dt * state.speed

@@ -1,0 +1,48 @@
+"""Compilation of the plants' kernels, with a cache that cannot go stale.
+
+Numba's file cache watches only the file of the cached function: after a change in a function
+that it calls, from another file, it would go on using the old machine code. So only whole
+kernels are cached, and each closes over a digest of the sources of this folder, because the
+values that a function closes over are part of numba's cache key.
+"""
+
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar, cast
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def inlined(function: Function) -> Function:
+    """Compile a function that kernels call; alone it costs nothing until it is called."""
+    return cast(Function, numba.njit(error_model="numpy")(function))
+
+
+def cached_kernel(build: Callable[[int], Function]) -> Function:
+    """Compile the kernel that `build` makes, from the cache if the sources did not change.
+
+    Parameters
+    ----------
+    build : callable
+        Takes the digest of the sources and returns a function that refers to it.
+
+    Returns
+    -------
+    callable
+        The compiled kernel. Where no cache can be written it is compiled in each process.
+    """
+    function = build(_digest_of_sources())
+    try:
+        return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    except RuntimeError:  # numba found no folder that it may write to
+        return cast(Function, numba.njit(error_model="numpy")(function))
+
+
+def _digest_of_sources() -> int:
+    digest = 0
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        digest = zlib.crc32(path.read_bytes(), digest)
+    return digest

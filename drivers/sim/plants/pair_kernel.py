@@ -1,0 +1,96 @@
+"""Kernel of the antagonistic pair: a whole cycle of substeps per call.
+
+The carriage moves along ``position``, positive towards the agonist. At the rods' `home` and the
+carriage's zero both wires are just taut, so the agonist's stretch is
+``home - extension - position`` and the antagonist's ``home - extension + position``.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from drivers.sim.plants.channel import step_channel
+from drivers.sim.plants.compiled import cached_kernel, inlined
+from drivers.sim.plants.friction import limit_bristle, step_bristle
+
+PAIR_STATE = np.dtype(
+    [
+        ("supply", float),  # supply line, Pa absolute
+        ("supply_target", float),  # input: what the line is connected to, Pa absolute
+        ("position", float),  # carriage, m
+        ("speed", float),  # carriage, m/s
+        ("bristle", float),  # seat, m
+        ("friction", float),  # seat, N
+    ]
+)
+"""State and inputs that belong to no single channel."""
+
+PAIR_PARAMETERS = np.dtype(
+    [
+        (name, float)
+        for name in (
+            "supply_time",
+            "home",
+            "mass",
+            "seat",
+            "seat_stiffness",
+            "seat_damping",
+        )
+    ]
+)
+"""Parameters of the carriage and the supply line, SI; `seat` is friction over tension."""
+
+_LEAST_FRICTION = 1e-6
+"""Keeps the bristle equation defined without tension, N."""
+
+
+@inlined
+def seat_friction(pair, q, load, dt):  # type: ignore[no-untyped-def]
+    """Step the seat's bristles and return its friction, N: Dahl, in proportion to the load.
+
+    When the load falls, what the seat no longer holds slips away without giving energy back.
+    """
+    limit = max(q.seat * load, _LEAST_FRICTION)
+    held = limit_bristle(pair.bristle, q.seat_stiffness, limit)
+    bristle = step_bristle(held, pair.speed, q.seat_stiffness, limit, dt)
+    force = q.seat_stiffness * bristle + q.seat_damping * (bristle - held) / dt
+    pair.bristle = bristle
+    return force
+
+
+def _build(sources: int) -> Callable[..., None]:
+    def advance_pair(channels, parameters, pairs, pair_parameters, steps, dt):  # type: ignore[no-untyped-def]
+        digest = sources  # noqa: F841 - makes the sources part of the cache key
+        agonist, antagonist = channels[0], channels[1]
+        pair, q = pairs[0], pair_parameters[0]
+        for _ in range(steps):
+            pair.supply += (pair.supply_target - pair.supply) * dt / (q.supply_time + dt)
+            stretch_a = q.home - agonist.extension - pair.position
+            stretch_b = q.home - antagonist.extension + pair.position
+            rate_a = -agonist.speed - pair.speed
+            rate_b = -antagonist.speed + pair.speed
+            step_channel(agonist, parameters[0], pair.supply, stretch_a, rate_a, dt)
+            step_channel(antagonist, parameters[1], pair.supply, stretch_b, rate_b, dt)
+            pair.friction = seat_friction(pair, q, agonist.tension + antagonist.tension, dt)
+            force = agonist.tension - antagonist.tension - pair.friction
+            pair.speed += dt * force / q.mass
+            pair.position += dt * pair.speed
+
+    return advance_pair
+
+
+advance_pair: Callable[[Any, Any, Any, Any, int, float], None] = cached_kernel(_build)
+"""Integrate a pair over `steps` substeps of `dt` seconds.
+
+Parameters
+----------
+channels, parameters : ndarray, shape (2,)
+    `STATE`, changed in place, and `PARAMETERS` of agonist and antagonist.
+pairs, pair_parameters : ndarray, shape (1,)
+    `PAIR_STATE`, changed in place, and `PAIR_PARAMETERS`.
+steps : int
+    Number of substeps.
+dt : float
+    Substep, s.
+"""

@@ -1,0 +1,84 @@
+"""From a plant's settings and a seed to the parameters of its units."""
+
+import math
+
+import numpy as np
+
+from drivers.sim.plants.channel import PARAMETERS
+from drivers.sim.plants.settings import (
+    SEALS,
+    ActuatorSettings,
+    RegulatorSettings,
+    SealFriction,
+    WireSettings,
+)
+
+
+def draw_channel(
+    rng: np.random.Generator,
+    *,
+    regulator: RegulatorSettings,
+    cylinder: ActuatorSettings,
+    wire: WireSettings,
+    seals: SealFriction,
+    friction_spread: float,
+) -> tuple[float, ...]:
+    """Return one channel's `PARAMETERS`: the settings and this unit's deviations.
+
+    The draws come in a fixed order and are always made, so that a setting does not change
+    what other settings draw.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of the deviations.
+    regulator, cylinder, wire, seals
+        The nominal unit.
+    friction_spread : float
+        Bound of the relative deviation of the seals' friction.
+    """
+    linearity, bandwidth, friction = rng.uniform(-1.0, 1.0, 3)
+    full_scale = regulator.full_scale
+    unit_friction = 1.0 + friction_spread * friction
+    values = {
+        "full_scale": full_scale,
+        "hysteresis": regulator.hysteresis * full_scale,
+        "bow": regulator.linearity * linearity,
+        "bandwidth": regulator.bandwidth * (1.0 + regulator.bandwidth_spread * bandwidth),
+        "damping": regulator.damping,
+        "pilot_rate": regulator.pilot_rate,
+        "dead_band": regulator.dead_band * full_scale,
+        "band": regulator.proportional_band * full_scale,
+        "valve_time": regulator.valve_time,
+        "conductance_in": regulator.conductance_in,
+        "conductance_out": regulator.conductance_out,
+        "critical_ratio": regulator.critical_ratio,
+        "area": math.pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2),
+        "stroke": cylinder.stroke,
+        "dead_volume": cylinder.dead_volume,
+        "mass": cylinder.mass,
+        "coulomb": seals.coulomb * unit_friction,
+        "breakaway": seals.breakaway * unit_friction,
+        "stribeck_velocity": seals.stribeck_velocity,
+        "viscous": seals.viscous * unit_friction,
+        "pressure_friction": cylinder.pressure_friction * unit_friction,
+        "bristle_stiffness": cylinder.bristle_stiffness,
+        "bristle_damping": cylinder.bristle_damping,
+        "stop_stiffness": cylinder.stop_stiffness,
+        "stop_damping": cylinder.stop_damping,
+        "wire_stiffness": wire.stiffness,
+        "wire_damping": wire.damping,
+    }
+    return tuple(values[name] for name in PARAMETERS.names or ())
+
+
+def scale_seals(name: str, scale: float) -> SealFriction:
+    """Return the seals of that name with all friction multiplied by `scale`."""
+    nominal = SEALS[name]
+    return SealFriction(
+        coulomb=nominal.coulomb * scale,
+        breakaway=nominal.breakaway * scale,
+        stribeck_velocity=nominal.stribeck_velocity,
+        viscous=nominal.viscous * scale,
+        seat=nominal.seat * scale,
+    )
