@@ -248,14 +248,32 @@ class RunFolder:
         """Write ``timing.json``: facts of the wall clock, which differ from run to run."""
         self.write_json(TIMING, timing)
 
-    def finish(self, status: RunStatus, exit_code: int, message: str | None = None) -> None:
+    def finish(
+        self,
+        status: RunStatus,
+        exit_code: int,
+        message: str | None = None,
+        facts: Mapping[str, Any] | None = None,
+    ) -> None:
         """Say how the run ended and let go of the folder.
+
+        Parameters
+        ----------
+        status : RunStatus
+            How it ended.
+        exit_code : int
+            Of the process.
+        message : str, optional
+            One sentence, e.g. the fault.
+        facts : mapping, optional
+            More for the manifest, e.g. the buses' counters.
 
         Raises
         ------
         RunFolderError
             The manifest cannot be written; the folder will be found crashed.
         """
+        self.manifest.update(facts or {})
         self.manifest.update(
             status=status.value,
             exit_code=exit_code,

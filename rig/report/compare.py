@@ -115,7 +115,7 @@ def _draw(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
         else:
             axes.set_xlabel("time since the reference started (s)")
     if top is not None and runs[0].segments:
-        shade_segments(top, PAGE * 0.6, runs[0].segments, [s.name for s in runs[0].segments])
+        shade_segments(top, PAGE * 0.6, runs[0].segments)
     figure.supylabel(f"error ({unit})", fontsize=8.5)
     _draw_bars(figure.add_subplot(grid[:, 1]), runs, labels)
     return figure

@@ -23,6 +23,7 @@ from rig.report.style import (
     paper_style,
     place_legend,
     save,
+    segment_label,
     shade_segments,
 )
 from rig.report.timing import STAGES, has_timing, stage_times
@@ -91,7 +92,7 @@ def draw_tracking(run: RunData) -> "Figure | None":
         style = "-" if label == "reading" else (0, (4, 2))
         _line(axes, t, run.log.column(name)[part] * 1e3, color, label, lw=width, ls=style)
     _finish_time_axis(axes, t, "position (mm)")
-    shade_segments(axes, PAGE, run.segments, [segment.name for segment in run.segments])
+    shade_segments(axes, PAGE, run.segments)
     place_legend(axes, 2)
     return figure
 
@@ -110,11 +111,11 @@ def draw_error(run: RunData) -> "Figure | None":
     axes.axhline(0.0, color=GREY, lw=0.5)
     _line(axes, t, error * factor, BLUE, "error (reference − reading)", lw=0.7)
     _finish_time_axis(axes, t, f"error ({unit})")
-    labels = []
+    notes = []
     for segment in run.segments:
         inside = error[(t >= segment.start) & (t < segment.end)]
-        rms = f"\nrms {format_length(float(np.sqrt(np.mean(inside**2))))}" if len(inside) else ""
-        labels.append(segment.name + rms)
+        rms = format_length(float(np.sqrt(np.mean(inside**2)))) if len(inside) else "unknown"
+        notes.append(f"rms {rms}")
     styles = {"rms": (0, (5, 2)), "max": (0, (1.2, 1.2))}
     shown: set[str] = set()
     for metric, bound, segments in bounds:
@@ -130,7 +131,7 @@ def draw_error(run: RunData) -> "Figure | None":
                 label=f"bound on the {kind} error" if kind not in shown else "_",
             )
             shown.add(kind)
-    shade_segments(axes, PAGE, run.segments, labels)
+    shade_segments(axes, PAGE, run.segments, notes)
     place_legend(axes, 3)
     return figure
 
@@ -169,7 +170,7 @@ def draw_phase(run: RunData) -> "Figure | None":
     difference = (run.log.column(chambers[0]) - run.log.column(chambers[1])) * 1e-3
     shown = run.segments[: len(PALETTE)]
     parts = [(t >= s.start) & (t < s.end) & run.followed for s in shown] or [run.followed]
-    names = [segment.name for segment in shown] or ["all cycles"]
+    names = [segment_label(segment.name) for segment in shown] or ["all cycles"]
     for part, name, color in zip(parts, names, PALETTE, strict=False):
         if part.any():
             axes.plot(
@@ -244,7 +245,7 @@ CAPTIONS = {
     "tracking": "Reference and reading of the position; the shaded stretches are judged.",
     "error": "Tracking error, with the rms over each judged stretch and the bounds.",
     "pressures": "Setpoints as sent and pressures as monitored (gauge).",
-    "phase": "Pressure difference over velocity: the width of the loop is friction.",
+    "phase": "Pressure difference over velocity: the jump where it changes sign is friction.",
     "timing": "What each stage of the cycle costs, and how long whole cycles took.",
 }
 

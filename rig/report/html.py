@@ -20,6 +20,8 @@ _EXPLANATIONS = {
     RunStatus.CRASHED: "The process died; every cycle recorded until then is here.",
 }
 _EVENTS_SHOWN = 200
+_SCREEN_SCALE = 0.62
+"""Pixels on the page per pixel of a figure: 85 mm and 170 mm stay one and two columns."""
 _DISPLAY = {
     "m": (1e3, "mm"),
     "m/s": (1e3, "mm/s"),
@@ -134,12 +136,15 @@ def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> s
 def _figures(figures: Sequence[Path]) -> str:
     parts = []
     for figure in figures:
-        data = base64.b64encode(figure.read_bytes()).decode()
+        content = figure.read_bytes()
+        data = base64.b64encode(content).decode()
+        width = round(_SCREEN_SCALE * int.from_bytes(content[16:20], "big"))  # of its IHDR
         name = figure.stem
         vector = f"{figure.parent.name}/{name}.svg"
         caption = CAPTIONS.get(name, name)
         parts.append(
-            f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{data}">'
+            f'<figure><img alt="{escape(caption)}" width="{width}" '
+            f'src="data:image/png;base64,{data}">'
             f'<figcaption>{escape(caption)} <a href="{escape(vector)}">svg</a></figcaption>'
             "</figure>"
         )

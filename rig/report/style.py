@@ -1,9 +1,13 @@
 """How figures look: sized for a two-column paper, readable in print and by the colour-blind."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from rig.run_folder import RunFolderError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,11 +90,22 @@ def new_figure(width: float, height: float) -> "Figure":
 
 
 def save(figure: "Figure", folder: Path, name: str) -> list[Path]:
-    """Write a figure as PNG and SVG; return both paths."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write a figure as PNG and SVG; return both paths.
+
+    Raises
+    ------
+    RunFolderError
+        They cannot be written.
+    """
     paths = [folder / f"{name}.png", folder / f"{name}.svg"]
-    figure.savefig(paths[0])
-    figure.savefig(paths[1], metadata={"Date": None})
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        figure.savefig(paths[0])
+        figure.savefig(paths[1], metadata={"Date": None})
+    except OSError as error:
+        raise RunFolderError(
+            f"cannot write figures to {folder}: {error.strerror or error}"
+        ) from error
     return paths
 
 
@@ -111,7 +126,7 @@ def format_length(value: float) -> str:
 
 
 def shade_segments(
-    axes: "Axes", width: float, segments: "Sequence[Segment]", labels: Sequence[str]
+    axes: "Axes", width: float, segments: "Sequence[Segment]", notes: Sequence[str] = ()
 ) -> None:
     """Shade segments and label them at the top of the axes, where headroom is made for it.
 
@@ -121,30 +136,39 @@ def shade_segments(
         With its data and x limits.
     width : float
         Of the figure, mm.
-    segments, labels : sequences
-        What to shade; a label's first line alone stands upright where both do not fit.
+    segments : sequence of Segment
+        What to shade.
+    notes : sequence of str
+        A second line for each label, shown where it fits.
     """
     if not segments:
         return
+    names = [segment_label(segment.name) for segment in segments]
+    centres = [0.5 * (segment.start + segment.end) for segment in segments]
     left, right = axes.get_xlim()
     # Axis labels and margins take about an eighth of a figure.
     scale = 0.87 * width / 25.4 * 72.0 / (right - left)
-    character = 0.46 * SEGMENT_TEXT
-
-    def fits(segment: "Segment", label: str) -> bool:
-        longest = max(len(line) for line in label.split("\n"))
-        return longest * character < (segment.end - segment.start) * scale
-
-    level = all(fits(segment, label) for segment, label in zip(segments, labels, strict=True))
+    # A label may reach over the edge of its segment, but not into the next label.
+    room = scale * min((b - a for a, b in pairwise(centres)), default=right - left)
+    labels = [f"{name}\n{note}" for name, note in zip(names, notes, strict=False)] or names
+    if _text_width(labels) > room:
+        labels = names
+    level = _text_width(labels) < room
+    figure = axes.get_figure(root=True)
+    assert figure is not None  # axes of a live figure always have one
+    height = axes.get_position().height * figure.get_figheight() * 72.0
+    lines = max(label.count("\n") for label in labels) + 1
+    needed = 4.0 + (1.3 * SEGMENT_TEXT * lines if level else _text_width(labels))
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high + (high - low) * (0.22 if level else 0.42))
-    for segment, label in zip(segments, labels, strict=True):
+    axes.set_ylim(low, high + (high - low) * needed / (height - needed))
+    for segment, centre, label in zip(segments, centres, labels, strict=True):
         axes.axvspan(segment.start, segment.end, color=SHADE, lw=0, zorder=0)
-        axes.text(
-            0.5 * (segment.start + segment.end),
-            0.975,
-            label if level else label.split("\n", maxsplit=1)[0],
-            transform=axes.get_xaxis_transform(),
+        axes.annotate(
+            label,
+            (centre, 1.0),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(0.0, -2.0),
+            textcoords="offset points",
             rotation=0 if level else 90,
             ha="center",
             va="top",
@@ -152,3 +176,13 @@ def shade_segments(
             linespacing=1.2,
             color="#4a5560",
         )
+
+
+def segment_label(name: str) -> str:
+    """Return a segment's name as it is printed: no number, and a proper minus sign."""
+    return re.sub(r"-(?=\d)", "−", re.sub(r" #\d+$", "", name))
+
+
+def _text_width(labels: Sequence[str]) -> float:
+    """Estimate the width of the longest line, pt."""
+    return 0.47 * SEGMENT_TEXT * max(len(line) for label in labels for line in label.split("\n"))

@@ -42,10 +42,11 @@ def test_folder_holds_what_was_used(tmp_path: Path) -> None:
     assert {"python", "numpy", "mcap"} <= manifest["versions"].keys()
     assert manifest["machine"]["host"] and manifest["machine"]["platform"]
     assert manifest["started"] == "2026-11-21T03:45:12.000+00:00"
-    folder.finish(RunStatus.FAILED, 1, "a bound was missed")
+    folder.finish(RunStatus.FAILED, 1, "a bound was missed", {"buses": {"can0": {"lost": 0}}})
     manifest = json.loads((folder.path / MANIFEST).read_text())
     assert (manifest["status"], manifest["exit_code"]) == ("failed", 1)
     assert manifest["ended"] and manifest["message"] == "a bound was missed"
+    assert manifest["buses"]["can0"]["lost"] == 0
     assert RunFolder.open(folder.path).status is RunStatus.FAILED
 
 

@@ -15,7 +15,7 @@ from rig.report.envelope import envelope
 from rig.report.figures import FIGURES, draw_error, draw_figures
 from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
-from rig.run_folder import RunStatus
+from rig.run_folder import RunFolderError, RunStatus
 
 MakeRun = Callable[..., Path]
 
@@ -46,9 +46,11 @@ def test_same_run_gives_the_same_bytes(make_run: MakeRun) -> None:
     assert first == again
 
 
-def test_killed_run_has_figures_too(make_run: MakeRun) -> None:
-    run = make_run(status=None)
-    assert len(draw_figures(run)) == 2 * len(FIGURES)
+def test_unwritable_folder_is_named(make_run: MakeRun) -> None:
+    run = make_run(duration=2.0)
+    (run / "figures").write_text("in the way")
+    with pytest.raises(RunFolderError, match=r"cannot write figures to .*figures"):
+        draw_figures(run, ["tracking"])
 
 
 def test_unknown_figure_is_named(make_run: MakeRun) -> None:

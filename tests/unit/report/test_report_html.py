@@ -86,6 +86,7 @@ def test_killed_run_is_reported_as_far_as_it_went(make_run: MakeRun) -> None:
     log.write_bytes(content[: int(len(content) * 0.85)])
     page = Page(write_report(run).read_text())
     assert RunFolder.open(run).status is RunStatus.CRASHED
+    assert len(page.sources) == 5, "a killed run has all its figures"
     assert "crashed" in page.text and "process died" in page.text
     names = [m["name"] for m in json.loads((run / "metrics.json").read_text())["metrics"]]
     assert names == ["tracking_rms"], "only the segment that was finished is judged"
