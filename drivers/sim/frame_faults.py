@@ -1,6 +1,7 @@
 """What may happen to chosen frames on an emulated bus, either way."""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 from drivers.sim.nodes.base import EmulatedNode
@@ -51,29 +52,24 @@ class FrameFaults:
         """Let all frames pass again."""
         self._faults.clear()
 
-    def inject(self, node: EmulatedNode, fault: str, value: float | None) -> bool:
-        """Take a fault of a node's frames by name; return whether it was one.
+    def offer(self, node: EmulatedNode) -> None:
+        """Make the faults of a node's frames known to it by name.
 
         ``drop_frames`` (value: how many, default 1), ``delay_frames`` (value: s, default
         5 ms), ``duplicate_frames``, ``truncate_frames`` (value: bytes left, default 3) and
         ``corrupt_frames`` (value: which byte, default 0) act on the next frame, or frames,
-        of every transmit PDO that the node has enabled.
-
-        Raises
-        ------
-        ValueError
-            The value does not fit the fault.
+        of every transmit PDO that the node has enabled; a repair ends them.
         """
-        kind = next((item for item in _KINDS if fault == f"{item}_frames"), None)
-        if kind is None:
-            return False
+        for kind in _KINDS:
+            node.add_fault(f"{kind}_frames", partial(self._inject, node, kind), self.clear)
+
+    def _inject(self, node: EmulatedNode, kind: Kind, value: float | None) -> None:
         if value is not None and (value < 0.0 or (kind != "delay" and value != int(value))):
-            raise ValueError(f"{node.name}: {fault} does not take {value:g}")
+            raise ValueError(f"{node.name}: {kind}_frames does not take {value:g}")
         count = int(value) if kind == "drop" and value is not None else 1
         setting = {"delay": 5e-3, "truncate": 3.0}.get(kind, 0.0) if value is None else value
         for can_id in node.transmit_ids:
             self.add(FrameFault(kind, can_id, count=count, value=setting))
-        return True
 
     def apply(self, can_id: int, data: bytes) -> list[tuple[float, bytes]]:
         """Return what becomes of a frame: a delay (s) and the data of each that arrives."""

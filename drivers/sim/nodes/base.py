@@ -127,7 +127,18 @@ class EmulatedNode(FaultInjection):
         self._server = SdoServer(
             self.dictionary, lambda data: self._transmit(0x580 + node_id, data)
         )
-        self._add_common_faults()
+        self._add_faults()
+
+    def _add_faults(self) -> None:
+        self.add_fault("reboot", lambda _: self.power_on())
+        self.add_fault("wrong_state", self._fault_wrong_state)
+        self.offer_faults(self.device_type, self._server.refused, self.emergency)
+
+    def _fault_wrong_state(self, value: float | None) -> None:
+        state = whole_number(self.name, "wrong_state", value, NmtState.STOPPED, 0x7F)
+        if state not in _COMMAND_TO_STATE.values():
+            raise ValueError(f"{self.name}: wrong_state takes 4, 5 or 127, not {state}")
+        self.enter_state(NmtState(state))
 
     # What a device profile overrides -------------------------------------------------
 
@@ -411,43 +422,6 @@ class EmulatedNode(FaultInjection):
         if not communication_only:
             self.restore_process()
         self._route()
-
-    # Faults ---------------------------------------------------------------------------
-
-    def _add_common_faults(self) -> None:
-        refused = self._server.refused
-        true_type = self.device_type.default
-
-        def wrong_state(value: float | None) -> None:
-            state = whole_number(self.name, "wrong_state", value, NmtState.STOPPED, 0x7F)
-            if state not in (4, 5, 0x7F):
-                raise ValueError(f"{self.name}: wrong_state takes 4, 5 or 127, not {state}")
-            self.enter_state(NmtState(state))
-
-        def wrong_device_type(value: float | None) -> None:
-            # In the default too: the fault is one of the device, a reset does not end it.
-            number = whole_number(self.name, "wrong_device_type", value, 0, 0xFFFF_FFFF)
-            self.device_type.value = self.device_type.default = number
-
-        def sdo_abort(value: float | None) -> None:
-            address = whole_number(self.name, "sdo_abort", value, 0x1000_00, 0xFFFF_FF)
-            refused[address >> 8, address & 0xFF] = Abort.GENERAL
-
-        def emergency(value: float | None) -> None:
-            code = whole_number(self.name, "emergency", value, 0x1000, 0xFFFF)
-            self.emergency.raise_error(f"injected {code}", code, emcy.GENERIC)
-
-        def restore_device_type() -> None:
-            self.device_type.value = self.device_type.default = true_type
-
-        self.add_fault("silent", lambda value: self.mute("connected", False, value))
-        self.add_fault("reboot", lambda value: self.power_on())
-        self.add_fault("wrong_state", wrong_state)
-        self.add_fault("wrong_device_type", wrong_device_type, restore_device_type)
-        self.add_fault("sdo_abort", sdo_abort, refused.clear)
-        self.add_fault("sdo_silent", lambda value: self.mute("sdo_muted", True, value))
-        self.add_fault("heartbeat_silent", lambda value: self.mute("heartbeat_muted", True, value))
-        self.add_fault("emergency", emergency, self.emergency.clear_injected)
 
 
 def _check_sync(value: int) -> None:

@@ -3,6 +3,9 @@
 from collections.abc import Callable
 from math import inf
 
+from drivers.sim.nodes.emergency import GENERIC, Emergency
+from drivers.sim.nodes.object_dictionary import Abort, Variable
+
 FaultAction = Callable[[float | None], None]
 
 
@@ -50,6 +53,35 @@ class FaultInjection:
         self._faults[fault] = action
         if repair is not None:
             self._repairs.append(repair)
+
+    def offer_faults(
+        self, device_type: Variable, refused: dict[tuple[int, int], int], emergency: Emergency
+    ) -> None:
+        """Make the faults known that need no more than these parts of the node."""
+        true_type = device_type.default
+
+        def set_device_type(value: float | None) -> None:
+            # In the default too: the fault is one of the device, a reset does not end it.
+            number = whole_number(self.name, "wrong_device_type", value, 0, 0xFFFF_FFFF)
+            device_type.value = device_type.default = number
+
+        def restore_device_type() -> None:
+            device_type.value = device_type.default = true_type
+
+        def refuse(value: float | None) -> None:
+            address = whole_number(self.name, "sdo_abort", value, 0x1000_00, 0xFFFF_FF)
+            refused[address >> 8, address & 0xFF] = Abort.GENERAL
+
+        def report(value: float | None) -> None:
+            code = whole_number(self.name, "emergency", value, 0x1000, 0xFFFF)
+            emergency.raise_error(f"injected {code}", code, GENERIC)
+
+        self.add_fault("silent", lambda value: self.mute("connected", False, value))
+        self.add_fault("sdo_silent", lambda value: self.mute("sdo_muted", True, value))
+        self.add_fault("heartbeat_silent", lambda value: self.mute("heartbeat_muted", True, value))
+        self.add_fault("wrong_device_type", set_device_type, restore_device_type)
+        self.add_fault("sdo_abort", refuse, refused.clear)
+        self.add_fault("emergency", report, emergency.clear_injected)
 
     @property
     def known_faults(self) -> tuple[str, ...]:
