@@ -1,5 +1,7 @@
 """One antagonistic pair: two cylinders with regulators that pull a carriage by wires."""
 
+import math
+
 import numpy as np
 
 from drivers.sim.plants.channel import (
@@ -20,9 +22,9 @@ _NOISE_BLOCK = 4096
 """Monitor samples drawn at a time: numpy's cost per call is spread over them."""
 
 _MODES = {
-    "regulator-stuck": STUCK,
-    "regulator-open": STUCK_OPEN,
-    "regulator-closed": STUCK_CLOSED,
+    "regulator_stuck": STUCK,
+    "regulator_open": STUCK_OPEN,
+    "regulator_closed": STUCK_CLOSED,
 }
 
 _EXTENSION, _SPEED, _PRESSURE, _TENSION = (
@@ -51,7 +53,7 @@ class AntagonisticPairPlant:
 
     channel_names = ("agonist", "antagonist")
 
-    fault_names = (*_MODES, "regulator-normal", "leak", "supply-lost", "supply-restored")
+    known_faults = (*_MODES, "leak", "wire_cut", "supply_lost", "repair")
     """What `inject` understands."""
 
     truth_columns = (
@@ -169,43 +171,55 @@ class AntagonisticPairPlant:
             pair.item(_SUPPLY) - ATMOSPHERE,
         )
 
-    def inject(self, fault: str, channel: int = 0, value: float = 0.0) -> None:
-        """Break or repair something.
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Break or repair something now.
 
         Parameters
         ----------
         fault : str
-            ``regulator-stuck`` (holds its pressure), ``regulator-open``, ``regulator-closed``,
-            ``regulator-normal``; ``leak`` with a sonic conductance to the atmosphere in
-            m³/(s Pa); ``supply-lost`` with what remains in Pa gauge; ``supply-restored``.
-        channel : int
-            Which channel; without meaning for the supply.
-        value : float
-            As said above, SI.
+            ``regulator_stuck`` (holds its pressure), ``regulator_open``, ``regulator_closed``,
+            ``leak`` (the chamber's tube is off) and ``wire_cut``, each with a channel as its
+            value; ``supply_lost`` with the pressure that remains, Pa gauge; ``repair`` ends
+            all of them.
+        value : float, optional
+            As said above; 0 if not given.
 
         Raises
         ------
         ValueError
-            There is no such fault or channel, or the value is negative or not finite.
+            There is no such fault or channel, or the pressure is negative or not finite.
         """
-        if channel not in (0, 1):
-            raise ValueError(f"There is no channel {channel}; a pair has 0 and 1.")
-        if not (0.0 <= value < float("inf")):
-            raise ValueError(f"Fault {fault!r} has the value {value}; 0 or more is needed.")
-        if fault in _MODES:
-            self.channels[channel]["mode"] = _MODES[fault]
-        elif fault == "regulator-normal":
-            self.channels[channel]["mode"] = REGULATING
-        elif fault == "leak":
-            self.channels[channel]["leak"] = value
-        elif fault == "supply-lost":
-            self._supply_pressure = value
+        number = 0.0 if value is None else value
+        if fault == "repair":
+            self._repair()
+        elif fault == "supply_lost":
+            if not 0.0 <= number < math.inf:
+                raise ValueError(f"plant: supply_lost leaves {number:g} Pa; 0 or more is needed")
+            self._supply_pressure = number
             self._connect_supply()
-        elif fault == "supply-restored":
-            self._supply_pressure = self.settings.regulator.supply_pressure
-            self._connect_supply()
+        elif fault not in self.known_faults:
+            raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
+        elif number not in (0, 1):
+            raise ValueError(f"plant: {fault} takes channel 0 or 1, not {number:g}")
         else:
-            raise ValueError(f"There is no fault {fault!r}; known: {', '.join(self.fault_names)}.")
+            self._break_channel(fault, int(number))
+
+    def _break_channel(self, fault: str, channel: int) -> None:
+        if fault == "leak":
+            self.channels[channel]["leak"] = self.settings.leak
+        elif fault == "wire_cut":
+            self.parameters[channel]["wire_stiffness"] = 0.0
+            self.parameters[channel]["wire_damping"] = 0.0
+        else:
+            self.channels[channel]["mode"] = _MODES[fault]
+
+    def _repair(self) -> None:
+        self.channels["mode"] = REGULATING
+        self.channels["leak"] = 0.0
+        self.parameters["wire_stiffness"] = self.settings.wire.stiffness
+        self.parameters["wire_damping"] = self.settings.wire.damping
+        self._supply_pressure = self.settings.regulator.supply_pressure
+        self._connect_supply()
 
     def _connect_supply(self) -> None:
         gauge = self._supply_pressure if self._supply_open else 0.0

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 - compiled functions take positional arguments only
 """One channel: regulator, chamber, piston and wire. Any rig with pulling cylinders is n of these.
 
 A channel's state and its parameters are one record each of a structured array, so that a kernel
@@ -7,6 +8,8 @@ it steps each one with the stretch of its wire and takes the tension from the re
 The main valve's overlap and its flow's shape make the regulator's small-signal gain uneven, as
 in the real one: filling is faster than exhausting at low pressure.
 """
+
+from typing import Any
 
 import numpy as np
 
@@ -78,12 +81,15 @@ PARAMETERS = np.dtype(
 )
 """Parameters of a channel in SI units; `hysteresis`, `dead_band` and `band` in Pa."""
 
+Record = Any
+"""A record of a structured array; numpy has no static type for one."""
+
 _LEAST_FRICTION = 1e-6
 """Keeps the bristle equation defined without friction, N."""
 
 
 @inlined
-def wire_tension(stretch, rate, stiffness, damping):  # type: ignore[no-untyped-def]
+def wire_tension(stretch: float, rate: float, stiffness: float, damping: float) -> float:
     """Return the tension of a wire, N: a spring and damper that cannot push.
 
     Parameters
@@ -101,7 +107,7 @@ def wire_tension(stretch, rate, stiffness, damping):  # type: ignore[no-untyped-
 
 
 @inlined
-def step_regulator(state, p, supply, dt):  # type: ignore[no-untyped-def]
+def step_regulator(state: Record, p: Record, supply: float, dt: float) -> None:
     """Step everything from the setpoint to the main valve's opening.
 
     The pilot stage is fed by the same supply, so it cannot rise above it: without supply the
@@ -126,7 +132,7 @@ def step_regulator(state, p, supply, dt):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def step_chamber(state, p, supply, dt):  # type: ignore[no-untyped-def]
+def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
     """Step the chamber's pressure over the piston's motion of this step."""
     volume = p.dead_volume + p.area * (p.stroke - state.extension)
     new_volume = volume - p.area * state.speed * dt
@@ -144,17 +150,19 @@ def step_chamber(state, p, supply, dt):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def stop_force(extension, speed, p):  # type: ignore[no-untyped-def]
+def stop_force(extension: float, speed: float, p: Record) -> float:
     """Return the force of the end stops along the extension, N; they push and never pull."""
     if extension < 0.0:
-        return max(-p.stop_stiffness * extension - p.stop_damping * speed, 0.0)
-    if extension > p.stroke:
-        return min(p.stop_stiffness * (p.stroke - extension) - p.stop_damping * speed, 0.0)
-    return 0.0
+        force: float = max(-p.stop_stiffness * extension - p.stop_damping * speed, 0.0)
+    elif extension > p.stroke:
+        force = min(p.stop_stiffness * (p.stroke - extension) - p.stop_damping * speed, 0.0)
+    else:
+        force = 0.0
+    return force
 
 
 @inlined
-def seal_friction(state, p, dt):  # type: ignore[no-untyped-def]
+def seal_friction(state: Record, p: Record, dt: float) -> float:
     """Step the seals' bristles and return their friction, N, opposed to the speed."""
     speed = state.speed
     load = p.pressure_friction * max(state.pressure - ATMOSPHERE, 0.0)
@@ -170,7 +178,9 @@ def seal_friction(state, p, dt):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def step_channel(state, p, supply, stretch, rate, dt):  # type: ignore[no-untyped-def]
+def step_channel(
+    state: Record, p: Record, supply: float, stretch: float, rate: float, dt: float
+) -> None:
     """Step one channel: forces at the old position, then speed, air and position.
 
     Parameters

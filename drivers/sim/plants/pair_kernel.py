@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 - compiled functions take positional arguments only
 """Kernel of the antagonistic pair: a whole cycle of substeps per call.
 
 The carriage moves along ``position``, positive towards the agonist. At the rods' `home` and the
@@ -6,11 +7,10 @@ carriage's zero both wires are just taut, so the agonist's stretch is
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
-from drivers.sim.plants.channel import step_channel
+from drivers.sim.plants.channel import Record, step_channel
 from drivers.sim.plants.compiled import cached_kernel, inlined
 from drivers.sim.plants.friction import limit_bristle, step_bristle
 
@@ -46,7 +46,7 @@ _LEAST_FRICTION = 1e-6
 
 
 @inlined
-def seat_friction(pair, q, load, dt):  # type: ignore[no-untyped-def]
+def seat_friction(pair: Record, q: Record, load: float, dt: float) -> float:
     """Step the seat's bristles and return its friction, N: Dahl, in proportion to the load.
 
     When the load falls, what the seat no longer holds slips away without giving energy back.
@@ -54,13 +54,20 @@ def seat_friction(pair, q, load, dt):  # type: ignore[no-untyped-def]
     limit = max(q.seat * load, _LEAST_FRICTION)
     held = limit_bristle(pair.bristle, q.seat_stiffness, limit)
     bristle = step_bristle(held, pair.speed, q.seat_stiffness, limit, dt)
-    force = q.seat_stiffness * bristle + q.seat_damping * (bristle - held) / dt
+    force: float = q.seat_stiffness * bristle + q.seat_damping * (bristle - held) / dt
     pair.bristle = bristle
     return force
 
 
 def _build(sources: int) -> Callable[..., None]:
-    def advance_pair(channels, parameters, pairs, pair_parameters, steps, dt):  # type: ignore[no-untyped-def]
+    def advance_pair(
+        channels: Record,
+        parameters: Record,
+        pairs: Record,
+        pair_parameters: Record,
+        steps: int,
+        dt: float,
+    ) -> None:
         digest = sources  # noqa: F841 - makes the sources part of the cache key
         agonist, antagonist = channels[0], channels[1]
         pair, q = pairs[0], pair_parameters[0]
@@ -80,7 +87,7 @@ def _build(sources: int) -> Callable[..., None]:
     return advance_pair
 
 
-advance_pair: Callable[[Any, Any, Any, Any, int, float], None] = cached_kernel(_build)
+advance_pair: Callable[..., None] = cached_kernel(_build)
 """Integrate a pair over `steps` substeps of `dt` seconds.
 
 Parameters

@@ -186,6 +186,8 @@ class PlantSettings:
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
         Rod extension at which both wires are just taut, m.
+    leak : float
+        Sonic conductance of the fault ``leak``, m³/(s Pa). E: the tube is off.
     substep : float
         Step of the integration, s.
     regulator, cylinder, wire, carriage
@@ -196,6 +198,7 @@ class PlantSettings:
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
+    leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
     substep: Annotated[float, Unit("s"), Ge(1e-6), Le(1e-4)] = 50e-6
     regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
     cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
