@@ -95,7 +95,7 @@ def _draw(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     figure = new_figure(PAGE, 26.0 + 24.0 * len(runs))
     grid = figure.add_gridspec(len(runs), 2, width_ratios=[2.2, 1.0])
     errors = [(run.t[run.followed], run.error[run.followed]) for run in runs]
-    extent = max(float(np.abs(error).max()) for _, error in errors)
+    extent = max(float(np.nanmax(np.abs(error), initial=1e-9)) for _, error in errors)
     factor, unit = length_scale(extent)
     top = None
     for number, ((t, error), run, label) in enumerate(zip(errors, runs, labels, strict=True)):

@@ -114,8 +114,10 @@ def draw_error(run: RunData) -> "Figure | None":
     notes = []
     for segment in run.segments:
         inside = error[(t >= segment.start) & (t < segment.end)]
-        rms = format_length(float(np.sqrt(np.mean(inside**2)))) if len(inside) else "unknown"
-        notes.append(f"rms {rms}")
+        if t[-1] < segment.end - 2.0 * (t[-1] - t[-2]):
+            notes.append("incomplete")
+        else:
+            notes.append(f"rms {format_length(float(np.sqrt(np.mean(inside**2))))}")
     styles = {"rms": (0, (5, 2)), "max": (0, (1.2, 1.2))}
     shown: set[str] = set()
     for metric, bound, segments in bounds:

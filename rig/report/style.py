@@ -141,11 +141,14 @@ def shade_segments(
     notes : sequence of str
         A second line for each label, shown where it fits.
     """
+    left, right = axes.get_xlim()
+    # A run that ended early never reached its last segments.
+    notes = [note for segment, note in zip(segments, notes, strict=False) if segment.start < right]
+    segments = [segment for segment in segments if segment.start < right]
     if not segments:
         return
     names = [segment_label(segment.name) for segment in segments]
-    centres = [0.5 * (segment.start + segment.end) for segment in segments]
-    left, right = axes.get_xlim()
+    centres = [0.5 * (segment.start + min(segment.end, right)) for segment in segments]
     # Axis labels and margins take about an eighth of a figure.
     scale = 0.87 * width / 25.4 * 72.0 / (right - left)
     # A label may reach over the edge of its segment, but not into the next label.

@@ -77,6 +77,23 @@ def test_error_figure_shows_error_bounds_and_units(make_run: MakeRun) -> None:
     assert len(texts) == 3 and all("Hz" in text for text in texts)
 
 
+def test_segments_that_were_not_reached_are_not_labelled(make_run: MakeRun) -> None:
+    path = make_run(status=None)
+    content = (path / "log.mcap").read_bytes()
+    for share, expected in ((0.4, ["0.1 Hz\nincomplete"]), (0.7, ["0.1 Hz\nrms", "0.2 Hz\ninc"])):
+        (path / "log.mcap").write_bytes(content[: int(share * len(content))])
+        run = load_run(path)
+        with paper_style():
+            figure = draw_error(run)
+        assert figure is not None
+        axes = figure.axes[0]
+        texts = [text.get_text() for text in axes.texts]
+        assert len(texts) == len(expected)
+        assert all(text.startswith(start) for text, start in zip(texts, expected, strict=True))
+        left, right = axes.get_xlim()
+        assert all(left < text.xy[0] < right for text in axes.texts)
+
+
 def test_envelope_keeps_every_peak_and_its_order() -> None:
     t = np.linspace(0.0, 1.0, 100_003)
     x = np.sin(2 * np.pi * 5000.0 * t)
@@ -131,5 +148,13 @@ def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
     pid, cascade, killed = rows[0]["values"]
     assert pid > 3 * cascade and killed is None
     assert (rows[0]["unit"], rows[0]["bound"], rows[0]["bound_kind"]) == ("m", 1.5e-4, "max")
+    log = (paths[1] / "log.mcap").read_bytes()
+    size = 59 + 8 * len(load_run(paths[1]).log.columns)
+    offset = log.index(b"\x05" + (size - 9).to_bytes(8, "little"))
+    torn = log[: offset + 3000 * size - 8 * len(load_run(paths[1]).log.columns)]
+    nan = np.full(len(load_run(paths[1]).log.columns), np.nan).tobytes()
+    (paths[1] / "log.mcap").write_bytes(torn + nan)
+    assert np.isnan(load_run(paths[1]).error[-1])
+    draw_comparison(paths, labels, tmp_path / "compared")  # a broken sensor's run too
     with pytest.raises(ConfigurationError, match="3 runs and 1 labels"):
         draw_comparison(paths, ["pid"], tmp_path)
