@@ -231,9 +231,9 @@ class EmulatedNode(FaultInjection):
             self.state = NmtState.PRE_OPERATIONAL
         self._server.tick(now)
         self._consumer.tick(now)
+        self._producer.tick(now, self.state)
         if self.state is NmtState.OPERATIONAL:
             self._tick_pdos(now)
-        self._producer.tick(now, self.state)
         self.emergency.tick(now, allowed=self.state is not NmtState.STOPPED)
         self._plan()
 
