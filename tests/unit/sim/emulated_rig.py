@@ -127,5 +127,4 @@ class Bench:
     def start(self):
         """Power on and bring all nodes to OPERATIONAL."""
         self.run()
-        frames = self.ask("000#0100")
-        return frames
+        return self.ask("000#0100")

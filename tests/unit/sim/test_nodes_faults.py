@@ -15,13 +15,13 @@ def on_sync(bench):
 
 
 def test_unknown_faults_and_devices_are_named(bench):
-    with pytest.raises(ValueError, match="regulators: no fault 'explode'; known are .*wire_break"):
+    with pytest.raises(ValueError, match=r"regulators: no fault 'explode'; known are .*wire_break"):
         bench.rig.inject("regulators", "explode")
-    with pytest.raises(ValueError, match="no device 'arm'.*agonist"):
+    with pytest.raises(ValueError, match=r"no device 'arm'.*agonist"):
         bench.rig.inject("arm", "silent")
-    with pytest.raises(ValueError, match="bus can0: no fault"):
+    with pytest.raises(ValueError, match=r"bus can0: no fault"):
         bench.rig.inject("can0", "silent")
-    with pytest.raises(ValueError, match="whole number in 0 … 1"):
+    with pytest.raises(ValueError, match=r"whole number in 0 … 1"):
         bench.rig.inject("regulators", "wire_break", 2.0)
 
 
@@ -122,7 +122,7 @@ def test_frames_of_a_node_by_name(bench):
     on_sync(bench)
     bench.rig.inject("agonist", "drop_frames", 3.0)
     assert [len(bench.ask("080#")) for _ in range(5)] == [0, 0, 0, 1, 1]
-    with pytest.raises(ValueError, match="drop_frames does not take 0.5"):
+    with pytest.raises(ValueError, match=r"drop_frames does not take 0.5"):
         bench.rig.inject("agonist", "drop_frames", 0.5)
 
 
@@ -160,7 +160,7 @@ def test_schedule_acts_at_its_time_whatever_the_step():
 
 def test_schedule_names_a_device_that_is_not_there():
     fault = SimpleNamespace(at=1.0, device="legs", fault="silent", value=None)
-    with pytest.raises(ValueError, match="no device 'legs'"):
+    with pytest.raises(ValueError, match=r"no device 'legs'"):
         Bench(faults=(fault,))
 
 

@@ -1,5 +1,7 @@
 """PDOs of the emulated nodes: configuration rules, SYNC, events, deadlines, bad lengths."""
 
+from itertools import pairwise
+
 import pytest
 from emulated_rig import AGONIST, MONITOR, REGULATORS, SETPOINT
 
@@ -159,7 +161,7 @@ def test_event_timer_and_inhibit_time(bench):
     times = []
     bench.side.monitor = lambda t, can_id, data: times.append(t) if can_id == 0x1A0 else None
     bench.run(0.1)
-    steps = {round(b - a, 9) for a, b in zip(times, times[1:], strict=False)}
+    steps = {round(b - a, 9) for a, b in pairwise(times)}
     assert len(times) in (4, 5)
     assert steps == {0.02}
 
