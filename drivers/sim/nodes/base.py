@@ -26,11 +26,10 @@ from drivers.sim.nodes.object_dictionary import (
     SdoAbortError,
     Variable,
 )
-from drivers.sim.nodes.pdo import NO_RTR, NOT_VALID, ReceivePdo, TransmitPdo
+from drivers.sim.nodes.pdo_exchange import PdoExchange
 from drivers.sim.nodes.sdo_server import SdoServer
 
 VENDOR_ID = 0x0000_0000  # the number that CiA gives to nobody
-PDO_COUNT = 4
 
 _SYNC_ID = 0x080
 _NMT_ID = 0x000
@@ -93,8 +92,6 @@ class EmulatedNode(FaultInjection):
         self.state = NmtState.INITIALISING
         self.dictionary = ObjectDictionary()
         self._routes: dict[int, Callable[[bytes, float], None]] = {}
-        self._receive_pdos: list[ReceivePdo] = []
-        self._transmit_pdos: list[TransmitPdo] = []
 
         add = self.dictionary.add
         self.device_type = add(0x1000, 0, Variable(UNSIGNED32, device_type, "ro"))
@@ -120,7 +117,8 @@ class EmulatedNode(FaultInjection):
             ],
         )
         self.emergency = Emergency(self.dictionary, node_id, self._transmit)
-        self._producer = HeartbeatProducer(self.dictionary, self._send_heartbeat, self._wake)
+        self.pdos = PdoExchange(self.dictionary, node_id, self.emergency, self)
+        self._producer = HeartbeatProducer(self.dictionary, self._send_heartbeat, self.wake)
         self._consumer = HeartbeatConsumer(
             self.dictionary, self._heartbeat_lost, self._heartbeat_found, self._route
         )
@@ -168,28 +166,7 @@ class EmulatedNode(FaultInjection):
 
     def add_pdos(self, receive: Sequence[Sequence[int]], transmit: Sequence[Sequence[int]]) -> None:
         """Add four PDOs each way with their default mappings; those without are not valid."""
-        for number in range(PDO_COUNT):
-            entries = receive[number] if number < len(receive) else ()
-            cob_id = 0x200 + 0x100 * number + self.node_id | (0 if entries else NOT_VALID)
-            self._receive_pdos.append(
-                ReceivePdo(
-                    self.dictionary, number, cob_id=cob_id, entries=entries, changed=self._route
-                )
-            )
-        for number in range(PDO_COUNT):
-            entries = transmit[number] if number < len(transmit) else ()
-            cob_id = 0x180 + 0x100 * number + self.node_id | NO_RTR
-            cob_id |= 0 if entries else NOT_VALID
-            self._transmit_pdos.append(
-                TransmitPdo(
-                    self.dictionary,
-                    number,
-                    cob_id=cob_id,
-                    entries=entries,
-                    changed=self._route,
-                    send=self._transmit,
-                )
-            )
+        self.pdos.add(receive, transmit, send=self._transmit, changed=self._route)
 
     def power_on(self) -> None:
         """Start as after a power cycle; the boot-up message follows at the next tick."""
@@ -198,7 +175,7 @@ class EmulatedNode(FaultInjection):
     @property
     def transmit_ids(self) -> tuple[int, ...]:
         """CAN ids of the transmit PDOs that are valid now."""
-        return tuple(pdo.can_id for pdo in self._transmit_pdos if pdo.can_id is not None)
+        return tuple(pdo.can_id for pdo in self.pdos.transmit if pdo.can_id is not None)
 
     # Time and frames ------------------------------------------------------------------
 
@@ -219,6 +196,8 @@ class EmulatedNode(FaultInjection):
             self.tick(now)
         self.now = now
         handler(data, now)
+        if now >= self.due:
+            self.tick(now)
 
     def tick(self, now: float) -> None:
         """Do what is due at time `now` (s)."""
@@ -233,25 +212,10 @@ class EmulatedNode(FaultInjection):
         self._consumer.tick(now)
         self._producer.tick(now, self.state)
         if self.state is NmtState.OPERATIONAL:
-            self._tick_pdos(now)
+            self.watch_inputs(now)
+            self.pdos.tick(now)
         self.emergency.tick(now, allowed=self.state is not NmtState.STOPPED)
         self._plan()
-
-    def _tick_pdos(self, now: float) -> None:
-        self.watch_inputs(now)
-        for pdo in self._receive_pdos:
-            if now >= pdo.due:
-                pdo.due = inf
-                self.emergency.raise_error(
-                    f"rpdo{pdo.number} late", emcy.RPDO_TIMEOUT, emcy.COMMUNICATION
-                )
-        sampled = False
-        for transmit in self._transmit_pdos:
-            if now >= transmit.due:
-                if not sampled:
-                    self.sample_inputs(now)
-                    sampled = True
-                transmit.transmit(now)
 
     def _plan(self) -> None:
         """Work out when the next tick has something to do."""
@@ -263,15 +227,10 @@ class EmulatedNode(FaultInjection):
             self.fault_due,
         )
         if self.state is NmtState.OPERATIONAL:
-            due = min(
-                due,
-                self.process_due(),
-                *[pdo.due for pdo in self._receive_pdos],
-                *[pdo.due for pdo in self._transmit_pdos],
-            )
+            due = min(due, self.process_due(), self.pdos.due)
         self.due = due
 
-    def _wake(self) -> None:
+    def wake(self) -> None:
         """Have `tick` look at everything as soon as it is called."""
         self.due = -inf
 
@@ -289,9 +248,7 @@ class EmulatedNode(FaultInjection):
         """Build the table from CAN id to handler; NMT is always heard, SDO unless stopped."""
         routes: dict[int, Callable[[bytes, float], None]] = {}
         if self.state is NmtState.OPERATIONAL:
-            for pdo in self._receive_pdos:
-                if pdo.can_id is not None:
-                    routes[pdo.can_id] = self._receiver(pdo)
+            routes |= self.pdos.routes()
             routes[self._sync.integer & 0x7FF] = self._on_sync
         if self.state is not NmtState.STOPPED:
             routes[0x600 + self.node_id] = self._on_sdo
@@ -299,61 +256,29 @@ class EmulatedNode(FaultInjection):
             routes[0x700 + node] = self._heartbeat_receiver(node)
         routes[_NMT_ID] = self._on_nmt
         self._routes = routes
-        self._wake()
+        self.wake()
 
     def _heartbeat_receiver(self, node: int) -> Callable[[bytes, float], None]:
         def on_heartbeat(data: bytes, now: float) -> None:
             if len(data) == 1:
                 self._consumer.receive(node, data[0] & 0x7F, now)
-                self._after_event(now)
+                self.wake()
 
         return on_heartbeat
-
-    def _receiver(self, pdo: ReceivePdo) -> Callable[[bytes, float], None]:
-        size = pdo.layout.size
-        condition = f"rpdo{pdo.number} length"
-
-        def on_pdo(data: bytes, now: float) -> None:
-            length = len(data)
-            if length != size:
-                code = emcy.RPDO_TOO_SHORT if length < size else emcy.RPDO_TOO_LONG
-                self.emergency.raise_error(condition, code, emcy.COMMUNICATION)
-                self._after_event(now)
-                if length < size:
-                    return
-            elif self.emergency.present:
-                self.emergency.clear_error(condition)
-                self.emergency.clear_error(f"rpdo{pdo.number} late")
-                self._after_event(now)
-            if pdo.receive(data, now):
-                self.apply_outputs(now)
-            self.due = min(self.due, pdo.due)
-
-        return on_pdo
 
     # Services -------------------------------------------------------------------------
 
     def _on_sync(self, data: bytes, now: float) -> None:
         if data:
             self.emergency.raise_error("sync length", emcy.SYNC_LENGTH, emcy.COMMUNICATION)
-            self._after_event(now)
+            self.wake()
             return
-        wanted = [pdo for pdo in self._transmit_pdos if pdo.wants_sync()]
-        if wanted:
-            self.sample_inputs(now)
-            for pdo in wanted:
-                pdo.transmit(now)
-        written = False
-        for receive in self._receive_pdos:
-            if receive.synchronise():
-                written = True
-        if written:
-            self.apply_outputs(now)
+        self.pdos.synchronise(now)
 
     def _on_sdo(self, data: bytes, now: float) -> None:
         if not self.sdo_muted:
             self._server.receive(data, now)
-            self._after_event(now)
+            self.wake()
 
     def _on_nmt(self, data: bytes, now: float) -> None:
         if len(data) != 2 or data[1] not in (0, self.node_id):
@@ -365,12 +290,7 @@ class EmulatedNode(FaultInjection):
             self._restart(communication_only=False)
         elif command == NmtCommand.RESET_COMMUNICATION:
             self._restart(communication_only=True)
-        self._after_event(now)
-
-    def _after_event(self, now: float) -> None:
-        """Send at once what an event has made due."""
-        self.due = -inf
-        self.tick(now)
+        self.wake()
 
     def _heartbeat_lost(self, node: int) -> None:
         self.emergency.raise_error(
@@ -394,12 +314,10 @@ class EmulatedNode(FaultInjection):
             return
         self.state = state
         if before is NmtState.OPERATIONAL:
-            for receive in self._receive_pdos:
-                receive.stop_watching()
+            self.pdos.stop()
             self.leave_operational(self.now)
         if state is NmtState.OPERATIONAL:
-            for transmit in self._transmit_pdos:
-                transmit.restart()
+            self.pdos.start()
             self.enter_operational(self.now)
         if state is NmtState.STOPPED:
             self._server.reset()
@@ -415,10 +333,7 @@ class EmulatedNode(FaultInjection):
         self._server.reset()
         self._producer.reset()
         self._consumer.configure()
-        for pdo in (*self._receive_pdos, *self._transmit_pdos):
-            pdo.configure()
-        for receive in self._receive_pdos:
-            receive.stop_watching()
+        self.pdos.configure()
         if not communication_only:
             self.restore_process()
         self._route()

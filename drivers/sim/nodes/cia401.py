@@ -184,7 +184,7 @@ class EmulatedCia401(EmulatedNode):
         )
         self._trigger = array(0x6421, input_count, UNSIGNED8, _UPPER | _LOWER | _DELTA)
         self._interrupt = self.dictionary.add(0x6423, 0, Variable(BOOLEAN, 0))
-        self._interrupt.changed = self._wake
+        self._interrupt.changed = self.wake
         self._upper = array(0x6424, input_count, INTEGER32, 0)
         self._lower = array(0x6425, input_count, INTEGER32, 0)
         self._delta = array(0x6426, input_count, UNSIGNED32, 0)
@@ -264,7 +264,7 @@ class EmulatedCia401(EmulatedNode):
         if now < self._next_look:
             return
         self._next_look = now + _INPUT_PERIOD
-        watched = [pdo for pdo in self._transmit_pdos if pdo.can_id and pdo.event_driven]
+        watched = [pdo for pdo in self.pdos.transmit if pdo.can_id and pdo.event_driven]
         if not watched:
             self._next_look = inf
             return

@@ -1,0 +1,172 @@
+"""All PDOs of an emulated node at work: what comes in, what SYNC and time make it send."""
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Protocol
+
+from drivers.sim.nodes import emergency as emcy
+from drivers.sim.nodes.emergency import Emergency
+from drivers.sim.nodes.object_dictionary import ObjectDictionary
+from drivers.sim.nodes.pdo import NO_RTR, NOT_VALID, ReceivePdo, TransmitPdo
+
+PDO_COUNT = 4
+Handler = Callable[[bytes, float], None]
+
+
+class Process(Protocol):
+    """The application side of a node, as its PDOs need it."""
+
+    def sample_inputs(self, now: float) -> None:
+        """Bring the input objects up to date."""
+        ...
+
+    def apply_outputs(self, now: float) -> None:
+        """Act on the output objects."""
+        ...
+
+    def wake(self) -> None:
+        """Have the node look at what is due."""
+        ...
+
+
+class PdoExchange:
+    """Four PDOs each way.
+
+    Parameters
+    ----------
+    dictionary : ObjectDictionary
+        Gets the parameters and holds what is mapped.
+    node_id : int
+        For the default COB-IDs.
+    emergency : Emergency
+        Told of bad lengths and missed deadlines.
+    process : Process
+        Samples and applies.
+    """
+
+    def __init__(
+        self,
+        dictionary: ObjectDictionary,
+        node_id: int,
+        emergency: Emergency,
+        process: Process,
+    ) -> None:
+        self._dictionary = dictionary
+        self._node_id = node_id
+        self._emergency = emergency
+        self._process = process
+        self.receive: list[ReceivePdo] = []
+        self.transmit: list[TransmitPdo] = []
+
+    def add(
+        self,
+        receive: Sequence[Sequence[int]],
+        transmit: Sequence[Sequence[int]],
+        *,
+        send: Callable[[int, bytes], None],
+        changed: Callable[[], None],
+    ) -> None:
+        """Add the PDOs with their default mappings; those without one are not valid."""
+        for number in range(PDO_COUNT):
+            entries = receive[number] if number < len(receive) else ()
+            cob_id = 0x200 + 0x100 * number + self._node_id | (0 if entries else NOT_VALID)
+            self.receive.append(
+                ReceivePdo(
+                    self._dictionary, number, cob_id=cob_id, entries=entries, changed=changed
+                )
+            )
+        for number in range(PDO_COUNT):
+            entries = transmit[number] if number < len(transmit) else ()
+            cob_id = 0x180 + 0x100 * number + self._node_id | NO_RTR
+            cob_id |= 0 if entries else NOT_VALID
+            self.transmit.append(
+                TransmitPdo(
+                    self._dictionary,
+                    number,
+                    cob_id=cob_id,
+                    entries=entries,
+                    changed=changed,
+                    send=send,
+                )
+            )
+
+    def configure(self) -> None:
+        """Take all parameters as they are now."""
+        for pdo in (*self.receive, *self.transmit):
+            pdo.configure()
+        self.stop()
+
+    def start(self) -> None:
+        """Begin exchanging: the node became OPERATIONAL."""
+        for pdo in self.transmit:
+            pdo.restart()
+
+    def stop(self) -> None:
+        """Expect nothing and forget what waits for SYNC."""
+        for pdo in self.receive:
+            pdo.stop_watching()
+
+    def routes(self) -> dict[int, Handler]:
+        """Return the handler of each CAN id that is consumed."""
+        return {pdo.can_id: self._receiver(pdo) for pdo in self.receive if pdo.can_id is not None}
+
+    @property
+    def due(self) -> float:
+        """When `tick` has something to do, s."""
+        return min(
+            *[pdo.due for pdo in self.receive],
+            *[pdo.due for pdo in self.transmit],
+            inf,
+        )
+
+    def synchronise(self, now: float) -> None:
+        """Act on a SYNC: sample and send what it asks for, apply what waited for it."""
+        wanted = [pdo for pdo in self.transmit if pdo.wants_sync()]
+        if wanted:
+            self._process.sample_inputs(now)
+            for pdo in wanted:
+                pdo.transmit(now)
+        written = False
+        for receive in self.receive:
+            if receive.synchronise():
+                written = True
+        if written:
+            self._process.apply_outputs(now)
+
+    def tick(self, now: float) -> None:
+        """Report setpoints that are late; send what events and timers ask for."""
+        for pdo in self.receive:
+            if now >= pdo.due:
+                pdo.due = inf
+                self._emergency.raise_error(
+                    f"rpdo{pdo.number} late", emcy.RPDO_TIMEOUT, emcy.COMMUNICATION
+                )
+        wanted = [pdo for pdo in self.transmit if now >= pdo.due]
+        if wanted:
+            self._process.sample_inputs(now)
+            for transmit in wanted:
+                transmit.transmit(now)
+
+    def _receiver(self, pdo: ReceivePdo) -> Handler:
+        size = pdo.layout.size
+        bad_length, late = f"rpdo{pdo.number} length", f"rpdo{pdo.number} late"
+        emergency, process = self._emergency, self._process
+
+        def receive(data: bytes, now: float) -> None:
+            length = len(data)
+            if length != size:
+                code = emcy.RPDO_TOO_SHORT if length < size else emcy.RPDO_TOO_LONG
+                emergency.raise_error(bad_length, code, emcy.COMMUNICATION)
+                process.wake()
+                if length < size:
+                    return
+            elif emergency.present:
+                emergency.clear_error(bad_length)
+                emergency.clear_error(late)
+                process.wake()
+            if pdo.receive(data, now):
+                process.apply_outputs(now)
+            if pdo.due < inf:
+                process.wake()
+
+        return receive
