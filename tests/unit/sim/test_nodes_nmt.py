@@ -165,3 +165,30 @@ def test_reset_of_communication_keeps_the_application_objects(bench):
     assert bench.read(REGULATORS, 0x1017) == 0
     bench.ask("000#8110")
     assert bench.read(REGULATORS, 0x6444, 1) == 0
+
+
+def test_boot_up_of_a_master_that_was_not_there_yet_is_no_loss(bench):
+    bench.run()
+    bench.write(REGULATORS, 0x1016, 1, MASTER << 16 | 150, 4)
+    assert bench.ask("77F#00") == []
+
+
+def test_digital_error_value_is_masked_by_its_mode(bench):
+    bench.run()
+    bench.write(REGULATORS, 0x6207, 1, 0xFF, 1)
+    bench.write(REGULATORS, 0x6206, 1, 0xFE, 1)
+    bench.ask("000#0110", "000#8010")
+    assert bench.plant.supply is False  # the valve's bit holds
+    bench.write(REGULATORS, 0x6206, 1, 0x01, 1)
+    bench.ask("000#0110", "000#8010")
+    assert bench.plant.supply is True
+
+
+def test_a_node_off_the_bus_acts_on_nothing_and_vents(bench):
+    arm(bench)
+    bench.rig.inject("regulators", "silent", 1.0)
+    for _ in range(30):
+        bench.ask("77F#05", "310#FF7F000000000000")
+        assert bench.plant.setpoints[0] < 500e3
+        bench.run(0.01)
+    assert bench.plant.setpoints == [0.0, 0.0]

@@ -213,3 +213,27 @@ def test_monitor_and_setpoint_scales_are_their_own(bench):
     # the monitor's 1 … 5 V are converted on the same 0x7FFF counts
     assert bench.read(REGULATORS, 0x6401, 1) == 0x4000
     assert SETPOINT.electrical != MONITOR.electrical
+
+
+def test_inhibit_time_spaces_the_frames_of_a_busy_input(bench):
+    bench.run()
+    bench.write(REGULATORS, 0x1800, 1, 0x80000190, 4)
+    assert bench.write(REGULATORS, 0x1800, 3, 200, 2) == 0  # 20 ms in 100 us
+    bench.write(REGULATORS, 0x1800, 1, 0x190, 4)
+    times = []
+    bench.side.monitor = lambda t, can_id, data: times.append(t) if can_id == 0x190 else None
+    bench.ask("000#0110")
+    for tick in range(50):
+        bench.rig.inject("regulators", "emergency_stop", float(tick % 2 == 0))
+        bench.run(0.002)
+    assert len(times) > 3
+    assert min(b - a for a, b in pairwise(times)) >= 0.02 - 1e-9
+
+
+def test_inhibit_time_spaces_emergencies(bench):
+    bench.run()
+    bench.write(REGULATORS, 0x1015, 0, 100, 2)  # 10 ms
+    for code in (0x1000, 0x2000, 0x3000):
+        bench.rig.inject("regulators", "emergency", float(code))
+    frames = [bench.run(0.002) for _ in range(13)]
+    assert [number for number, some in enumerate(frames) if some] == [0, 5, 10]
