@@ -61,7 +61,7 @@ def draw_channel(
         "breakaway": seals.breakaway * unit_friction,
         "stribeck_velocity": seals.stribeck_velocity,
         "viscous": seals.viscous * unit_friction,
-        "pressure_friction": cylinder.pressure_friction * unit_friction,
+        "pressure_friction": seals.pressure * unit_friction,
         "bristle_stiffness": cylinder.bristle_stiffness,
         "bristle_damping": cylinder.bristle_damping,
         "stop_stiffness": cylinder.stop_stiffness,
@@ -80,5 +80,6 @@ def scale_seals(name: str, scale: float) -> SealFriction:
         breakaway=nominal.breakaway * scale,
         stribeck_velocity=nominal.stribeck_velocity,
         viscous=nominal.viscous * scale,
+        pressure=nominal.pressure * scale,
         seat=nominal.seat * scale,
     )

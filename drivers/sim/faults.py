@@ -1,0 +1,117 @@
+"""Faults on a schedule: what breaks, where and when."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Protocol
+
+from annotated_types import Ge, Unit
+
+from drivers.sim.clock import World
+
+
+@dataclass(frozen=True, slots=True)
+class ScheduledFault:
+    """One line of a fault schedule.
+
+    Parameters
+    ----------
+    at : float
+        When, s on the rig's clock.
+    device : str
+        Name of the device, node or bus, or ``plant``.
+    fault : str
+        One of the faults that it knows.
+    value : float, optional
+        What the fault's description says, SI.
+    """
+
+    at: Annotated[float, Unit("s"), Ge(0)]
+    device: str
+    fault: str
+    value: float | None = None
+
+
+class Faulty(Protocol):
+    """Something that can be broken on purpose."""
+
+    @property
+    def known_faults(self) -> tuple[str, ...]:
+        """Names that `inject` understands."""
+        ...
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Make a fault happen now."""
+        ...
+
+
+class FaultSchedule:
+    """The faults of a run in the order of their times.
+
+    Parameters
+    ----------
+    faults : sequence of ScheduledFault
+        In any order; those of the same time happen in the order given.
+    targets : mapping
+        What they happen to, by name.
+
+    Raises
+    ------
+    ValueError
+        A fault names a target that is not there, or one that the target does not know.
+    """
+
+    def __init__(self, faults: Sequence[ScheduledFault], targets: Mapping[str, Faulty]) -> None:
+        for entry in faults:
+            _check(entry, targets)
+        self._targets = dict(targets)
+        # Taken from its end: the latest first, and of equal times the last given.
+        self._waiting = sorted(faults, key=lambda entry: entry.at)[::-1]
+
+    @property
+    def next_time(self) -> float:
+        """When the next fault happens, s; infinite if none is left."""
+        return self._waiting[-1].at if self._waiting else float("inf")
+
+    def due(self, t: float) -> None:
+        """Make every fault happen that is due at `t` (s) and has not happened."""
+        while self._waiting and self._waiting[-1].at <= t:
+            entry = self._waiting.pop()
+            self._targets[entry.device].inject(entry.fault, entry.value)
+
+
+class FaultyWorld:
+    """A world in which scheduled faults happen at their time, within a sleep or between two.
+
+    Parameters
+    ----------
+    world : World
+        What moves.
+    schedule : FaultSchedule
+        What breaks.
+    """
+
+    def __init__(self, world: World, schedule: FaultSchedule) -> None:
+        self._world = world
+        self._schedule = schedule
+        schedule.due(0.0)
+
+    def advance(self, t: float) -> None:
+        """Let time pass up to `t` (s), with a halt at each fault."""
+        schedule = self._schedule
+        while schedule.next_time <= t:
+            now = schedule.next_time
+            self._world.advance(now)
+            schedule.due(now)
+        self._world.advance(t)
+
+
+def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
+    target = targets.get(entry.device)
+    if target is None:
+        raise ValueError(
+            f"simulation: no device {entry.device!r} to fail; there are {', '.join(targets)}"
+        )
+    if entry.fault not in target.known_faults:
+        raise ValueError(
+            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(target.known_faults)}"
+        )
