@@ -2,7 +2,7 @@
 
 from typing import Any, Literal, Protocol
 
-Kind = Literal["driver", "controller", "mechanism", "plant", "reference"]
+Kind = Literal["bus", "driver", "controller", "mechanism", "plant", "reference"]
 
 
 class Registry(Protocol):

@@ -1,0 +1,131 @@
+"""What is wrong with a file, said so that it can be mended at once."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from rig.config.source import Mark
+from rig.hal import ConfigurationError
+
+_WIDTH = 96
+"""Longest excerpt of a line that is shown, characters."""
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One error at one place.
+
+    Parameters
+    ----------
+    mark : Mark
+        Where.
+    message : str
+        What is wrong, with the value and the bound that it broke.
+    hint : str, optional
+        What would be right.
+    """
+
+    mark: Mark
+    message: str
+    hint: str | None = None
+
+    def __str__(self) -> str:
+        parts = [f"{self.mark}: {self.message}", *_excerpt(self.mark)]
+        if self.hint:
+            parts.append(f"    {self.hint}")
+        return "\n".join(parts)
+
+
+class ProfileError(ConfigurationError):
+    """A profile, experiment or calibration is not valid; all of its errors at once.
+
+    Parameters
+    ----------
+    diagnostics : sequence of Diagnostic
+        At least one.
+    """
+
+    def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        count = len(self.diagnostics)
+        text = "\n".join(str(diagnostic) for diagnostic in self.diagnostics)
+        super().__init__(text if count == 1 else f"{text}\n{count} errors")
+
+
+class Problems:
+    """The errors found so far in one document and the files that it draws in."""
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[Mark, str], Diagnostic] = {}
+        self._broken: set[Mark] = set()
+
+    def __bool__(self) -> bool:
+        return bool(self._found)
+
+    def add(self, mark: Mark, message: str, hint: str | None = None) -> None:
+        """Note an error, unless the value there is known to be unreadable."""
+        if mark not in self._broken:
+            self._found.setdefault((mark, message), Diagnostic(mark, message, hint))
+
+    def add_broken(self, mark: Mark, message: str, hint: str | None = None) -> None:
+        """Note an error that makes the value there unreadable: others there would be noise."""
+        self.add(mark, message, hint)
+        self._broken.add(mark)
+
+    def error(self) -> ProfileError:
+        """Return everything as one exception, in the order of the files and lines."""
+        order = {source: i for i, source in enumerate(m.source for m, _ in self._found)}
+        ordered = sorted(
+            self._found.values(),
+            key=lambda d: (order[d.mark.source], d.mark.line, d.mark.column),
+        )
+        return ProfileError(ordered)
+
+    def raise_if_any(self) -> None:
+        """Raise what was found.
+
+        Raises
+        ------
+        ProfileError
+            Something was found.
+        """
+        if self._found:
+            raise self.error()
+
+
+def nearest(name: str, names: Iterable[str]) -> str | None:
+    """Return a hint with the name most like a wrong one, and with what there is."""
+    valid = sorted(set(names))
+    if not valid:
+        return None
+    close = difflib.get_close_matches(name[:64], valid, n=1, cutoff=0.6)
+    listed = ", ".join(valid)
+    return f"did you mean {close[0]}? (there are: {listed})" if close else f"there are: {listed}"
+
+
+def shown(value: object) -> str:
+    """Describe a plain value as a file's author knows it."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return repr(value if len(value) <= 40 else value[:39] + "…")
+    if isinstance(value, int | float):
+        return f"{value:g}" if isinstance(value, float) else str(value)
+    return "a mapping" if isinstance(value, dict) else "a list"
+
+
+def _excerpt(mark: Mark) -> list[str]:
+    """Return the marked line and a caret below the column, cut to a width."""
+    lines = mark.source.lines
+    if not 1 <= mark.line <= len(lines):
+        return []
+    line = "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}"
+                   for char in lines[mark.line - 1])
+    column = min(mark.column - 1, len(line))
+    start = max(0, column - _WIDTH * 2 // 3) if len(line) > _WIDTH else 0
+    return [
+        f"    {line[start : start + _WIDTH].rstrip()}",
+        f"    {' ' * (column - start)}^",
+    ]

@@ -1,0 +1,26 @@
+"""What a class says of its parameters in its NumPy docstring, for the schema of an editor."""
+
+import inspect
+import re
+from functools import lru_cache
+
+_NAMES = re.compile(r"(\w+(?:, \w+)*)(?: :.*)?")
+
+
+@lru_cache(maxsize=256)
+def parameter_texts(documented: type) -> dict[str, str]:
+    """Return the text of every parameter by name; parameters described together share it."""
+    lines = inspect.cleandoc(documented.__doc__ or "").splitlines()
+    found: dict[str, list[str]] = {}
+    names: list[str] = []
+    inside = False
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        if following and not following.strip("-"):
+            inside, names = line == "Parameters", []
+        elif inside and line and not line.startswith((" ", "-")):
+            match = _NAMES.fullmatch(line)
+            names = match.group(1).split(", ") if match else []
+        elif line.startswith(" "):
+            for name in names:
+                found.setdefault(name, []).append(line.strip())
+    return {name: " ".join(text) for name, text in found.items()}

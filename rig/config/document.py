@@ -1,0 +1,241 @@
+"""One tree of located values from a file, the files that it extends and the options over it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from rig.config.diagnostics import Problems, shown
+from rig.config.names import Folder, find_file, is_path
+from rig.config.quantities import UnitError, parse_any_quantity
+from rig.config.source import BROKEN, Mark, Node, Source
+from rig.config.yaml_loader import parse, read_source
+from rig.hal import ConfigurationError
+
+_OWN: Final = ("extends", "name", "description")
+"""What a file says of itself and does not inherit."""
+
+_SELECTORS: Final = ("driver", "model", "kind")
+"""Keys that say what the keys beside them mean."""
+
+_MAX_CHAIN: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A file with its bases.
+
+    Parameters
+    ----------
+    root : Node
+        The merged mapping.
+    files : tuple of Path
+        What was read, the file itself first.
+    """
+
+    root: Node
+    files: tuple[Path, ...]
+
+
+def load_document(
+    path: Path, folder: Folder, search: Sequence[Path], problems: Problems
+) -> Document:
+    """Read a file and, base first, the chain of files that it extends.
+
+    Raises
+    ------
+    ConfigurationError
+        A file cannot be read, or is not YAML at all.
+    """
+    return _load(path, folder, search, problems, ())
+
+
+def _load(
+    path: Path, folder: Folder, search: Sequence[Path], problems: Problems, chain: tuple[Path, ...]
+) -> Document:
+    root = parse_mapping(read_source(path), problems)
+    chain = (*chain, path.resolve())
+    assert isinstance(root.value, dict)
+    extends = root.value.get("extends")
+    own = root.with_items({key: node for key, node in root.value.items() if key != "extends"})
+    if extends is None or extends.value is None:
+        return Document(own, (path,))
+    base = _base(extends, path, folder, search, problems, chain)
+    if base is None:
+        return Document(own, (path,))
+    inherited = _load(base, folder, search, problems, chain)
+    assert isinstance(inherited.root.value, dict)
+    items = {key: node for key, node in inherited.root.value.items() if key not in _OWN}
+    merged = merge(inherited.root.with_items(items), own)
+    return Document(merged, (path, *inherited.files))
+
+
+def _base(
+    extends: Node, path: Path, folder: Folder, search: Sequence[Path], problems: Problems,
+    chain: tuple[Path, ...],
+) -> Path | None:  # fmt: skip
+    """Return the file that another one extends, None after noting why there is none."""
+    name = extends.value
+    if not isinstance(name, str):
+        problems.add(extends.mark, f"extends is {shown(extends.plain())}, expected a name or path")
+        return None
+    try:
+        if is_path(name):
+            base = path.parent / name
+        elif (beside := path.parent / f"{name}.yaml").is_file():
+            base = beside
+        else:
+            base = find_file(name, folder, search)
+        if not base.is_file():
+            raise ConfigurationError(f"there is no file {base}")
+    except (ConfigurationError, OSError, ValueError) as error:
+        problems.add(extends.mark, f"extends: {error}")
+        return None
+    if base.resolve() in chain:
+        problems.add(extends.mark, f"extends: {base} extends this file in turn")
+        return None
+    if len(chain) >= _MAX_CHAIN:
+        problems.add(extends.mark, f"extends: a chain of more than {_MAX_CHAIN} files")
+        return None
+    return base
+
+
+def parse_mapping(source: Source, problems: Problems) -> Node:
+    """Parse a text whose root must be a mapping."""
+    root = parse(source, problems)
+    if not isinstance(root.value, dict):
+        if root.value is not BROKEN:
+            problems.add(root.mark, f"the file holds {shown(root.plain())}, expected a mapping")
+        raise problems.error()
+    return root
+
+
+def merge(base: Node, over: Node) -> Node:
+    """Lay a node over another: mappings key by key, anything else replaces.
+
+    A mapping that names another driver, plant model or reference kind replaces the whole
+    entry, since the keys of the one mean nothing to the other.
+    """
+    if not (isinstance(base.value, dict) and isinstance(over.value, dict)):
+        return over
+    for key in _SELECTORS:
+        if key in over.value and key in base.value:
+            if over.value[key].plain() != base.value[key].plain():
+                return over
+    items = dict(base.value)
+    for key, node in over.value.items():
+        items[key] = merge(items[key], node) if key in items else node
+    return over.with_items(items)
+
+
+def apply_overrides(root: Node, overrides: Sequence[str], problems: Problems) -> Node:
+    """Lay ``a.b=c`` options over a mapping, the later over the earlier.
+
+    Parameters
+    ----------
+    root : Node
+        The mapping.
+    overrides : sequence of str
+        Path of keys (and of positions in a list), an equals sign, and a value in YAML on one
+        line.
+    problems : Problems
+        Takes what is wrong with an option, located in its text.
+    """
+    for text in overrides:
+        source = Source("--set", text)
+        mark = Mark(source, 1, 1)
+        path, equals, value = text.partition("=")
+        keys = [key.strip() for key in path.split(".")]
+        if not equals or not all(keys):
+            problems.add(mark, "an option is a path of keys, = and a value, as in loop.rate=500")
+            continue
+        if not value.strip():
+            problems.add(Mark(source, 1, len(path) + 1), "there is no value after =")
+            continue
+        # Blanks in the place of the path keep the columns.
+        padded = Source("--set", " " * (len(path) + 1) + value)
+        node = _relocate(_parse_option(padded, source, problems), source, mark)
+        if node is not None:
+            root = _set(root, keys, node, problems)
+    return root
+
+
+def _parse_option(padded: Source, source: Source, problems: Problems) -> Node | None:
+    found = Problems()
+    node = None
+    try:
+        node = parse(padded, found, flow_only=True)
+        found.raise_if_any()
+    except ConfigurationError as error:
+        for diagnostic in getattr(error, "diagnostics", ()):
+            mark = diagnostic.mark._replace(source=source)
+            problems.add(mark, diagnostic.message, diagnostic.hint)
+        return None
+    return node
+
+
+def _relocate(node: Node | None, source: Source, key: Mark) -> Node | None:
+    """Show the whole option in errors about its value."""
+    if node is None:
+        return None
+
+    def moved(item: Node) -> Node:
+        value = item.value
+        if isinstance(value, dict):
+            value = {name: moved(below) for name, below in value.items()}
+        elif isinstance(value, list):
+            value = [moved(below) for below in value]
+        place = item.key._replace(source=source) if item.key else None
+        return Node(value, item.mark._replace(source=source), place)
+
+    return replace(moved(node), key=key)
+
+
+def _set(root: Node, keys: Sequence[str], node: Node, problems: Problems) -> Node:
+    assert node.key is not None
+    first, rest = keys[0], keys[1:]
+    if isinstance(root.value, list):
+        if not (first.isascii() and first.isdigit() and len(first) < 6):
+            problems.add(node.key, f"{first} is not a position in a list")
+            return root
+        index = int(first)
+        if index >= len(root.value):
+            problems.add(node.key, f"there is no position {index}: the list has {len(root.value)}")
+            return root
+        items = list(root.value)
+        items[index] = _set(items[index], rest, node, problems) if rest else node
+        return replace(root, value=items)
+    if not isinstance(root.value, dict):
+        problems.add(node.key, f"{first} cannot be set: what holds it is {shown(root.plain())}")
+        return root
+    below = root.value.get(first)
+    if rest:
+        below = below if below is not None else Node({}, node.key, node.key)
+        changed = _set(below, rest, node, problems)
+    else:
+        changed = node
+    return root.with_items({**root.value, first: changed})
+
+
+def with_plain_quantities(node: Node, keys: Sequence[str], problems: Problems) -> Node:
+    """Turn texts with any unit into SI numbers, and note the unit beside them as ``unit``.
+
+    For fields whose dimension only another layer knows; the keys must agree in it.
+    """
+    if not isinstance(node.value, dict):
+        return node
+    items = dict(node.value)
+    for key in keys:
+        entry = items.get(key)
+        if entry is None or not isinstance(entry.value, str):
+            continue
+        try:
+            value, unit = parse_any_quantity(entry.value)
+        except UnitError as error:
+            problems.add_broken(entry.mark, f"{key}: {error}")
+            continue
+        stated = items.setdefault("unit", Node(unit, entry.mark, entry.key))
+        if stated.value != unit:
+            problems.add(entry.mark, f"{key} is in {unit}, but the unit is {shown(stated.plain())}")
+        items[key] = replace(entry, value=value)
+    return node.with_items(items)

@@ -1,0 +1,94 @@
+"""Where configuration files lie, and which rigs and experiments there are."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, Literal
+
+from rig.config.diagnostics import nearest
+from rig.hal import ConfigurationError
+
+Folder = Literal["rigs", "experiments"]
+
+_SUFFIXES: Final = (".yaml", ".yml")
+_SINGULAR: Final = {"rigs": "rig", "experiments": "experiment"}
+_NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,63}")
+
+
+def is_name(text: str) -> bool:
+    """Return whether a text may name a rig, bus or device: it may become a file's name."""
+    return _NAME.fullmatch(text) is not None
+
+
+def find_configs(given: Path | None = None) -> tuple[Path, ...]:
+    """Return the folders that hold ``rigs``, ``experiments`` and ``calibration``.
+
+    Parameters
+    ----------
+    given : Path, optional
+        What the user named; then it is the only one.
+
+    Returns
+    -------
+    tuple of Path
+        Default: ``configs`` in the working directory, then the one beside this package.
+
+    Raises
+    ------
+    ConfigurationError
+        What the user named is no folder.
+    """
+    if given is not None:
+        if not given.is_dir():
+            raise ConfigurationError(f"{given} is not a folder with configurations")
+        return (given,)
+    candidates = (Path("configs"), Path(__file__).resolve().parents[2] / "configs")
+    found = {path.resolve(): path for path in reversed(candidates) if path.is_dir()}
+    return tuple(reversed(found.values()))
+
+
+def list_files(folder: Folder, search: Sequence[Path]) -> dict[str, Path]:
+    """Return the files of a kind by name, sorted; an earlier folder hides a later one."""
+    found: dict[str, Path] = {}
+    for configs in search:
+        directory = configs / folder
+        if not directory.is_dir():
+            continue
+        for path in sorted(directory.iterdir()):
+            if path.suffix in _SUFFIXES and not path.name.startswith("."):
+                found.setdefault(path.stem, path)
+    return dict(sorted(found.items()))
+
+
+def is_path(source: str) -> bool:
+    """Return whether a text means a file and not a name."""
+    return "/" in source or source.endswith(_SUFFIXES)
+
+
+def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Path:
+    """Return the file of a rig or experiment.
+
+    Parameters
+    ----------
+    source : str or Path
+        A name, or the path of a file.
+    folder : str
+        ``"rigs"`` or ``"experiments"``.
+    search : sequence of Path
+        The configuration folders.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none of that name; with the nearest one.
+    """
+    if isinstance(source, Path) or is_path(source):
+        return Path(source)
+    files = list_files(folder, search)
+    if source in files:
+        return files[source]
+    hint = nearest(source, files)
+    where = ", ".join(str(configs / folder) for configs in search) or "nowhere: no folder"
+    raise ConfigurationError(
+        f"no {_SINGULAR[folder]} is called {source!r}; " + (hint or f"looked in {where}")
+    )

@@ -1,0 +1,133 @@
+"""Where a value was written: sources, marks and the tree of located values."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final, NamedTuple, TypeAlias
+
+Path: TypeAlias = tuple[str | int, ...]
+"""Keys and list positions from the root of a document to a value."""
+
+_LINE_BREAK: Final = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # what YAML 1.1 calls one
+
+
+class Source:
+    """A named text: a file, or the text of an option.
+
+    Parameters
+    ----------
+    name : str
+        What an error message calls it: the file's path, or ``--set``.
+    text : str
+        All of it.
+    """
+
+    def __init__(self, name: str, text: str) -> None:
+        self.name = name
+        self.text = text
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """The text's lines without their ends."""
+        return _LINE_BREAK.split(self.text)
+
+    def mark_at(self, offset: int) -> "Mark":
+        """Return the place of the character at an offset."""
+        before = _LINE_BREAK.split(self.text[:offset])
+        return Mark(self, len(before), len(before[-1]) + 1)
+
+
+class Mark(NamedTuple):
+    """A place in a source; line and column count from 1."""
+
+    source: Source
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.source.name}:{self.line}:{self.column}"
+
+
+class Broken:
+    """Stands for a value that the loader has already complained about."""
+
+
+BROKEN: Final = Broken()
+
+Scalar: TypeAlias = str | int | float | bool | Broken | None
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A value and where it was written.
+
+    Parameters
+    ----------
+    value : dict, list or scalar
+        Nodes below a mapping's keys or in a list, or the scalar itself.
+    mark : Mark
+        Where the value starts.
+    key : Mark, optional
+        Where the key of the value stands, if it is in a mapping.
+    """
+
+    value: "dict[str, Node] | list[Node] | Scalar"
+    mark: Mark
+    key: Mark | None = None
+
+    @property
+    def heading(self) -> Mark:
+        """Where a reader looks for the whole value: its key, else its start."""
+        return self.key or self.mark
+
+    def plain(self) -> Any:
+        """Return the value as plain dicts, lists and scalars."""
+        if isinstance(self.value, dict):
+            return {key: node.plain() for key, node in self.value.items()}
+        if isinstance(self.value, list):
+            return [node.plain() for node in self.value]
+        return self.value
+
+    def descend(self, path: Sequence[str | int]) -> "tuple[Node, Path]":
+        """Follow a path as far as it goes.
+
+        Parts that lead nowhere are skipped: a validator's path also names the alternatives of
+        a union, which are not in the document.
+
+        Returns
+        -------
+        node : Node
+            The last node that was reached.
+        path : tuple
+            The parts that led there.
+        """
+        node, taken = self, []
+        for part in path:
+            below = node.get(part)
+            if below is not None:
+                node = below
+                taken.append(part)
+        return node, tuple(taken)
+
+    def get(self, part: str | int) -> "Node | None":
+        """Return the node below a key or list position, None if there is none."""
+        if isinstance(self.value, dict) and isinstance(part, str):
+            return self.value.get(part)
+        if isinstance(self.value, list) and isinstance(part, int) and part < len(self.value):
+            return self.value[part]
+        return None
+
+    def locations(self, path: Path = ()) -> Iterator[tuple[Path, Mark]]:
+        """Yield the path and the mark of this value and of all below it."""
+        yield path, self.mark
+        if isinstance(self.value, dict):
+            for key, node in self.value.items():
+                yield from node.locations((*path, key))
+        elif isinstance(self.value, list):
+            for index, node in enumerate(self.value):
+                yield from node.locations((*path, index))
+
+    def with_items(self, items: "dict[str, Node]") -> "Node":
+        """Return the same place with other content."""
+        return replace(self, value=items)
