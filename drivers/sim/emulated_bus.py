@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import inf
 from typing import cast
 
 from drivers.sim.frame_faults import FrameFaults
@@ -75,6 +76,11 @@ class EmulatedBus:
             if not frame.is_error_frame:
                 self._accept(frame, latency)
 
+    @property
+    def known_faults(self) -> tuple[str, ...]:
+        """Names that `inject` accepts."""
+        return ("frame_loss", "foreign_frame")
+
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault of the bus itself happen.
 
@@ -95,12 +101,18 @@ class EmulatedBus:
             self.send_foreign(0x7E5 if value is None else int(value), bytes(8))
         else:
             raise ValueError(
-                f"bus {self.name}: no fault {fault!r}; known are frame_loss, foreign_frame"
+                f"bus {self.name}: no fault {fault!r}; known are {', '.join(self.known_faults)}"
             )
 
     def send_foreign(self, can_id: int, data: bytes, *, extended: bool = False) -> None:
         """Send a frame to the master as if another device were on the bus."""
         self._to_master(can_id, data, self._now, extended=extended or can_id > 0x7FF)
+
+    def tell(self, now: float) -> None:
+        """Give every node the time even if nothing is due: a lasting fault starts now."""
+        self._now = now
+        for node in self.nodes:
+            node.tick(now)
 
     def tick(self, now: float) -> None:
         """Give the nodes the time."""
@@ -112,7 +124,7 @@ class EmulatedBus:
     @property
     def due(self) -> float:
         """When the first node has something to do, s."""
-        return min([node.due for node in self.nodes])
+        return min([node.due for node in self.nodes], default=inf)
 
     def _accept(self, frame: Frame, latency: float) -> None:
         can_id, data = frame.arbitration_id, bytes(frame.data)

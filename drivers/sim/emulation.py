@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 from drivers.sim.emulated_bus import EmulatedBus
+from drivers.sim.faults import FaultSchedule, Faulty, ScheduledFault
 from drivers.sim.frame_faults import FrameFault
-from drivers.sim.nodes.base import EmulatedNode
 
 
 class Plant(Protocol):
@@ -21,30 +21,6 @@ class Plant(Protocol):
 
     def advance(self, t: float) -> None:
         """Integrate up to time `t`, s."""
-        ...
-
-
-class ScheduledFault(Protocol):
-    """One line of a fault schedule."""
-
-    @property
-    def at(self) -> float:
-        """When, s since the start."""
-        ...
-
-    @property
-    def device(self) -> str:
-        """Name of the node or bus."""
-        ...
-
-    @property
-    def fault(self) -> str:
-        """Name of the fault."""
-        ...
-
-    @property
-    def value(self) -> float | None:
-        """What the fault's description says."""
         ...
 
 
@@ -72,14 +48,6 @@ class Simulation(Protocol):
         ...
 
 
-class Faulty(Protocol):
-    """Something that faults can be injected into."""
-
-    def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now."""
-        ...
-
-
 class EmulatedRig:
     """Plant, buses and fault schedule in one virtual time.
 
@@ -92,12 +60,12 @@ class EmulatedRig:
     settings : Simulation
         Latency, losses, faults, seed.
     devices : mapping, optional
-        More targets of scheduled faults by name, each with `inject(fault, value)`.
+        More targets of faults by name, e.g. the plant.
 
     Raises
     ------
     ValueError
-        A scheduled fault names a device that is not there.
+        A scheduled fault names a device that is not there, or a fault it does not know.
     """
 
     def __init__(
@@ -120,9 +88,7 @@ class EmulatedRig:
             bus.frame_loss = settings.frame_loss
             self._targets[bus.name] = bus
             self._targets |= {node.name: node for node in bus.nodes}
-        for entry in settings.faults:
-            self._target(entry.device)
-            self._push(entry.at, self._injection(entry))
+        self._schedule = FaultSchedule(settings.faults, self._targets)
 
     def advance(self, t: float) -> None:
         """Let time pass up to `t` (s): frames arrive, nodes answer, the plant moves."""
@@ -134,6 +100,9 @@ class EmulatedRig:
             self.time = now
             while self._events and self._events[0][0] <= now:
                 heapq.heappop(self._events)[2](now)
+            if self._schedule.next_time <= now:
+                self._tell_time()
+                self._schedule.due(now)
             for bus in self.buses:
                 bus.tick(now)
         if t > self.time:
@@ -141,41 +110,36 @@ class EmulatedRig:
             self.time = t
 
     def inject(self, device: str, fault: str, value: float | None = None) -> None:
-        """Make a fault of a node or bus happen now.
+        """Make a fault of a node, a bus or another device happen now.
 
         Raises
         ------
         ValueError
             There is no such device, it has no such fault, or the value does not fit.
         """
-        target = self._target(device)
-        if isinstance(target, EmulatedNode):
-            target.tick(self.time)  # a fault that lasts is counted from now
+        target = self._targets.get(device)
+        if target is None:
+            known = ", ".join(self._targets)
+            raise ValueError(f"simulation: no device {device!r} to fail; there are {known}")
+        self._tell_time()
         target.inject(fault, value)
 
     def add_frame_fault(self, bus: str, fault: FrameFault) -> None:
         """Have something happen to chosen frames of a bus."""
         next(item for item in self.buses if item.name == bus).faults.add(fault)
 
-    def _target(self, device: str) -> Faulty:
-        target = self._targets.get(device)
-        if target is None:
-            known = ", ".join(self._targets)
-            raise ValueError(f"simulation: no device {device!r} to fail; there are {known}")
-        return target
-
-    def _injection(self, entry: ScheduledFault) -> Callable[[float], None]:
-        return lambda now: self.inject(entry.device, entry.fault, entry.value)
+    def _tell_time(self) -> None:
+        """Give every node the time: a fault that lasts is counted from now."""
+        for bus in self.buses:
+            bus.tell(self.time)
 
     def _post(self, delay: float, action: Callable[[float], None]) -> None:
-        self._push(self.time + delay, action)
-
-    def _push(self, due: float, action: Callable[[float], None]) -> None:
-        heapq.heappush(self._events, (due, self._sequence, action))
+        """Have an action done `delay` (s) from now; equal times keep their order."""
+        heapq.heappush(self._events, (self.time + delay, self._sequence, action))
         self._sequence += 1
 
     def _next_due(self) -> float:
-        due = min([bus.due for bus in self.buses])
-        if self._events and self._events[0][0] < due:
-            due = self._events[0][0]
-        return due
+        due = self._schedule.next_time
+        for bus in self.buses:
+            due = min(due, bus.due)
+        return min(due, self._events[0][0]) if self._events else due

@@ -1,10 +1,11 @@
 """Faults of nodes, frames and buses, from tests and from a schedule."""
 
-from types import SimpleNamespace
+from itertools import pairwise
 
 import pytest
 from emulated_rig import AGONIST, REGULATORS, Bench
 
+from drivers.sim.faults import ScheduledFault
 from drivers.sim.frame_faults import FrameFault
 
 
@@ -146,11 +147,8 @@ def test_losses_are_the_same_for_the_same_seed():
 
 
 def test_schedule_acts_at_its_time_whatever_the_step():
-    def entry(at, device, fault, value=None):
-        return SimpleNamespace(at=at, device=device, fault=fault, value=value)
-
     for step in (0.001, 0.004, 0.5):
-        bench = Bench(faults=(entry(0.0303, "agonist", "emergency", 4096.0),))
+        bench = Bench(faults=(ScheduledFault(0.0303, "agonist", "emergency", 4096.0),))
         times = []
         bench.side.monitor = lambda t, can_id, data, times=times: times.append((t, can_id))
         while bench.rig.time < 1.0:
@@ -159,9 +157,22 @@ def test_schedule_acts_at_its_time_whatever_the_step():
 
 
 def test_schedule_names_a_device_that_is_not_there():
-    fault = SimpleNamespace(at=1.0, device="legs", fault="silent", value=None)
     with pytest.raises(ValueError, match=r"no device 'legs'"):
-        Bench(faults=(fault,))
+        Bench(faults=(ScheduledFault(1.0, "legs", "silent"),))
+    with pytest.raises(ValueError, match=r"can0: no fault 'silent'; known are frame_loss"):
+        Bench(faults=(ScheduledFault(1.0, "can0", "silent"),))
+
+
+def test_scheduled_fault_lasts_from_its_time():
+    bench = Bench(faults=(ScheduledFault(0.5, "agonist", "silent", 0.1),))
+    bench.run()
+    bench.write(AGONIST, 0x1017, 0, 10, 2)
+    times = []
+    bench.side.monitor = lambda t, can_id, data: times.append(t)
+    bench.run(1.0)
+    gap = max(b - a for a, b in pairwise(times))
+    assert gap == pytest.approx(0.11, abs=0.011)
+    assert not [t for t in times if 0.5 <= t < 0.6]
 
 
 def test_frames_arrive_after_the_latency_however_time_is_cut():

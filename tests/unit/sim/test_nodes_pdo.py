@@ -233,9 +233,9 @@ def test_inhibit_time_spaces_the_frames_of_a_busy_input(bench):
 def test_inhibit_time_spaces_emergencies(bench):
     bench.run()
     bench.write(REGULATORS, 0x1015, 0, 100, 2)  # 10 ms
-    for code in (0x1000, 0x2000, 0x3000):
-        bench.rig.inject("regulators", "emergency", float(code))
     times = []
     bench.side.monitor = lambda t, can_id, data: times.append(t)
+    for code in (0x1000, 0x2000, 0x3000):
+        bench.rig.inject("regulators", "emergency", float(code))
     bench.run(0.1)
     assert times == pytest.approx([times[0] + delay for delay in (0.0, 0.01, 0.02)])
