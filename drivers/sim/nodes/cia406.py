@@ -2,8 +2,8 @@
 
 References
 ----------
-CiA 406 V3.2; object set and defaults as in the manuals of linear encoders on the market
-(PROTOCOLS section 2). Device type 0x0008_0196: profile 406 in the low word, encoder type 8
+CiA 406 V3.2; object set and defaults as in the manuals of linear encoders on the market.
+Device type 0x0008_0196: profile 406 in the low word, encoder type 8
 "absolute linear encoder" in the high word, as TR-Electronic's LA-46/LMRI-46 and SIKO's
 MSA501 report it (1 and 2 are single-turn and multi-turn rotary, 10 is multi-sensor).
 """
@@ -119,7 +119,7 @@ class EmulatedCia406(EmulatedNode):
         self.dictionary.find(0x1800, 2).default = 254
         self.dictionary.find(0x1801, 2).default = 1
         self.add_fault("frozen", lambda value: self.mute("frozen", True, value))
-        self.add_fault("jump", self._start_jump, self._end_jump)
+        self.add_fault("jump", self._start_jump, self._restore_position)
         self.add_fault("alarm", lambda value: self._raise_alarm(), self._clear_alarm)
         self.power_on()
 
@@ -218,7 +218,7 @@ class EmulatedCia406(EmulatedNode):
     def _start_jump(self, value: float | None) -> None:
         self._jump += 5e-3 if value is None else value
 
-    def _end_jump(self) -> None:
+    def _restore_position(self) -> None:
         self.frozen = False
         self._jump = 0.0
 
