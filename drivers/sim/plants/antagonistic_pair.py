@@ -132,7 +132,15 @@ class AntagonisticPairPlant:
         self._next_noise()
 
     def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
-        """Take a setpoint, Pa gauge; the converter saturates and quantises it."""
+        """Take a setpoint, Pa gauge; the converter saturates and quantises it.
+
+        Raises
+        ------
+        ValueError
+            The setpoint is not a finite number: no converter can put it out.
+        """
+        if not math.isfinite(pressure):
+            raise ValueError(f"plant: channel {channel} cannot take the setpoint {pressure}")
         self.channels[channel]["setpoint"] = quantize(pressure, self._full_scale, self._codes)
 
     def set_supply(self, open: bool) -> None:

@@ -152,12 +152,12 @@ def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
 @inlined
 def stop_force(extension: float, speed: float, p: Record) -> float:
     """Return the force of the end stops along the extension, N; they push and never pull."""
-    force: float = 0.0
+    force = 0.0
     if extension < 0.0:
         force = max(-p.stop_stiffness * extension - p.stop_damping * speed, 0.0)
     elif extension > p.stroke:
         force = min(p.stop_stiffness * (p.stroke - extension) - p.stop_damping * speed, 0.0)
-    return force
+    return float(force)
 
 
 @inlined
@@ -173,7 +173,7 @@ def seal_friction(state: Record, p: Record, dt: float) -> float:
         p.bristle_stiffness * bristle + damping * (bristle - state.bristle) / dt + p.viscous * speed
     )
     state.bristle = bristle
-    return force
+    return float(force)
 
 
 @inlined

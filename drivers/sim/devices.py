@@ -1,0 +1,369 @@
+"""Devices of `--on sim`: the capabilities straight on a plant, without a bus.
+
+They behave as the production drivers do on their bus: a reading is quantised and one cycle old
+(it was sampled when the cycle before it ended), a setpoint acts in its own cycle. The loop calls
+`check` once a cycle after it has taken its readings; that is when the next ones are sampled.
+"""
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Protocol
+
+from rig.hal import Clock, DeviceFault, Reading, Vector
+
+
+class RegulatorPort(Protocol):
+    """What the regulators need of a plant."""
+
+    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
+        """Give a regulator its setpoint, Pa gauge."""
+        ...
+
+    def pressure(self, channel: int) -> float:
+        """Return what a regulator's monitor shows, Pa gauge."""
+        ...
+
+    def set_supply(self, open: bool) -> None:
+        """Open or shut (and vent) the supply valve."""
+        ...
+
+
+class RodPort(Protocol):
+    """What an encoder needs of a plant."""
+
+    def position(self, channel: int) -> float:
+        """Return the true extension of a rod, m."""
+        ...
+
+    def speed(self, channel: int) -> float:
+        """Return the true speed of a rod's extension, m/s."""
+        ...
+
+
+class _SimulatedDevice:
+    """What the devices share: faults by name, and silence."""
+
+    def __init__(self, name: str, clock: Clock) -> None:
+        self.name = name
+        self._clock = clock
+        self._silent_until = 0.0
+        self._faults: dict[str, Callable[[float | None], None]] = {"silent": self._fall_silent}
+
+    @property
+    def known_faults(self) -> tuple[str, ...]:
+        """Names that `inject` understands."""
+        return (*self._faults, "repair")
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Make a fault happen now.
+
+        Raises
+        ------
+        ValueError
+            The fault is not known here, or the value does not fit it.
+        """
+        if fault == "repair":
+            self._repair()
+        elif fault in self._faults:
+            self._faults[fault](value)
+        else:
+            known = ", ".join(self.known_faults)
+            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
+
+    def close(self) -> None:
+        """Release nothing: there is no bus."""
+
+    def _is_silent(self) -> bool:
+        return self._clock.now() < self._silent_until
+
+    def _until(self, fault: str, duration: float | None) -> float:
+        if duration is None:
+            return inf
+        if not duration > 0.0:
+            raise ValueError(f"{self.name}: {fault} lasts longer than {duration:g} s")
+        return self._clock.now() + duration
+
+    def _fall_silent(self, duration: float | None) -> None:
+        self._silent_until = self._until("silent", duration)
+
+    def _repair(self) -> None:
+        self._silent_until = 0.0
+
+
+class SimulatedRegulators(_SimulatedDevice):
+    """Regulators, e-stop contact and supply valve of a plant.
+
+    Faults: ``silent`` (value: s), ``wire_break`` and ``output_stuck`` (value: channel),
+    ``emergency_stop`` (value: 1 pressed, 0 released), ``repair``.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    channels : sequence of str
+        In the order of the plant's channels.
+    plant : RegulatorPort
+        The physics.
+    clock : Clock
+        The rig's.
+    pressure_range : tuple of float
+        Of the setpoints, Pa gauge.
+    resolution : float
+        Of the monitor's converter, Pa.
+    deviation, deviation_time : float
+        How far (Pa) and for how long (s) a monitored pressure may be off its setpoint.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        channels: Sequence[str],
+        plant: RegulatorPort,
+        clock: Clock,
+        *,
+        pressure_range: tuple[float, float] = (0.0, 0.5e6),
+        resolution: float = 0.5e6 / 0x7FFF,
+        deviation: float = inf,
+        deviation_time: float = 0.5,
+    ) -> None:
+        super().__init__(name, clock)
+        self.channels = tuple(channels)
+        self.pressure_range = pressure_range
+        self._plant = plant
+        self._resolution = resolution
+        self._deviation = deviation
+        self._deviation_time = deviation_time
+        count = len(self.channels)
+        self._vented = (max(pressure_range[0], 0.0),) * count
+        self._setpoints: Vector = self._vented
+        self._followed_at = [0.0] * count
+        self._armed = False
+        self._stopped = False
+        self._broken: set[int] = set()
+        self._stuck: set[int] = set()
+        self._pressure: Reading[Vector] = Reading((0.0,) * count, -inf)
+        self._stop: Reading[bool] = Reading(True, -inf)
+        self._faults["wire_break"] = lambda value: self._broken.add(self._channel(value))
+        self._faults["output_stuck"] = lambda value: self._stuck.add(self._channel(value))
+        self._faults["emergency_stop"] = self._press_stop
+
+    def connect(self) -> None:
+        """Vent, with the supply closed, and take the first readings."""
+        self._plant.set_supply(False)
+        self._write(self._vented)
+        self._sample()
+
+    def arm(self) -> None:
+        """Open the supply and follow setpoints from now on."""
+        self._armed = True
+        self._followed_at = [self._clock.now()] * len(self.channels)
+        self._plant.set_supply(True)
+        self._sample()
+
+    def pressure(self) -> Reading[Vector]:
+        """Return the monitored pressures of the cycle before, Pa gauge, shape (n,)."""
+        return self._pressure
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop was pressed in the cycle before."""
+        return self._stop
+
+    def set_pressure(self, pressure: Vector) -> None:
+        """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed."""
+        if self._armed and not self._is_silent():
+            self._write(pressure)
+
+    def check(self, now: float) -> None:
+        """Raise if a regulator is not well, then sample the next readings.
+
+        Raises
+        ------
+        DeviceFault
+            A monitor's wire is broken, or a pressure is off its setpoint for too long.
+        """
+        for channel in self._broken:
+            raise DeviceFault(
+                self.name, f"the pressure monitor of {self.channels[channel]} has a broken wire"
+            )
+        if self._armed and self._deviation < inf:
+            self._check_deviation(now)
+        self._sample()
+
+    def make_safe(self) -> None:
+        """Vent every chamber and close the supply."""
+        self._armed = False
+        self._write(self._vented)
+        self._plant.set_supply(False)
+
+    def _write(self, setpoints: Vector) -> None:
+        self._setpoints = setpoints
+        for channel, pressure in enumerate(setpoints):
+            if channel not in self._stuck:
+                self._plant.set_pressure_setpoint(channel, pressure)
+
+    def _sample(self) -> None:
+        if self._is_silent():
+            return
+        now, step, plant = self._clock.now(), self._resolution, self._plant
+        values = tuple([round(plant.pressure(k) / step) * step for k in range(len(self.channels))])
+        self._pressure = Reading(values, now)
+        self._stop = Reading(self._stopped, now)
+
+    def _check_deviation(self, now: float) -> None:
+        for channel, (pressure, setpoint) in enumerate(
+            zip(self._pressure.value, self._setpoints, strict=True)
+        ):
+            off = abs(pressure - setpoint)
+            if off <= self._deviation:
+                self._followed_at[channel] = now
+            elif now - self._followed_at[channel] > self._deviation_time:
+                raise DeviceFault(
+                    self.name,
+                    f"the pressure of {self.channels[channel]} does not follow its setpoint",
+                    value=f"{off:.6g} Pa for {now - self._followed_at[channel]:.3g} s",
+                    bound=f"{self._deviation:.6g} Pa for {self._deviation_time:.3g} s",
+                )
+
+    def _channel(self, value: float | None) -> int:
+        number = 0.0 if value is None else value
+        if number not in range(len(self.channels)):
+            raise ValueError(
+                f"{self.name}: no channel {number:g}; there are {len(self.channels)}, from 0"
+            )
+        return int(number)
+
+    def _press_stop(self, value: float | None) -> None:
+        if value not in (None, 0.0, 1.0):
+            raise ValueError(f"{self.name}: emergency_stop takes 0 or 1, not {value}")
+        self._stopped = value != 0.0
+
+    def _repair(self) -> None:
+        super()._repair()
+        self._broken.clear()
+        self._stuck.clear()
+        self._stopped = False
+
+
+class SimulatedEncoder(_SimulatedDevice):
+    """A linear encoder on one rod of a plant.
+
+    Faults: ``silent`` and ``frozen`` (value: s), ``jump`` (value: m, default 5 mm), ``alarm``,
+    ``repair``.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    channel : int
+        The plant's channel that it measures.
+    plant : RodPort
+        The physics.
+    clock : Clock
+        The rig's.
+    stroke : float
+        Measuring range, m.
+    resolution, speed_resolution : float
+        Of position and speed, m and m/s.
+    max_speed : float
+        A faster change from one reading to the next is a fault, m/s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        channel: int,
+        plant: RodPort,
+        clock: Clock,
+        *,
+        stroke: float = 60e-3,
+        resolution: float = 1e-6,
+        speed_resolution: float = 1e-5,
+        max_speed: float = inf,
+    ) -> None:
+        super().__init__(name, clock)
+        self.channels = (name,)
+        self.stroke = stroke
+        self._channel = channel
+        self._plant = plant
+        self._resolution = resolution
+        self._speed_resolution = speed_resolution
+        self._max_speed = max_speed
+        self._frozen_until = 0.0
+        self._offset = 0.0
+        self._alarmed = False
+        self._position: Reading[Vector] = Reading((0.0,), -inf)
+        self._velocity: Reading[Vector] = Reading((0.0,), -inf)
+        self._before: Reading[Vector] = self._position
+        self._faults["frozen"] = self._freeze
+        self._faults["jump"] = self._jump
+        self._faults["alarm"] = self._raise_alarm
+
+    def connect(self) -> None:
+        """Take the first reading."""
+        self._sample()
+
+    def arm(self) -> None:
+        """Take a fresh reading; an encoder has nothing to energise."""
+        self._sample()
+
+    def position(self) -> Reading[Vector]:
+        """Return the rod's extension of the cycle before, m, shape (1,)."""
+        return self._position
+
+    def velocity(self) -> Reading[Vector]:
+        """Return the rod's velocity of the cycle before, m/s, shape (1,)."""
+        return self._velocity
+
+    def check(self, now: float) -> None:
+        """Raise if the encoder is not well, then sample the next reading.
+
+        Raises
+        ------
+        DeviceFault
+            It reports an alarm, or the position jumped.
+        """
+        if self._alarmed:
+            raise DeviceFault(self.name, "it reports a position error")
+        moved = abs(self._position.value[0] - self._before.value[0])
+        bound = self._max_speed * (self._position.t - self._before.t) + self._resolution
+        if moved > bound:
+            raise DeviceFault(
+                self.name,
+                "its position jumped",
+                value=f"{moved:.6g} m",
+                bound=f"{bound:.6g} m",
+            )
+        self._before = self._position
+        self._sample()
+
+    def make_safe(self) -> None:
+        """Do nothing: an encoder moves nothing."""
+
+    def _sample(self) -> None:
+        if self._is_silent():
+            return
+        now, step = self._clock.now(), self._resolution
+        if now < self._frozen_until:
+            self._position = Reading(self._position.value, now)
+            self._velocity = Reading((0.0,), now)
+            return
+        extension = self._plant.position(self._channel) + self._offset
+        speed_step = self._speed_resolution
+        speed = self._plant.speed(self._channel)
+        self._position = Reading((round(extension / step) * step,), now)
+        self._velocity = Reading((round(speed / speed_step) * speed_step,), now)
+
+    def _freeze(self, duration: float | None) -> None:
+        self._frozen_until = self._until("frozen", duration)
+
+    def _jump(self, value: float | None) -> None:
+        self._offset += 5e-3 if value is None else value
+
+    def _raise_alarm(self, _: float | None) -> None:
+        self._alarmed = True
+
+    def _repair(self) -> None:
+        super()._repair()
+        self._frozen_until = 0.0
+        self._offset = 0.0
+        self._alarmed = False
