@@ -11,9 +11,11 @@ import math
 from drivers.sim.plants.compiled import inlined
 
 
-@inlined
 def quantize(pressure: float, full_scale: float, codes: float) -> float:
-    """Return what a converter with `codes` steps over full scale puts out, saturated."""
+    """Return what a converter with `codes` steps over full scale puts out, saturated.
+
+    Plain Python, because it runs once per setpoint and not in the kernel.
+    """
     share = min(max(pressure / full_scale, 0.0), 1.0)
     return math.floor(share * codes + 0.5) / codes * full_scale
 

@@ -106,7 +106,7 @@ def test_readings_are_quantised_and_one_cycle_old(board, clock, regulators, enco
 
 def test_a_broken_monitor_wire_names_its_channel(clock, regulators):
     regulators.inject("wire_break", 1)
-    with pytest.raises(DeviceFault, match="regulators: .* antagonist has a broken wire"):
+    with pytest.raises(DeviceFault, match=r"regulators: .* antagonist has a broken wire"):
         cycle(clock, regulators)
     regulators.inject("repair")
     cycle(clock, regulators)
