@@ -2,9 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from drivers.sim.plants.friction import limit_bristle, step_bristle, stribeck_force
+from drivers.sim.plants.pair_kernel import PAIR_PARAMETERS, PAIR_STATE, seat_friction
 from drivers.sim.plants.regulator import bow, follow_with_play
 
 
@@ -47,3 +49,16 @@ def test_bow_is_exact_at_the_ends():
     assert bow(0.0, 5e5, 0.01) == 0.0
     assert bow(5e5, 5e5, 0.01) == pytest.approx(5e5)
     assert bow(2.5e5, 5e5, 0.01) == pytest.approx(2.5e5 + 5e3)
+
+
+def test_a_seat_lets_go_of_what_its_load_no_longer_holds():
+    pair = np.zeros(1, PAIR_STATE)
+    parameters = np.zeros(1, PAIR_PARAMETERS)
+    parameters["seat"], parameters["seat_stiffness"] = 0.1, 1e5
+    pair["speed"] = 10e-3
+    for _ in range(1000):
+        held = seat_friction(pair[0], parameters[0], 40.0, 50e-6)
+    assert held == pytest.approx(4.0, rel=1e-3)
+    pair["speed"] = 0.0
+    assert seat_friction(pair[0], parameters[0], 10.0, 50e-6) == pytest.approx(1.0)
+    assert seat_friction(pair[0], parameters[0], 40.0, 50e-6) == pytest.approx(1.0)
