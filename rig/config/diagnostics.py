@@ -121,8 +121,9 @@ def _excerpt(mark: Mark) -> list[str]:
     lines = mark.source.lines
     if not 1 <= mark.line <= len(lines):
         return []
-    line = "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}"
-                   for char in lines[mark.line - 1])
+    line = "".join(
+        char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in lines[mark.line - 1]
+    )
     column = min(mark.column - 1, len(line))
     start = max(0, column - _WIDTH * 2 // 3) if len(line) > _WIDTH else 0
     return [

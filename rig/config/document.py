@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, shown
 from rig.config.names import Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.source import BROKEN, Mark, Node, Source
-from rig.config.yaml_loader import parse, read_source
+from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
 from rig.hal import ConfigurationError
 
 _OWN: Final = ("extends", "name", "description")
@@ -60,7 +60,7 @@ def _load(
     own = root.with_items({key: node for key, node in root.value.items() if key != "extends"})
     if extends is None or extends.value is None:
         return Document(own, (path,))
-    base = _base(extends, path, folder, search, problems, chain)
+    base = _base(extends, folder, search, problems, chain)
     if base is None:
         return Document(own, (path,))
     inherited = _load(base, folder, search, problems, chain)
@@ -71,18 +71,22 @@ def _load(
 
 
 def _base(
-    extends: Node, path: Path, folder: Folder, search: Sequence[Path], problems: Problems,
+    extends: Node,
+    folder: Folder,
+    search: Sequence[Path],
+    problems: Problems,
     chain: tuple[Path, ...],
-) -> Path | None:  # fmt: skip
+) -> Path | None:
     """Return the file that another one extends, None after noting why there is none."""
     name = extends.value
+    directory = Path(extends.mark.source.name).parent
     if not isinstance(name, str):
         problems.add(extends.mark, f"extends is {shown(extends.plain())}, expected a name or path")
         return None
     try:
         if is_path(name):
-            base = path.parent / name
-        elif (beside := path.parent / f"{name}.yaml").is_file():
+            base = directory / name
+        elif (beside := directory / f"{name}.yaml").is_file():
             base = beside
         else:
             base = find_file(name, folder, search)
@@ -120,7 +124,8 @@ def merge(base: Node, over: Node) -> Node:
         return over
     for key in _SELECTORS:
         if key in over.value and key in base.value:
-            if over.value[key].plain() != base.value[key].plain():
+            other = over.value[key].plain() != base.value[key].plain()
+            if other:
                 return over
     items = dict(base.value)
     for key, node in over.value.items():
@@ -128,25 +133,31 @@ def merge(base: Node, over: Node) -> Node:
     return over.with_items(items)
 
 
-def apply_overrides(root: Node, overrides: Sequence[str], problems: Problems) -> Node:
-    """Lay ``a.b=c`` options over a mapping, the later over the earlier.
+class Override(NamedTuple):
+    """One ``a.b=c`` option: where it goes, and what, located in the option's text."""
+
+    keys: tuple[str, ...]
+    node: Node
+
+
+def parse_overrides(overrides: Sequence[str], problems: Problems) -> tuple[Override, ...]:
+    """Parse ``a.b=c`` options.
 
     Parameters
     ----------
-    root : Node
-        The mapping.
     overrides : sequence of str
         Path of keys (and of positions in a list), an equals sign, and a value in YAML on one
         line.
     problems : Problems
         Takes what is wrong with an option, located in its text.
     """
+    parsed = []
     for text in overrides:
         source = Source("--set", text)
         mark = Mark(source, 1, 1)
         path, equals, value = text.partition("=")
-        keys = [key.strip() for key in path.split(".")]
-        if not equals or not all(keys):
+        keys = tuple(key.strip() for key in path.split("."))
+        if not equals or not all(keys) or len(keys) > MAX_DEPTH:
             problems.add(mark, "an option is a path of keys, = and a value, as in loop.rate=500")
             continue
         if not value.strip():
@@ -154,9 +165,16 @@ def apply_overrides(root: Node, overrides: Sequence[str], problems: Problems) ->
             continue
         # Blanks in the place of the path keep the columns.
         padded = Source("--set", " " * (len(path) + 1) + value)
-        node = _relocate(_parse_option(padded, source, problems), source, mark)
+        node = _parse_option(padded, source, problems)
         if node is not None:
-            root = _set(root, keys, node, problems)
+            parsed.append(Override(keys, replace(_moved(node, source), key=mark)))
+    return tuple(parsed)
+
+
+def apply_overrides(root: Node, overrides: Sequence[Override], problems: Problems) -> Node:
+    """Lay options over a mapping, the later over the earlier."""
+    for keys, node in overrides:
+        root = _set(root, keys, node, problems)
     return root
 
 
@@ -174,21 +192,15 @@ def _parse_option(padded: Source, source: Source, problems: Problems) -> Node | 
     return node
 
 
-def _relocate(node: Node | None, source: Source, key: Mark) -> Node | None:
+def _moved(node: Node, source: Source) -> Node:
     """Show the whole option in errors about its value."""
-    if node is None:
-        return None
-
-    def moved(item: Node) -> Node:
-        value = item.value
-        if isinstance(value, dict):
-            value = {name: moved(below) for name, below in value.items()}
-        elif isinstance(value, list):
-            value = [moved(below) for below in value]
-        place = item.key._replace(source=source) if item.key else None
-        return Node(value, item.mark._replace(source=source), place)
-
-    return replace(moved(node), key=key)
+    value = node.value
+    if isinstance(value, dict):
+        value = {name: _moved(below, source) for name, below in value.items()}
+    elif isinstance(value, list):
+        value = [_moved(below, source) for below in value]
+    place = node.key._replace(source=source) if node.key else None
+    return Node(value, node.mark._replace(source=source), place)
 
 
 def _set(root: Node, keys: Sequence[str], node: Node, problems: Problems) -> Node:

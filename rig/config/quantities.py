@@ -100,10 +100,10 @@ _WHOLE: Final[dict[str, Unit]] = {
 _USUAL: Final = (
     "m", "cm", "mm", "µm", "s", "ms", "µs", "min", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "psi",
     "rad", "mrad", "deg", "rad/s", "deg/s", "rpm", "rad/s^2", "deg/s^2", "m/s", "mm/s", "m/s^2",
-    "mm/s^2", "m^2", "mm^2", "cm^2", "m^3", "cm^3", "dm^3", "L", "Pa/s", "kPa/s", "MPa/s", "bar/s", "N", "mN", "kN", "N/m", "N/mm", "N s/m",
-    "N s/mm", "N/Pa", "N/bar", "N m", "N mm", "kg", "g",
-    "m^3/(s Pa)", "dm^3/(s bar)", "V", "mV", "A", "mA", "W", "J", "K", "degC",
-    "bit/s", "kbit/s", "Mbit/s", "1", "%",
+    "mm/s^2", "m^2", "mm^2", "cm^2", "m^3", "cm^3", "dm^3", "L", "Pa/s", "kPa/s", "MPa/s",
+    "bar/s", "N", "mN", "kN", "N/m", "N/mm", "N s/m", "N s/mm", "N/Pa", "N/bar", "N m", "N mm",
+    "kg", "g", "m^3/(s Pa)", "dm^3/(s bar)", "V", "mV", "A", "mA", "W", "J", "K", "degC", "bit/s",
+    "kbit/s", "Mbit/s", "1", "%",
 )  # fmt: skip
 
 _QUANTITY: Final = re.compile(
@@ -242,7 +242,9 @@ def parse_quantity(text: str, unit: str) -> float:
     if not name and unit not in ("", "1"):
         raise UnitError(f"{text.strip()!r} has no unit; wanted is a quantity in {would_do}")
     if given.dimension != wanted.dimension:
-        raise UnitError(f"{text.strip()!r} is not in {unit or '1'}; units that would do: {would_do}")
+        raise UnitError(
+            f"{text.strip()!r} is not in {unit or '1'}; units that would do: {would_do}"
+        )
     return _convert(text, number, given, wanted)
 
 
@@ -336,5 +338,3 @@ def format_quantity(value: float, unit: str) -> str:
         if abs(value) >= least * (1.0 - 1e-9):
             return f"{value / scale:.4g} {name}"
     return f"{value:.4g} {'' if unit == '1' else unit}".rstrip()
-
-

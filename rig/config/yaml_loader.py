@@ -17,7 +17,7 @@ Keys are text as they are written.
 import re
 import stat
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import yaml
 from yaml.events import (
@@ -134,8 +134,7 @@ def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Nod
     try:
         return loader.read_document()
     except yaml.MarkedYAMLError as error:
-        where = error.problem_mark or error.context_mark
-        mark = Mark(source, where.line + 1, where.column + 1) if where else Mark(source, 1, 1)
+        mark = _mark_in(source, error.problem_mark or error.context_mark)
         message = ", ".join(filter(None, (error.context, error.problem))) or "not YAML"
         problems.add(mark, message)
         raise problems.error() from error
@@ -144,6 +143,10 @@ def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Nod
         raise problems.error() from error
     finally:
         loader.dispose()
+
+
+def _mark_in(source: Source, mark: Any) -> Mark:
+    return Mark(source, mark.line + 1, mark.column + 1) if mark else Mark(source, 1, 1)
 
 
 class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is known at run time
@@ -176,8 +179,7 @@ class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is kn
         return event
 
     def _mark(self, event: Event) -> Mark:
-        start = event.start_mark
-        return Mark(self._source, start.line + 1, start.column + 1)
+        return _mark_in(self._source, event.start_mark)
 
     def _fatal(self, mark: Mark, message: str) -> ProfileError:
         self._problems.add(mark, message)
@@ -238,7 +240,8 @@ class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is kn
             return _WORDS[text]
         if _LEADING_ZERO.fullmatch(text):
             self._problems.add_broken(
-                mark, f"{text[:40]} has a leading zero",
+                mark,
+                f"{text[:40]} has a leading zero",
                 "write the number without it, or quote it if it is text",
             )
             return BROKEN

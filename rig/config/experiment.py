@@ -1,0 +1,136 @@
+"""Load an experiment: what to do with a rig."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Final
+
+from annotated_types import Interval, Unit
+
+from rig.config.diagnostics import Problems, nearest, shown
+from rig.config.document import (
+    apply_overrides,
+    load_document,
+    parse_overrides,
+    with_plain_quantities,
+)
+from rig.config.models import Experiment, MetricSpec, ReferenceEntry
+from rig.config.names import find_file, is_name
+from rig.config.registry import Registry
+from rig.config.sections import Sections
+from rig.config.settings import build
+from rig.config.source import Node
+
+EXPERIMENT_KEYS: Final = (
+    "extends", "name", "description", "rig", "controller", "reference", "approach", "metrics",
+    "figures",
+)  # fmt: skip
+"""Top-level keys of an experiment."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The part of an experiment that is the same for every reference.
+
+    Parameters
+    ----------
+    rig : str
+        The profile's name.
+    controller : str
+        The controller that drives it.
+    name : str
+        Default: the name of the file.
+    description : str
+        One sentence for people.
+    approach : float
+        Time to go from where the rig is to where the reference starts, s.
+    figures : tuple of str
+        Names of the figures to draw.
+    """
+
+    rig: str
+    controller: str
+    name: str = ""
+    description: str = ""
+    approach: Annotated[float, Unit("s"), Interval(gt=0, le=600)] = 2.0
+    figures: tuple[str, ...] = ()
+
+
+def load_experiment(
+    source: str | Path,
+    registry: Registry,
+    overrides: Sequence[str] = (),
+    search: Sequence[Path] = (),
+) -> Experiment:
+    """Load an experiment, its bases and the options over it.
+
+    Parameters
+    ----------
+    source : str or Path
+        An experiment's name, or the path of a file.
+    registry : Registry
+        The names of controllers and references.
+    overrides : sequence of str
+        ``a.b=c`` options.
+    search : sequence of Path
+        The configuration folders, as `find_configs` returns them.
+
+    Returns
+    -------
+    Experiment
+        Valid as a whole, in SI; whether there is such a rig shows when its profile is loaded.
+
+    Raises
+    ------
+    ProfileError
+        With every error, located.
+    ConfigurationError
+        There is no such experiment, or a file cannot be read.
+    """
+    path = find_file(source, "experiments", search)
+    problems = Problems()
+    document = load_document(path, "experiments", search, problems)
+    root = apply_overrides(document.root, parse_overrides(overrides, problems), problems)
+    sections = Sections(root, EXPERIMENT_KEYS, registry, problems)
+    reference_node = sections.take("reference", required=True)
+    reference = (
+        None if reference_node is None else sections.chosen("reference", reference_node, "kind")
+    )
+    metrics = {
+        name: _metric(node, problems)
+        for name, node in sections.named("metrics", names=False).items()
+    }
+    head = sections.rest(Head)
+    if head is not None:
+        _check_names(head, root, registry, problems)
+    problems.raise_if_any()
+    assert head is not None and reference is not None
+    return Experiment(
+        name=head.name or path.stem,
+        description=head.description,
+        rig=head.rig,
+        controller=head.controller,
+        reference=ReferenceEntry(*reference),
+        approach=head.approach,
+        metrics={name: spec for name, spec in metrics.items() if spec is not None},
+        figures=head.figures,
+        files=document.files,
+    )
+
+
+def _metric(node: Node, problems: Problems) -> MetricSpec | None:
+    return build(MetricSpec, with_plain_quantities(node, ("max", "min"), problems), problems)
+
+
+def _check_names(head: Head, root: Node, registry: Registry, problems: Problems) -> None:
+    controllers = registry.names("controller")
+    if head.controller not in controllers:
+        place, _ = root.descend(("controller",))
+        problems.add(
+            place.mark,
+            f"no controller is called {shown(head.controller)}",
+            nearest(head.controller, controllers),
+        )
+    if head.name and not is_name(head.name):
+        place, _ = root.descend(("name",))
+        problems.add(place.mark, f"name is {shown(head.name)}, expected one that a folder may have")

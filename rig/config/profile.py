@@ -1,0 +1,321 @@
+"""Load a profile: what a rig is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from annotated_types import Ge
+
+from rig.config.calibration import (
+    COMMON_KEYS,
+    find_calibration,
+    lay_over,
+    read_calibration,
+    read_provenance,
+)
+from rig.config.diagnostics import Problems, nearest, shown
+from rig.config.document import apply_overrides, load_document, parse_overrides
+from rig.config.models import (
+    Calibration,
+    DeviceEntry,
+    LoopSettings,
+    PlantEntry,
+    Profile,
+    SimulationSettings,
+)
+from rig.config.names import find_file, is_name
+from rig.config.registry import Registry
+from rig.config.sections import Sections
+from rig.config.settings import build
+from rig.config.source import BROKEN, Node
+
+PROFILE_KEYS: Final = (
+    "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",
+    "plant", "simulation",
+)  # fmt: skip
+"""Top-level keys of a profile, besides the one that its mechanism's name makes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The part of a profile that is the same for every rig.
+
+    Parameters
+    ----------
+    mechanism : str
+        The mechanism's name; its settings stand under the key of that name.
+    loop : LoopSettings
+        The cycle.
+    name : str
+        Default: the name of the file.
+    description : str
+        One sentence for people.
+    simulation : SimulationSettings
+        The simulated world around the plant.
+    """
+
+    mechanism: str
+    loop: LoopSettings
+    name: str = ""
+    description: str = ""
+    simulation: SimulationSettings = field(default_factory=SimulationSettings)
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceHead:
+    """What every device's entry says beside its driver's settings.
+
+    Parameters
+    ----------
+    bus : str, optional
+        The bus that it hangs on.
+    serial : int, optional
+        The serial number that it must report.
+    """
+
+    bus: str | None = None
+    serial: Annotated[int, Ge(0)] | None = None
+
+
+def load_profile(
+    source: str | Path,
+    registry: Registry,
+    overrides: Sequence[str] = (),
+    search: Sequence[Path] = (),
+) -> Profile:
+    """Load a profile, its bases, its calibrations and the options over it.
+
+    Later in this order wins: bases, the profile, calibrations, options.
+
+    Parameters
+    ----------
+    source : str or Path
+        A rig's name, or the path of a file.
+    registry : Registry
+        The names of drivers, controllers, mechanisms, plants and buses.
+    overrides : sequence of str
+        ``a.b=c`` options.
+    search : sequence of Path
+        The configuration folders, as `find_configs` returns them.
+
+    Returns
+    -------
+    Profile
+        Valid as a whole, in SI.
+
+    Raises
+    ------
+    ProfileError
+        With every error, located.
+    ConfigurationError
+        There is no such profile, or a file cannot be read.
+    """
+    path = find_file(source, "rigs", search)
+    problems = Problems()
+    document = load_document(path, "rigs", search, problems)
+    options = parse_overrides(overrides, problems)
+    root = apply_overrides(document.root, options, problems)
+    rig = _name(root, path, problems)
+    # A profile outside of the folders that are searched still finds its own calibrations.
+    folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
+    calibrated, calibrations, files = _calibrate(document.root, root, rig, folders, problems)
+    root = apply_overrides(calibrated, options, problems)
+    profile = _Reader(root, registry, problems, calibrations).read(rig, (*document.files, *files))
+    problems.raise_if_any()
+    assert profile is not None
+    return profile
+
+
+def _name(root: Node, path: Path, problems: Problems) -> str:
+    node = root.get("name")
+    if node is None or node.value is None:
+        return path.stem
+    if isinstance(node.value, str) and is_name(node.value):
+        return node.value
+    problems.add(
+        node.mark, f"name is {shown(node.plain())}, expected a name that a folder may have"
+    )
+    return ""
+
+
+def _calibrate(
+    written: Node, root: Node, rig: str, search: Sequence[Path], problems: Problems
+) -> tuple[Node, dict[str, Calibration], list[Path]]:
+    """Lay the calibration files over the devices, before any option.
+
+    Whether a device wants one is read with the options (`root`), where its values go without
+    (`written`).
+    """
+    wanted, devices = root.get("devices"), written.get("devices")
+    calibrations: dict[str, Calibration] = {}
+    files: list[Path] = []
+    if (
+        not rig
+        or wanted is None
+        or not isinstance(wanted.value, dict)
+        or devices is None
+        or not isinstance(devices.value, dict)
+    ):
+        return written, calibrations, files
+    entries = dict(devices.value)
+    for device, entry in wanted.value.items():
+        choice = entry.get("calibration")
+        wish = None if choice is None else choice.value
+        below = entries.get(device)
+        if not is_name(device) or below is None or not isinstance(below.value, dict):
+            continue
+        if wish is False or isinstance(wish, dict):
+            continue  # refused, or already laid over: a resolved profile
+        found = find_calibration(rig, device, search)
+        if found is None:
+            if wish is True and choice is not None:
+                problems.add(
+                    choice.mark,
+                    f"{device} has no calibration calibration/{rig}/{device}.yaml",
+                    "calibrate it, or go without with calibration: false",
+                )
+            continue
+        read = read_calibration(*found, problems)
+        files.append(found[0])
+        if read is not None:
+            values, calibrations[device] = read
+            entries[device] = lay_over(below, values, calibrations[device], problems)
+    assert isinstance(written.value, dict)
+    laid = written.with_items({**written.value, "devices": devices.with_items(entries)})
+    return laid, calibrations, files
+
+
+class _Reader:
+    """Turns the merged document into a `Profile`."""
+
+    def __init__(
+        self,
+        root: Node,
+        registry: Registry,
+        problems: Problems,
+        calibrations: dict[str, Calibration],
+    ) -> None:
+        keys = (*PROFILE_KEYS, *registry.names("mechanism"))
+        self._sections = Sections(root, keys, registry, problems)
+        self._root = root
+        self._registry = registry
+        self._problems = problems
+        self._calibrations = calibrations
+
+    def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
+        """Read every section, so that every error is found; None if there is one."""
+        sections = self._sections
+        mechanism_settings = self._mechanism()
+        bus_nodes = sections.named("buses")
+        bus_settings = self._registry.settings("bus", "can") if bus_nodes else None
+        buses = {
+            bus: build(bus_settings, node, self._problems)
+            for bus, node in bus_nodes.items()
+            if bus_settings is not None
+        }
+        device_nodes = sections.named("devices")
+        devices = {
+            device: self._device(device, node, tuple(bus_nodes))
+            for device, node in device_nodes.items()
+        }
+        controllers = {
+            controller: self._controller(controller, node)
+            for controller, node in sections.named("controllers", names=False).items()
+        }
+        plant_node = sections.take("plant")
+        plant = None if plant_node is None else sections.chosen("plant", plant_node, "model")
+        head = sections.rest(Head)
+        if head is not None:
+            self._check_faults(head.simulation, (*device_nodes, *bus_nodes))
+        if self._problems or head is None:
+            return None
+        return Profile(
+            name=name,
+            description=head.description,
+            mechanism=head.mechanism,
+            mechanism_settings=mechanism_settings,
+            loop=head.loop,
+            buses=buses,
+            devices={name: entry for name, entry in devices.items() if entry is not None},
+            controllers=controllers,
+            plant=None if plant is None else PlantEntry(*plant),
+            simulation=head.simulation,
+            files=files,
+        )
+
+    def _mechanism(self) -> Any:
+        node = self._root.get("mechanism")
+        if node is None or not isinstance(node.value, str):
+            # Its name is missing or no text, which is said later; its settings are not unknown.
+            for name in self._registry.names("mechanism"):
+                self._sections.take(name)
+            return None
+        name = node.value
+        settings = self._sections.settings_of("mechanism", name, node)
+        if settings is None:
+            for other in self._registry.names("mechanism"):
+                self._sections.take(other)
+            return None
+        entry = self._sections.take(name, required=True)
+        if entry is None or not self._sections.is_mapping(entry, name):
+            return None
+        return build(settings, entry, self._problems)
+
+    def _controller(self, name: str, node: Node) -> Any:
+        named = Node(name, node.heading)
+        settings = self._sections.settings_of("controller", name, named)
+        return None if settings is None else build(settings, node, self._problems)
+
+    def _device(self, name: str, node: Node, buses: tuple[str, ...]) -> DeviceEntry | None:
+        assert isinstance(node.value, dict)
+        items = dict(node.value)
+        common: dict[str, Node] = {key: items.pop(key) for key in ("bus", "serial") if key in items}
+        head = build(DeviceHead, node.with_items(common), self._problems)
+        if head is not None and head.bus is not None and head.bus not in buses:
+            hint = nearest(head.bus, buses) or "the profile has no buses"
+            self._problems.add(common["bus"].mark, f"no bus is called {shown(head.bus)}", hint)
+        calibration = self._calibration(name, items.pop("calibration", None))
+        driver = self._sections.text(node, "driver")
+        driver_node = items.pop("driver", node)
+        if driver is None:
+            return None
+        settings = self._sections.settings_of("driver", driver, driver_node)
+        if settings is None:
+            return None
+        built = build(settings, node.with_items(items), self._problems, also=COMMON_KEYS)
+        if head is None or built is None:
+            return None
+        return DeviceEntry(driver, head.bus, head.serial, built, calibration)
+
+    def _calibration(self, device: str, node: Node | None) -> Calibration | None:
+        """Return what was laid over a device, now or when a resolved profile was written."""
+        if node is None or node.value is None or isinstance(node.value, bool):
+            return self._calibrations.get(device)
+        if not isinstance(node.value, dict):
+            if node.value is not BROKEN:
+                self._problems.add(
+                    node.mark, f"calibration is {shown(node.plain())}, expected true or false"
+                )
+            return None
+        items = dict(node.value)
+        provenance = items.pop("provenance", None)
+        file = items.pop("file", None)
+        for key, extra in items.items():
+            hint = nearest(key, ("file", "provenance"))
+            self._problems.add(extra.heading, f"unknown key {key!r}", hint)
+        if file is None or provenance is None or not isinstance(file.value, str):
+            self._problems.add(node.heading, "a resolved calibration has file and provenance")
+            return None
+        read = read_provenance(provenance, self._problems)
+        return None if read is None else Calibration(file.value, read)
+
+    def _check_faults(self, simulation: SimulationSettings, names: tuple[str, ...]) -> None:
+        for index, fault in enumerate(simulation.faults):
+            if fault.device not in names:
+                place, _ = self._root.descend(("simulation", "faults", index, "device"))
+                self._problems.add(
+                    place.mark,
+                    f"no device or bus is called {shown(fault.device)}",
+                    nearest(fault.device, names),
+                )

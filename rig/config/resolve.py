@@ -1,0 +1,82 @@
+"""Write a profile or experiment as it was understood: everything said, in SI."""
+
+import re
+from dataclasses import fields, is_dataclass
+from typing import Any, Final
+
+import yaml
+
+from rig.config.models import DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
+
+_PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*")
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes what the strict loader reads back: no aliases, quotes wherever they might matter."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
+    style = None if _PLAIN.fullmatch(text) else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", text, style=style)
+
+
+_Dumper.add_representer(str, _represent_text)
+
+
+def dump_resolved(resolved: Profile | Experiment) -> str:
+    """Return a profile or experiment as YAML text.
+
+    Parameters
+    ----------
+    resolved : Profile or Experiment
+        What was loaded.
+
+    Returns
+    -------
+    str
+        A file without ``extends``, options or defaults left out, numbers in SI. Loading it
+        gives an equal object; calibrations are in it and are not laid over once more.
+    """
+    content = _profile(resolved) if isinstance(resolved, Profile) else _plain(resolved)
+    del content["files"]
+    return yaml.dump(
+        content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
+        default_flow_style=None,
+    )  # fmt: skip
+
+
+def _profile(profile: Profile) -> dict[str, Any]:
+    content: dict[str, Any] = _plain(profile)
+    settings = content.pop("mechanism_settings")
+    ordered: dict[str, Any] = {}
+    for key, value in content.items():
+        if key == "plant" and value is None:
+            continue
+        ordered[key] = value
+        if key == "devices":
+            ordered[profile.mechanism] = settings
+    return ordered
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, DeviceEntry):
+        own = _plain(value.settings)
+        calibration = False if value.calibration is None else _plain(value.calibration)
+        common = {"driver": value.driver, "bus": value.bus, "serial": value.serial}
+        return {**common, "calibration": calibration, **own}
+    if isinstance(value, PlantEntry):
+        return {"model": value.model, **_plain(value.settings)}
+    if isinstance(value, ReferenceEntry):
+        return {"kind": value.kind, **_plain(value.settings)}
+    if is_dataclass(value) and not isinstance(value, type):
+        return {
+            field.name: _plain(getattr(value, field.name)) for field in fields(value) if field.init
+        }
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,138 @@
+"""JSON Schema of profiles and experiments, for editors: completion, hover texts, first checks."""
+
+import copy
+from functools import reduce
+from operator import or_
+from typing import Annotated, Any, Final, Literal, NotRequired, Required
+
+from pydantic import Field, TypeAdapter
+
+from rig.config.experiment import Head as ExperimentHead
+from rig.config.models import MetricSpec
+from rig.config.profile import DeviceHead
+from rig.config.profile import Head as ProfileHead
+from rig.config.registry import Kind, Registry
+from rig.config.settings import annotation, closed_mapping, entries_of
+
+_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+_PARTIAL: Final = "Partial"
+
+_Extends = Annotated[str, Field(description="A file of the same kind that this one changes.")]
+_Wish = Annotated[
+    bool | dict[str, Any] | None,
+    Field(description="true: there must be one, false: none is laid over; else if there is one."),
+]
+
+
+def profile_schema(registry: Registry) -> dict[str, Any]:
+    """Return the JSON Schema of a profile.
+
+    Parameters
+    ----------
+    registry : Registry
+        Every driver, controller, mechanism, plant and bus in it becomes an alternative.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12. Where a file extends another, no key is required.
+    """
+    mechanisms = registry.names("mechanism")
+    device = {**entries_of(DeviceHead), "calibration": NotRequired[_Wish]}
+    mapping: Any = dict  # its values are known at run time only
+    controllers = {
+        name: NotRequired[annotation(registry.settings("controller", name))]
+        for name in registry.names("controller")
+    }
+    entries: dict[str, Any] = {
+        "extends": NotRequired[_Extends],
+        **entries_of(ProfileHead),
+        "mechanism": Required[_one_of(mechanisms)],
+        "buses": NotRequired[mapping[str, annotation(registry.settings("bus", "can"))]],
+        "devices": NotRequired[mapping[str, _alternatives(registry, "driver", "driver", device)]],
+        "controllers": NotRequired[closed_mapping("Controllers", controllers)],
+        "plant": NotRequired[_alternatives(registry, "plant", "model", {})],
+    }
+    for name in mechanisms:
+        entries[name] = NotRequired[annotation(registry.settings("mechanism", name))]
+    return _finished("Profile", entries)
+
+
+def experiment_schema(registry: Registry) -> dict[str, Any]:
+    """Return the JSON Schema of an experiment.
+
+    Parameters
+    ----------
+    registry : Registry
+        Every controller and reference in it becomes an alternative.
+
+    Returns
+    -------
+    dict
+        JSON Schema, draft 2020-12. Where a file extends another, no key is required.
+    """
+    bound = NotRequired[float | str | None]
+    mapping: Any = dict  # its values are known at run time only
+    metric = closed_mapping("Metric", {**entries_of(MetricSpec), "max": bound, "min": bound})
+    entries: dict[str, Any] = {
+        "extends": NotRequired[_Extends],
+        **entries_of(ExperimentHead),
+        "controller": Required[_one_of(registry.names("controller"))],
+        "reference": Required[_alternatives(registry, "reference", "kind", {})],
+        "metrics": NotRequired[mapping[str, metric]],
+    }
+    return _finished("Experiment", entries)
+
+
+def _one_of(names: tuple[str, ...]) -> Any:
+    return Literal[names] if names else str
+
+
+def _alternatives(registry: Registry, kind: Kind, key: str, common: dict[str, Any]) -> Any:
+    """Return the union over a kind: the key that tells them apart beside each one's settings."""
+    made = [
+        closed_mapping(
+            f"{kind}_{name}".replace("-", "_"),
+            {
+                key: Required[_one_of((name,))],
+                **common,
+                **entries_of(registry.settings(kind, name)),
+            },
+        )
+        for name in registry.names(kind)
+    ]
+    return reduce(or_, made) if made else dict[str, Any]
+
+
+def _finished(title: str, entries: dict[str, Any]) -> dict[str, Any]:
+    full = TypeAdapter(closed_mapping(title, entries)).json_schema()
+    definitions = full.pop("$defs", {})
+    partial = _without_required(full)
+    definitions |= {name + _PARTIAL: _without_required(item) for name, item in definitions.items()}
+    definitions |= {title: full, title + _PARTIAL: partial}
+    return {
+        "$schema": _DIALECT,
+        "title": title,
+        "if": {"required": ["extends"]},
+        "then": {"$ref": f"#/$defs/{title}{_PARTIAL}"},
+        "else": {"$ref": f"#/$defs/{title}"},
+        "$defs": definitions,
+    }
+
+
+def _without_required(schema: Any) -> Any:
+    """Return the schema of a file that changes another: any key may stand in the other one."""
+    schema = copy.copy(schema)
+    if isinstance(schema, list):
+        return [_without_required(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    made = {}
+    for key, item in schema.items():
+        if key == "required" and isinstance(item, list):
+            continue
+        if key == "$ref":
+            made[key] = item + _PARTIAL
+        else:
+            made[key] = _without_required(item)
+    return made
