@@ -1,34 +1,33 @@
 """Faults on a schedule: what breaks, where and when."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Protocol
-
-from annotated_types import Ge, Unit
+from typing import Protocol
 
 from drivers.sim.clock import World
 
 
-@dataclass(frozen=True, slots=True)
-class ScheduledFault:
-    """One line of a fault schedule.
+class ScheduledFault(Protocol):
+    """One line of a fault schedule, wherever it was read."""
 
-    Parameters
-    ----------
-    at : float
-        When, s on the rig's clock.
-    device : str
-        Name of the device, node or bus, or ``plant``.
-    fault : str
-        One of the faults that it knows.
-    value : float, optional
-        What the fault's description says, SI.
-    """
+    @property
+    def at(self) -> float:
+        """When, s on the rig's clock."""
+        ...
 
-    at: Annotated[float, Unit("s"), Ge(0)]
-    device: str
-    fault: str
-    value: float | None = None
+    @property
+    def device(self) -> str:
+        """Name of the device, or ``plant``."""
+        ...
+
+    @property
+    def fault(self) -> str:
+        """One of the faults that it knows."""
+        ...
+
+    @property
+    def value(self) -> float | None:
+        """What the fault's description says, SI."""
+        ...
 
 
 class Faulty(Protocol):

@@ -1,11 +1,19 @@
 """Virtual time and faults on a schedule."""
 
 import math
+from typing import NamedTuple
 
 import pytest
 
 from drivers.sim.clock import SimClock
-from drivers.sim.faults import FaultSchedule, FaultyWorld, ScheduledFault
+from drivers.sim.faults import FaultSchedule, FaultyWorld
+
+
+class Line(NamedTuple):
+    at: float
+    device: str
+    fault: str
+    value: float | None = None
 
 
 class Diary:
@@ -46,9 +54,9 @@ def test_faults_happen_at_their_time_and_in_their_order():
     diary = Diary()
     schedule = FaultSchedule(
         [
-            ScheduledFault(0.5, "diary", "repair"),
-            ScheduledFault(0.1, "diary", "break", 1.0),
-            ScheduledFault(0.1, "diary", "break", 2.0),
+            Line(0.5, "diary", "repair"),
+            Line(0.1, "diary", "break", 1.0),
+            Line(0.1, "diary", "break", 2.0),
         ],
         {"diary": diary},
     )
@@ -63,7 +71,7 @@ def test_faults_happen_at_their_time_and_in_their_order():
 
 def test_a_fault_at_the_start_is_there_from_the_start():
     diary = Diary()
-    schedule = FaultSchedule([ScheduledFault(0.0, "diary", "break")], {"diary": diary})
+    schedule = FaultSchedule([Line(0.0, "diary", "break")], {"diary": diary})
     FaultyWorld(diary, schedule)
     assert diary.entries == [("break", None)]
 
@@ -71,8 +79,8 @@ def test_a_fault_at_the_start_is_there_from_the_start():
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        (ScheduledFault(0.0, "dairy", "break"), "no device 'dairy' to fail; there are diary"),
-        (ScheduledFault(0.0, "diary", "brake"), "diary: no fault 'brake'; known are break, repair"),
+        (Line(0.0, "dairy", "break"), "no device 'dairy' to fail; there are diary"),
+        (Line(0.0, "diary", "brake"), "diary: no fault 'brake'; known are break, repair"),
     ],
 )
 def test_an_unknown_fault_is_refused_before_anything_runs(entry, message):
