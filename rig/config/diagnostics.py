@@ -10,6 +10,9 @@ from rig.hal import ConfigurationError
 _WIDTH = 96
 """Longest excerpt of a line that is shown, characters."""
 
+_SHOWN = 100
+"""Most errors that are written out: a file with more is no profile at all."""
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
@@ -48,8 +51,12 @@ class ProfileError(ConfigurationError):
     def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)
         count = len(self.diagnostics)
-        text = "\n".join(str(diagnostic) for diagnostic in self.diagnostics)
-        super().__init__(text if count == 1 else f"{text}\n{count} errors")
+        parts = [str(diagnostic) for diagnostic in self.diagnostics[:_SHOWN]]
+        if count > _SHOWN:
+            parts.append(f"… and {count - _SHOWN} more")
+        if count > 1:
+            parts.append(f"{count} errors")
+        super().__init__("\n".join(parts))
 
 
 class Problems:

@@ -21,6 +21,10 @@ def report(
     kind, context = details["type"], details.get("ctx", {})
     if place.value is BROKEN:
         return
+    # Pydantic counts valid items only; each invalid one has an error of its own.
+    if kind == "too_short" and isinstance(place.value, list | dict):
+        if len(place.value) >= context.get("min_length", 0):
+            return
     name = ".".join(map(str, path)) or "this"
     if kind == "missing":
         missing = details["loc"][-1]
@@ -76,7 +80,8 @@ def _expected(kind: str, context: dict[str, Any], hint: Any) -> str:
         bound = context[key]
         return f"{words} {_bound(bound, unit)}"
     if unit is not None and kind in ("float_type", "int_type"):
-        return f"a number in {unit or '1'} or a text with a unit: {', '.join(usual_units(unit))}"
+        number = "a number" if kind == "float_type" else "a whole number"
+        return f"{number} in {unit or '1'} or a text with a unit: {', '.join(usual_units(unit))}"
     words_of = {
         "finite_number": "a finite number",
         "float_type": "a number",

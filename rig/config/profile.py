@@ -225,10 +225,9 @@ class _Reader:
         }
         plant_node = sections.take("plant")
         plant = None if plant_node is None else sections.chosen("plant", plant_node, "model")
+        simulation = self._simulation((*device_nodes, *bus_nodes))
         head = sections.rest(Head)
-        if head is not None:
-            self._check_faults(head.simulation, (*device_nodes, *bus_nodes))
-        if self._problems or head is None:
+        if self._problems or head is None or simulation is None:
             return None
         return Profile(
             name=name,
@@ -240,7 +239,7 @@ class _Reader:
             devices={name: entry for name, entry in devices.items() if entry is not None},
             controllers=controllers,
             plant=None if plant is None else PlantEntry(*plant),
-            simulation=head.simulation,
+            simulation=simulation,
             files=files,
         )
 
@@ -310,12 +309,17 @@ class _Reader:
         read = read_provenance(provenance, self._problems)
         return None if read is None else Calibration(file.value, read)
 
-    def _check_faults(self, simulation: SimulationSettings, names: tuple[str, ...]) -> None:
-        for index, fault in enumerate(simulation.faults):
+    def _simulation(self, names: tuple[str, ...]) -> SimulationSettings | None:
+        node = self._sections.take("simulation")
+        if node is None:
+            return SimulationSettings()
+        simulation = build(SimulationSettings, node, self._problems)
+        for index, fault in enumerate(simulation.faults if simulation else ()):
             if fault.device not in names:
-                place, _ = self._root.descend(("simulation", "faults", index, "device"))
+                place, _ = node.descend(("faults", index, "device"))
                 self._problems.add(
                     place.mark,
                     f"no device or bus is called {shown(fault.device)}",
                     nearest(fault.device, names),
                 )
+        return simulation

@@ -135,8 +135,12 @@ def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Nod
         return loader.read_document()
     except yaml.MarkedYAMLError as error:
         mark = _mark_in(source, error.problem_mark or error.context_mark)
+        if mark.line > len(source.lines):  # the parser in C counts one line past the end
+            mark = Mark(source, len(source.lines), len(source.lines[-1]) + 1)
+        start = error.context_mark
+        begins = f"it starts in line {start.line + 1}" if start else None
         message = ", ".join(filter(None, (error.context, error.problem))) or "not YAML"
-        problems.add(mark, message)
+        problems.add(mark, message, begins)
         raise problems.error() from error
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         problems.add(Mark(source, 1, 1), f"not YAML: {error}")

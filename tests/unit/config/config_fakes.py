@@ -1,7 +1,7 @@
 """A registry of made-up devices and a profile that uses all of it."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
 
@@ -114,7 +114,7 @@ class StepSettings:
 class FakeRegistry:
     """What assembly would know."""
 
-    TABLE = {
+    TABLE: ClassVar = {
         "bus": {"can": BusSettings},
         "driver": {"valve-module": ValveSettings, "linear-encoder": EncoderSettings},
         "controller": {"pid": PidSettings, "cascade": CascadeSettings},

@@ -1,6 +1,7 @@
 """Quantities with units, exactly converted."""
 
 import math
+from contextlib import suppress
 
 import pytest
 from hypothesis import given
@@ -73,14 +74,15 @@ def test_any_unit_is_named_in_si():
 def test_the_wanted_unit_comes_first():
     assert usual_units("Pa") == ("Pa", "kPa", "MPa", "bar", "psi")
     assert usual_units("m^3/(s Pa)") == ("m^3/(s Pa)", "dm^3/(s bar)")
-    assert usual_units("kg/s") == ("kg/s",)
+    assert usual_units("kg/m") == ("kg/m",)
 
 
 @pytest.mark.parametrize(
     ("value", "unit", "text"),
     [
         (0.12e-3, "m", "0.12 mm"), (3e-6, "m", "3 µm"), (1.5, "m", "1.5 m"), (0.0, "m", "0 mm"),
-        (-3.5e-3, "m", "-3.5 mm"), (35e3, "Pa", "35 kPa"), (5e6, "Pa", "5 MPa"), (2e-3, "s", "2 ms"),
+        (-3.5e-3, "m", "-3.5 mm"), (35e3, "Pa", "35 kPa"), (5e6, "Pa", "5 MPa"), (2e-3, "s",
+         "2 ms"),
         (0.5, "", "0.5"), (0.5, "1", "0.5"), (math.pi / 9, "rad", "20 deg"), (1.0, "N", "1 N"),
         (40.0, "rad/s", "40 rad/s"), (2e-3, "m/s", "2 mm/s"), (1e-3, "m", "1 mm"),
     ],
@@ -101,11 +103,7 @@ def test_what_is_formatted_reads_back(value, unit):
 @given(st.text(max_size=80))
 def test_no_text_breaks_it(text):
     for unit in ("m", "1"):
-        try:
+        with suppress(UnitError):
             assert math.isfinite(parse_quantity(text, unit))
-        except UnitError:
-            pass
-    try:
+    with suppress(UnitError):
         parse_unit(text)
-    except UnitError:
-        pass
