@@ -22,9 +22,9 @@ def report(
     if place.value is BROKEN:
         return
     # Pydantic counts valid items only; each invalid one has an error of its own.
-    if kind == "too_short" and isinstance(place.value, list | dict):
-        if len(place.value) >= context.get("min_length", 0):
-            return
+    sized = isinstance(place.value, list | dict) and kind == "too_short"
+    if sized and len(place.plain()) >= context.get("min_length", 0):
+        return
     name = ".".join(map(str, path)) or "this"
     if kind == "missing":
         missing = details["loc"][-1]

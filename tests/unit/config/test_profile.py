@@ -34,7 +34,8 @@ def test_a_profile_is_plain_data_in_si(configs):
     assert valves.settings.watchdog == 0.02
     assert valves.settings.channels["antagonist"].setpoint == (0x6411, 2)
     assert profile.mechanism_settings == CylinderSettings(
-        "valves", "encoder", 16e-3, 181.5e-6, Friction(3.0, 4.5, 25.0), (-9e-3, 9e-3), (1.0, 2.5, 1e-3)
+        "valves", "encoder", 16e-3, 181.5e-6, Friction(3.0, 4.5, 25.0), (-9e-3, 9e-3),
+        (1.0, 2.5, 1e-3),
     )  # fmt: skip
     assert profile.controllers["pid"].dither == 40.0
     assert profile.plant.settings.conductance == 3e-10
@@ -127,7 +128,8 @@ class TestExtends:
     def test_mappings_merge_and_lists_replace(self, configs):
         configs.write(
             "rigs/fast.yaml",
-            "extends: bench\nloop: {rate: 1 kHz}\ncylinder: {gains: [7]}\nplant: {seals: standard}\n",
+            "extends: bench\nloop: {rate: 1 kHz}\ncylinder: {gains: [7]}\n"
+            "plant: {seals: standard}\n",
         )
         profile, base = configs.profile("fast"), configs.profile()
         assert (profile.name, profile.description) == ("fast", "")
