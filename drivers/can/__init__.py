@@ -1,1 +1,1 @@
-"""TODO."""
+"""CAN interfaces behind one seam."""

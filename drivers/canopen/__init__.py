@@ -1,1 +1,1 @@
-"""TODO."""
+"""CANopen: what all drivers on such a bus share."""

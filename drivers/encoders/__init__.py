@@ -1,1 +1,1 @@
-"""TODO."""
+"""Drivers of linear encoders."""

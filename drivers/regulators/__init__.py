@@ -1,1 +1,1 @@
-"""TODO."""
+"""Drivers of electro-pneumatic pressure regulators."""

@@ -1,0 +1,134 @@
+"""What a profile says of a CiA 406 linear encoder."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Interval, Unit
+
+from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
+
+
+@dataclass(frozen=True, slots=True)
+class PositionObject:
+    """The object that holds the position.
+
+    Parameters
+    ----------
+    index, sub : int
+        0x6004:0, or 0x6020:k on encoders with several sensors, or the maker's.
+    type : str
+        Its data type.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6004
+    sub: Annotated[int, Interval(ge=0, le=254)] = 0
+    type: DataTypeName = "i32"
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedObject:
+    """The object that holds the speed.
+
+    Parameters
+    ----------
+    index, sub : int
+        0x6030:k, or the maker's.
+    type : str
+        Its data type.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6030
+    sub: Annotated[int, Interval(ge=0, le=254)] = 1
+    type: DataTypeName = "i16"
+
+
+@dataclass(frozen=True, slots=True)
+class Cia406Settings:
+    """A linear encoder after CiA 406, one rod per node.
+
+    The rod's extension is ``± scale · step · counts + offset``.
+
+    Parameters
+    ----------
+    node : int
+        Its number on the bus.
+    stroke : float
+        The rod's travel, m.
+    position : PositionObject
+        Where the position is.
+    speed : PositionObject, optional
+        Where the speed is; None if the device has none (null in a profile).
+    alarms : str
+        ``mapped`` into the PDO, ``polled`` once while connecting, or ``off``. A device's
+        alarm also comes as an emergency message.
+    step : float, optional
+        Measuring step, m. None: read from 0x6005:1, which counts nanometres. Given: used,
+        and compared with 0x6005:1 if the device has it.
+    speed_step : float, optional
+        The same for speed, m/s and 0x6005:2, which counts 0.01 mm/s.
+    reversed : bool
+        The device counts down as the rod extends.
+    scale, offset : float
+        Correction by calibration, 1 and m.
+    overtravel : float
+        How far a reading may lie outside 0 … `stroke`, m.
+    max_speed : float
+        A reading that implies a faster rod is a fault, m/s.
+    frozen_timeout : float, optional
+        A position that does not change in a single count for so long is a fault, s. Only
+        for encoders with noise of their own: a rod may well stand still.
+    preset_offset : int, optional
+        What 0x6509 must hold, counts: somebody who set a preset has moved the zero.
+    vendor, product : int, optional
+        What the device must report in 0x1018.
+    remap : bool
+        Write the PDO mapping; False for devices whose mapping is fixed, which is then
+        compared.
+    hold_after, fault_after : int
+        Readings missed in a row that are counted as held, and that are a fault.
+    """
+
+    node: Annotated[int, Interval(ge=1, le=127)]
+    stroke: Annotated[float, Unit("m"), Gt(0)]
+    position: PositionObject = field(default_factory=PositionObject)
+    speed: SpeedObject | None = field(default_factory=SpeedObject)
+    alarms: Literal["mapped", "polled", "off"] = "mapped"
+    step: Annotated[float, Unit("m"), Gt(0)] | None = None
+    speed_step: Annotated[float, Unit("m/s"), Gt(0)] | None = None
+    reversed: bool = False
+    scale: Annotated[float, Unit("1"), Interval(ge=0.5, le=2.0)] = 1.0
+    offset: Annotated[float, Unit("m")] = 0.0
+    overtravel: Annotated[float, Unit("m"), Ge(0)] = 2e-3
+    max_speed: Annotated[float, Unit("m/s"), Gt(0)] = 2.0
+    frozen_timeout: Annotated[float, Unit("s"), Gt(0)] | None = None
+    preset_offset: int | None = None
+    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    remap: bool = True
+    hold_after: Annotated[int, Ge(1)] = 2
+    fault_after: Annotated[int, Ge(1)] = 5
+
+    def __post_init__(self) -> None:
+        if self.fault_after < self.hold_after:
+            raise ValueError(
+                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
+            )
+        if len(pack(self.transmit_entries)) > 1:
+            raise ValueError(
+                "position, speed and alarms are more than the 8 bytes of one PDO; "
+                "set alarms to polled, or speed to null."
+            )
+
+    @property
+    def transmit_entries(self) -> Layout:
+        """What the encoder sends each cycle, in order."""
+        entries = [Entry(self.position.index, self.position.sub, self.position.type)]
+        if self.speed is not None:
+            entries.append(Entry(self.speed.index, self.speed.sub, self.speed.type))
+        if self.alarms == "mapped":
+            entries.append(Entry(0x6503, 0, "u16"))
+        return tuple(entries)
+
+    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
+        """Return what the encoder puts on the bus each cycle: names and bytes."""
+        return (("TPDO1 position", layout_size(self.transmit_entries)),)

@@ -1,0 +1,256 @@
+"""What a profile says of a CiA 401 module with electro-pneumatic regulators on it."""
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Interval, MinLen, Unit
+
+from drivers.canopen.mapping import (
+    RANGES,
+    DataTypeName,
+    Entry,
+    Layout,
+    layout_size,
+    pack,
+)
+
+_Pascal = Annotated[float, Unit("Pa")]
+_Volt = Annotated[float, Unit("V")]
+_Ampere = Annotated[float, Unit("A")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AnalogueSignal:
+    """One analogue channel: a straight line from counts over the wire to pressure.
+
+    Parameters
+    ----------
+    sub : int
+        Sub-index of the channel's object, which is the channel's number on most modules.
+    index : int
+        Index of the object.
+    type : str
+        Its data type.
+    raw : tuple of float
+        The converter's counts at the two ends.
+    voltage, current : tuple of float, optional
+        The signal at the two ends, V or A: one of the two.
+    pressure : tuple of float
+        The pressure at the two ends, Pa gauge.
+    """
+
+    sub: Annotated[int, Interval(ge=0, le=254)]
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)]
+    type: DataTypeName = "i16"
+    raw: tuple[float, float] = (0.0, 32767.0)
+    voltage: tuple[_Volt, _Volt] | None = None
+    current: tuple[_Ampere, _Ampere] | None = None
+    pressure: tuple[_Pascal, _Pascal]
+
+    def __post_init__(self) -> None:
+        if (self.voltage is None) == (self.current is None):
+            raise ValueError("give either voltage or current, the signal on the wire.")
+        for name, (low, high) in (
+            ("raw", self.raw),
+            ("current" if self.voltage is None else "voltage", self.signal),
+            ("pressure", self.pressure),
+        ):
+            if low == high:
+                raise ValueError(f"{name}: both ends are {low:g}; a line needs two points.")
+        if self.type in RANGES:
+            low, high = RANGES[self.type]
+            if not (low <= min(self.raw) and max(self.raw) <= high):
+                raise ValueError(
+                    f"raw: {self.raw[0]:g} … {self.raw[1]:g} does not fit into {self.type}, "
+                    f"which holds {low} … {high}."
+                )
+
+    @property
+    def signal(self) -> tuple[float, float]:
+        """The signal at the two ends, V or A."""
+        ends = self.voltage if self.current is None else self.current
+        assert ends is not None
+        return ends
+
+    @property
+    def signal_unit(self) -> str:
+        """``"V"`` or ``"A"``."""
+        return "V" if self.current is None else "A"
+
+    @property
+    def entry(self) -> Entry:
+        """The object, as it is mapped into a PDO."""
+        return Entry(self.index, self.sub, self.type)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointSignal(AnalogueSignal):
+    """The analogue output that commands a regulator.
+
+    Parameters
+    ----------
+    index : int
+        Index of the object: 0x6411 on a CiA 401 module, or the maker's.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6411
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MonitorSignal(AnalogueSignal):
+    """The analogue input that reads a regulator's pressure monitor.
+
+    Parameters
+    ----------
+    index : int
+        Index of the object: 0x6401 on a CiA 401 module, or the maker's.
+    wire_break : float, optional
+        Share of the lower end's signal below which the wire is broken. Needs a live zero
+        (4 … 20 mA, 1 … 5 V). None: 0.9 for a current (3.6 mA, NAMUR NE 43), 0.5 for a
+        voltage. 0: not checked.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6401
+    wire_break: Annotated[float, Unit("1"), Interval(ge=0, lt=1)] | None = None
+
+    @property
+    def broken_below(self) -> float:
+        """The signal below which the wire is broken, V or A; 0 without a live zero."""
+        zero = min(self.signal)
+        if zero <= 0.0:
+            return 0.0
+        share = self.wire_break
+        if share is None:
+            share = 0.5 if self.current is None else 0.9
+        return share * zero
+
+
+@dataclass(frozen=True, slots=True)
+class RegulatorChannel:
+    """One regulator.
+
+    Parameters
+    ----------
+    setpoint : SetpointSignal
+        What commands it.
+    monitor : MonitorSignal
+        What it reports.
+    """
+
+    setpoint: SetpointSignal
+    monitor: MonitorSignal
+
+
+@dataclass(frozen=True, slots=True)
+class FollowingSettings:
+    """When a regulator that does not follow its setpoint is a fault.
+
+    The monitored pressure is compared with the setpoint passed through a first-order lag.
+
+    Parameters
+    ----------
+    deviation : float
+        Permitted distance, Pa.
+    time : float
+        For how long it may be exceeded, s.
+    response : float
+        Time constant of the lag, s.
+    """
+
+    deviation: Annotated[float, Unit("Pa"), Gt(0)] = 50e3
+    time: Annotated[float, Unit("s"), Gt(0)] = 0.5
+    response: Annotated[float, Unit("s"), Ge(0)] = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Cia401Settings:
+    """A CiA 401 module: regulators on its analogue, safety on its digital channels.
+
+    Parameters
+    ----------
+    node : int
+        Its number on the bus.
+    channels : dict of str to RegulatorChannel
+        The regulators by name.
+    supply_bit : int, optional
+        Bit of the first digital output byte that opens the supply (and dump) valve.
+    stop_bit : int, optional
+        Bit of the first digital input byte that reads the emergency-stop contact.
+    stop_active_low : bool
+        The contact is normally closed: the bit is 0 when the stop is pressed.
+    vented : float
+        The safe setpoint, Pa gauge; the nearest that a channel can give is taken.
+    following : FollowingSettings
+        When a regulator that does not follow is a fault.
+    vendor, product : int, optional
+        What the module must report in 0x1018.
+    remap : bool
+        Write the PDO mapping; False for modules whose mapping is fixed, which is then
+        compared.
+    hold_after, fault_after : int
+        Readings missed in a row that are counted as held, and that are a fault.
+    """
+
+    node: Annotated[int, Interval(ge=1, le=127)]
+    channels: Annotated[dict[str, RegulatorChannel], MinLen(1)]
+    supply_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
+    stop_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
+    stop_active_low: bool = True
+    vented: Annotated[float, Unit("Pa")] = 0.0
+    following: FollowingSettings = field(default_factory=FollowingSettings)
+    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    remap: bool = True
+    hold_after: Annotated[int, Ge(1)] = 2
+    fault_after: Annotated[int, Ge(1)] = 5
+
+    def __post_init__(self) -> None:
+        for side in ("setpoint", "monitor"):
+            owner: dict[Entry, str] = {}
+            for name, channel in self.channels.items():
+                entry = getattr(channel, side).entry
+                if entry in owner:
+                    raise ValueError(
+                        f"channels {owner[entry]} and {name} have the same {side} object {entry}."
+                    )
+                owner[entry] = name
+        low, high = self.pressure_range
+        if not low < high:
+            raise ValueError("channels: their setpoints have no pressure range in common.")
+        if self.fault_after < self.hold_after:
+            raise ValueError(
+                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
+            )
+        pack(self.receive_entries)
+        pack(self.transmit_entries)
+
+    @property
+    def pressure_range(self) -> tuple[float, float]:
+        """The setpoints that every channel can give, Pa gauge."""
+        scales = [sorted(channel.setpoint.pressure) for channel in self.channels.values()]
+        return max(low for low, _ in scales), min(high for _, high in scales)
+
+    @property
+    def receive_entries(self) -> Layout:
+        """What the module receives each cycle, in order."""
+        digital = () if self.supply_bit is None else (Entry(0x6200, 1, "u8"),)
+        return (*(channel.setpoint.entry for channel in self.channels.values()), *digital)
+
+    @property
+    def transmit_entries(self) -> Layout:
+        """What the module sends each cycle, in order."""
+        digital = () if self.stop_bit is None else (Entry(0x6000, 1, "u8"),)
+        return (*(channel.monitor.entry for channel in self.channels.values()), *digital)
+
+    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
+        """Return what the module puts on the bus each cycle: names and bytes."""
+        return (
+            *(
+                (f"RPDO{n} setpoints", layout_size(layout))
+                for n, layout in enumerate(pack(self.receive_entries), 1)
+            ),
+            *(
+                (f"TPDO{n} monitors", layout_size(layout))
+                for n, layout in enumerate(pack(self.transmit_entries), 1)
+            ),
+        )
