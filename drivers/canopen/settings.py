@@ -32,7 +32,7 @@ class CanBusSettings:
     boot_timeout : float
         How long the master waits for a node to appear or to change its state, s.
     sync : bool
-        Send SYNC at the end of every cycle.
+        Send SYNC at the end of every cycle; False if another device on the bus sends it.
     max_load : float
         Highest share of the bus's time that the cycle may need, worst case.
     receive_limit : int

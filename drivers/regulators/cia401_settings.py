@@ -1,7 +1,7 @@
 """What a profile says of a CiA 401 module with electro-pneumatic regulators on it."""
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
@@ -180,6 +180,13 @@ class Cia401Settings:
         The contact is normally closed: the bit is 0 when the stop is pressed.
     vented : float
         The safe setpoint, Pa gauge; the nearest that a channel can give is taken.
+    error_mode, error_value : int, optional
+        The objects that say what an output does when the node leaves OPERATIONAL: 0x6443
+        and 0x6444 on a CiA 401 module (0x6445 for f32 outputs). They are written and read
+        back at each start. None: the module has none, and holds or drops its outputs as
+        its maker decided.
+    error_mode_type : str
+        Data type of the error mode; some makers took u16.
     following : FollowingSettings
         When a regulator that does not follow is a fault.
     vendor, product : int, optional
@@ -197,6 +204,9 @@ class Cia401Settings:
     stop_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
     stop_active_low: bool = True
     vented: Annotated[float, Unit("Pa")] = 0.0
+    error_mode: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6443
+    error_value: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6444
+    error_mode_type: Literal["u8", "u16"] = "u8"
     following: FollowingSettings = field(default_factory=FollowingSettings)
     vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
     product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None

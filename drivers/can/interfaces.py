@@ -1,0 +1,64 @@
+"""Open any CAN interface: SocketCAN directly, everything else by python-can."""
+
+from typing import Any, Protocol, cast
+
+from drivers.can.socketcan import open_socketcan
+from rig.hal import CanBus, ConnectionFailed
+
+
+class InterfaceSettings(Protocol):
+    """What opening an interface needs to know of a bus."""
+
+    @property
+    def interface(self) -> str:
+        """The python-can interface."""
+        ...
+
+    @property
+    def channel(self) -> str:
+        """What the interface calls the bus."""
+        ...
+
+    @property
+    def bitrate(self) -> int:
+        """Of the bus, bit/s."""
+        ...
+
+    @property
+    def options(self) -> dict[str, str | int | float | bool]:
+        """More arguments for python-can."""
+        ...
+
+
+def open_bus(settings: InterfaceSettings) -> CanBus:
+    """Open the interface that a profile names.
+
+    Configuration files and environment variables of python-can are not read: the profile
+    alone says what is used.
+
+    Raises
+    ------
+    ConnectionFailed
+        The interface is unknown, not there, down, or refuses its options.
+    """
+    if settings.interface == "socketcan" and not settings.options:
+        return open_socketcan(settings.channel, settings.bitrate)
+    import can
+
+    options: dict[str, Any] = dict(settings.options)
+    try:
+        bus = can.Bus(
+            channel=settings.channel,
+            interface=settings.interface,
+            ignore_config=True,
+            bitrate=settings.bitrate,
+            **options,
+        )
+    except Exception as error:  # each interface has errors of its own
+        raise ConnectionFailed(
+            settings.channel,
+            f"python-can cannot open interface {settings.interface!r}: "
+            f"{error or type(error).__name__}",
+        ) from error
+    # A Message's attributes are a little narrower than the seam's.
+    return cast("CanBus", bus)

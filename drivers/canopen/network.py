@@ -1,0 +1,61 @@
+"""The `canopen` library without threads: it configures nodes in the rig's own time.
+
+Instead of a notifier thread, sending an SDO request receives from the bus until the answer
+has come or the rig's clock says that it never will.
+"""
+
+import logging
+from typing import TYPE_CHECKING, Any, Final
+
+import canopen
+
+if TYPE_CHECKING:
+    from drivers.canopen.bus import CanopenBus
+
+_SDO_REQUESTS: Final = range(0x601, 0x680)
+_REQUEST_TO_ANSWER: Final = -0x80
+_ABORT: Final = 0x80
+
+# Its complaints reach the user as exceptions that name device, node and object.
+logging.getLogger("canopen").addHandler(logging.NullHandler())
+
+
+class ThreadlessNetwork(canopen.Network):  # type: ignore[misc]  # canopen is not typed
+    """A `canopen.Network` on a `CanopenBus`.
+
+    Parameters
+    ----------
+    bus : CanopenBus
+        Sends and receives for it.
+    """
+
+    def __init__(self, bus: "CanopenBus") -> None:
+        super().__init__()
+        self._canopen_bus = bus
+        self._answers: dict[int, int] = {}
+
+    def add(self, node: int) -> Any:
+        """Return the SDO client of a node; its answers are taken from the bus."""
+        remote = canopen.RemoteNode(node, canopen.ObjectDictionary())
+        # The answer is in the queue before the client looks for it, or it never comes.
+        remote.sdo.RESPONSE_TIMEOUT = 0.0
+        self.add_node(remote)
+        self._answers[0x580 + node] = 0
+        return remote.sdo
+
+    def take_answer(self, can_id: int, data: bytes, now: float) -> None:
+        """Hand an SDO answer to the library."""
+        if len(data) != 8:  # no SDO; the request times out if nothing better comes
+            return
+        self._answers[can_id] += 1
+        self.notify(can_id, bytearray(data), now)
+
+    def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
+        """Send a frame; after an SDO request, receive until it is answered."""
+        bus = self._canopen_bus
+        answer = can_id + _REQUEST_TO_ANSWER
+        waits = can_id in _SDO_REQUESTS and answer in self._answers and data[0] != _ABORT
+        before = self._answers.get(answer, 0)
+        bus.send(can_id, bytes(data))
+        if waits:
+            bus.wait_until(lambda: self._answers[answer] != before, bus.settings.sdo_timeout)
