@@ -108,6 +108,10 @@ class HeartbeatWatch:
         self.state = state
         self.last = now
 
+    def forget(self) -> None:
+        """Not know the state until the next heartbeat says it."""
+        self.state = None
+
     def arm(self) -> None:
         """Expect OPERATIONAL from now on."""
         self._boots_at_arm = self.boots

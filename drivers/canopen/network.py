@@ -20,7 +20,7 @@ _ABORT: Final = 0x80
 logging.getLogger("canopen").addHandler(logging.NullHandler())
 
 
-class ThreadlessNetwork(canopen.Network):  # type: ignore[misc]  # canopen is not typed
+class ThreadlessNetwork(canopen.Network):
     """A `canopen.Network` on a `CanopenBus`.
 
     Parameters
@@ -36,7 +36,8 @@ class ThreadlessNetwork(canopen.Network):  # type: ignore[misc]  # canopen is no
 
     def add(self, node: int) -> Any:
         """Return the SDO client of a node; its answers are taken from the bus."""
-        remote = canopen.RemoteNode(node, canopen.ObjectDictionary())
+        library: Any = canopen  # typed in part only
+        remote = library.RemoteNode(node, library.ObjectDictionary())
         # The answer is in the queue before the client looks for it, or it never comes.
         remote.sdo.RESPONSE_TIMEOUT = 0.0
         self.add_node(remote)

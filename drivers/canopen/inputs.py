@@ -1,0 +1,183 @@
+"""What a node sends each cycle: its length, completeness and punctuality."""
+
+import struct
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from drivers.canopen.mapping import STRUCT_CODES, Layout, layout_size
+from rig.hal import DeviceFault
+
+if TYPE_CHECKING:
+    from drivers.canopen.bus import CanopenBus
+
+Take = Callable[[tuple[Any, ...], float], None]
+
+
+def layout_struct(layout: Layout) -> struct.Struct:
+    """Return the precompiled struct of a PDO."""
+    return struct.Struct("<" + "".join(STRUCT_CODES[entry.type] for entry in layout))
+
+
+class CyclicInputs:
+    """The transmit PDOs of one node, which it samples at each SYNC.
+
+    A sample counts when all its PDOs have come, and is stamped with the time of the SYNC
+    that triggered it. Of two in one cycle (the first was late, or it came twice) the newer
+    one is taken.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    node : int
+        Its number.
+    bus : CanopenBus
+        It is subscribed there.
+    layouts : sequence of Layout
+        What is mapped, PDO by PDO from TPDO1 on.
+    take : callable
+        ``take(values, t)`` receives each sample: all mapped values in order, as the wire
+        has them, and its time, s.
+    hold_after, fault_after : int
+        Samples missed in a row that are counted as held, and that are a fault.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        node: int,
+        bus: "CanopenBus",
+        layouts: Sequence[Layout],
+        take: Take,
+        *,
+        hold_after: int,
+        fault_after: int,
+    ) -> None:
+        self.name = name
+        self.node = node
+        self.can_ids = tuple(0x080 + 0x100 * n + node for n in range(1, len(layouts) + 1))
+        self._bus = bus
+        self._take = take
+        self._hold_after = hold_after
+        self._fault_after = fault_after
+        self._complete = (1 << len(layouts)) - 1
+        self._seen = 0
+        self._seen_sync = -1
+        self._parts: list[tuple[Any, ...]] = [()] * len(layouts)
+        self._taken_sync = 0
+        self._wrong_in_a_row = 0
+        self._wrong: tuple[int, int, int] = (0, 0, 0)
+        self.samples = 0
+        self.missed = 0
+        self.held = 0
+        self.extra = 0
+        self.wrong_length = 0
+        single = len(layouts) == 1
+        for number, layout in enumerate(layouts):
+            handler = self._single(layout) if single else self._part(number, layout)
+            bus.subscribe(self.can_ids[number], handler)
+
+    def arm(self) -> None:
+        """Expect samples from now on."""
+        self._taken_sync = self._bus.sync_count
+        self._wrong_in_a_row = 0
+
+    def is_current(self) -> bool:
+        """Return whether the sample of the last SYNC has come."""
+        return self._taken_sync == self._bus.sync_count
+
+    def check(self, now: float) -> None:
+        """Count what is missing, and raise if it is too much.
+
+        Raises
+        ------
+        DeviceFault
+            Samples are missing, or their length is wrong, too many times in a row.
+        """
+        missed = self._bus.sync_count - self._taken_sync
+        if not missed:
+            return
+        self.missed += 1
+        if missed >= self._hold_after:
+            self.held += 1
+        if self._wrong_in_a_row >= self._fault_after:
+            can_id, size, expected = self._wrong
+            raise DeviceFault(
+                self.name,
+                f"{self._wrong_in_a_row} frames in a row had the wrong length; "
+                "its mapping is not what was configured",
+                node=self.node,
+                object=f"PDO 0x{can_id:03X}",
+                value=f"{size} bytes",
+                bound=f"{expected} bytes",
+            )
+        if missed >= self._fault_after:
+            raise DeviceFault(
+                self.name,
+                "it does not answer SYNC any more",
+                node=self.node,
+                object=" or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids),
+                value=f"{missed} missed in a row",
+                bound=f"fewer than {self._fault_after}",
+            )
+
+    def statistics(self) -> dict[str, float]:
+        """Return the counters."""
+        return {
+            "samples": self.samples,
+            "missed": self.missed,
+            "held": self.held,
+            "extra": self.extra,
+            "wrong_length": self.wrong_length,
+        }
+
+    def _single(self, layout: Layout) -> Callable[[bytes, float], None]:
+        size, unpack, take, bus = (
+            layout_size(layout),
+            layout_struct(layout).unpack,
+            self._take,
+            (self._bus),
+        )
+        can_id = self.can_ids[0]
+
+        def receive(data: bytes, now: float) -> None:
+            if len(data) != size:
+                self._count_wrong(can_id, len(data), size)
+                return
+            sync = bus.sync_count
+            if self._taken_sync == sync:
+                self.extra += 1
+            self._taken_sync = sync
+            self._wrong_in_a_row = 0
+            self.samples += 1
+            take(unpack(data), bus.sync_time)
+
+        return receive
+
+    def _part(self, number: int, layout: Layout) -> Callable[[bytes, float], None]:
+        size, unpack = layout_size(layout), layout_struct(layout).unpack
+        can_id, bit = self.can_ids[number], 1 << number
+
+        def receive(data: bytes, now: float) -> None:
+            if len(data) != size:
+                self._count_wrong(can_id, len(data), size)
+                return
+            bus = self._bus
+            if self._seen_sync != bus.sync_count:
+                self._seen_sync, self._seen = bus.sync_count, 0
+            if self._seen & bit:
+                self.extra += 1
+            self._parts[number] = unpack(data)
+            self._seen |= bit
+            if self._seen == self._complete:
+                self._taken_sync = bus.sync_count
+                self._wrong_in_a_row = 0
+                self.samples += 1
+                self._take(tuple([v for part in self._parts for v in part]), bus.sync_time)
+
+        return receive
+
+    def _count_wrong(self, can_id: int, size: int, expected: int) -> None:
+        self.wrong_length += 1
+        self._wrong_in_a_row += 1
+        self._wrong = (can_id, size, expected)

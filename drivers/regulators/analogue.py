@@ -1,0 +1,110 @@
+"""Codec of analogue channels: converter counts ↔ signal on the wire ↔ pressure."""
+
+from math import inf, isfinite
+from typing import NamedTuple
+
+from drivers.canopen.mapping import RANGES
+from drivers.regulators.cia401_settings import MonitorSignal, SetpointSignal
+
+
+class SetpointCodec(NamedTuple):
+    """Pressure to counts, one straight line.
+
+    Attributes
+    ----------
+    gain, offset : float
+        ``counts = gain · pressure + offset``.
+    low, high : float
+        Pressures that the channel can give, Pa gauge.
+    raw_low, raw_high : float
+        Counts that its object can hold and its signal covers.
+    is_integer : bool
+        Whether counts are whole numbers.
+    """
+
+    gain: float
+    offset: float
+    low: float
+    high: float
+    raw_low: float
+    raw_high: float
+    is_integer: bool
+
+
+class MonitorCodec(NamedTuple):
+    """Counts to pressure, one straight line, and the signal that tells a broken wire.
+
+    Attributes
+    ----------
+    gain, offset : float
+        ``pressure = gain · counts + offset``.
+    signal_gain, signal_offset : float
+        ``signal = signal_gain · counts + signal_offset``, V or A.
+    broken_below, broken_above : float
+        Signals outside tell a broken or shorted wire, V or A.
+    """
+
+    gain: float
+    offset: float
+    signal_gain: float
+    signal_offset: float
+    broken_below: float
+    broken_above: float
+
+
+def setpoint_codec(signal: SetpointSignal) -> SetpointCodec:
+    """Return the codec of an analogue output."""
+    gain, offset = _line(signal.pressure, signal.raw)
+    low, high = sorted(signal.pressure)
+    raw_low, raw_high = sorted(signal.raw)
+    bounds = RANGES.get(signal.type)
+    if bounds is not None:
+        raw_low, raw_high = max(raw_low, bounds[0]), min(raw_high, bounds[1])
+    return SetpointCodec(gain, offset, low, high, raw_low, raw_high, bounds is not None)
+
+
+def monitor_codec(signal: MonitorSignal) -> MonitorCodec:
+    """Return the codec of an analogue input.
+
+    A current above 1.05 times the upper end (21 mA, NAMUR NE 43) tells a shorted sensor.
+    """
+    below = signal.broken_below
+    above = 1.05 * max(signal.signal) if below > 0.0 and signal.current is not None else inf
+    return MonitorCodec(
+        *_line(signal.raw, signal.pressure), *_line(signal.raw, signal.signal), below, above
+    )
+
+
+def encode_pressure(codec: SetpointCodec, pressure: float) -> int | float:
+    """Return the counts for a pressure: clamped, rounded half to even, saturated.
+
+    Parameters
+    ----------
+    codec : SetpointCodec
+        Of the channel.
+    pressure : float
+        Pa gauge.
+
+    Raises
+    ------
+    ValueError
+        It is not a number; what a limit should have stopped long before.
+    """
+    if not isfinite(pressure):
+        raise ValueError(f"the setpoint is {pressure}, which is no pressure")
+    gain, offset, low, high, raw_low, raw_high, is_integer = codec
+    pressure = low if pressure < low else min(high, pressure)
+    raw = gain * pressure + offset
+    if is_integer:
+        raw = round(raw)
+    return raw_low if raw < raw_low else min(raw_high, raw)
+
+
+def decode_pressure(codec: MonitorCodec, raw: float) -> float:
+    """Return the pressure for counts, Pa gauge."""
+    return codec.gain * raw + codec.offset
+
+
+def _line(xs: tuple[float, float], ys: tuple[float, float]) -> tuple[float, float]:
+    gain = (ys[1] - ys[0]) / (xs[1] - xs[0])
+    return gain, ys[0] - gain * xs[0]

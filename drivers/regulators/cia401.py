@@ -1,0 +1,296 @@
+"""Electro-pneumatic regulators behind a CiA 401 analogue module.
+
+References
+----------
+CiA 401 V3.0: 0x6411 and 0x6401 analogue outputs and inputs, 0x6443 … 0x6445 their error
+modes and values, 0x6000 and 0x6200 digital inputs and outputs, 0x6206 and 0x6207 the
+digital error modes and values. CiA 301: 0x1029 error behaviour.
+"""
+
+from math import inf
+from typing import Any, Final
+
+from drivers.canopen.bus import CanopenBus, TransmitPdo
+from drivers.canopen.inputs import CyclicInputs, layout_struct
+from drivers.canopen.mapping import pack
+from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.regulators.analogue import (
+    encode_pressure,
+    monitor_codec,
+    setpoint_codec,
+)
+from drivers.regulators.cia401_settings import Cia401Settings
+from drivers.regulators.following import FollowingWatch
+from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded, Reading, Vector
+
+_PROFILE: Final = 401
+_TAKE_ERROR_VALUE: Final = 1  # 0x6443
+_TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
+_BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wire
+_ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
+
+
+class Cia401Regulators:
+    """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
+
+    Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    settings : Cia401Settings
+        See there.
+    bus : CanopenBus
+        The bus that it hangs on.
+    serial : int, optional
+        The serial number that it must report.
+    """
+
+    Settings = Cia401Settings
+
+    def __init__(
+        self, name: str, settings: Cia401Settings, bus: CanopenBus, *, serial: int | None = None
+    ) -> None:
+        self.name = name
+        self.settings = settings
+        self.channels = tuple(settings.channels)
+        self.pressure_range = settings.pressure_range
+        self._bus = bus
+        self._serial = serial
+        self._node = CanopenNode(name, settings.node, bus)
+        wiring = tuple(settings.channels.values())
+        self._setpoint_codecs = tuple(setpoint_codec(channel.setpoint) for channel in wiring)
+        self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
+        low, high = self.pressure_range
+        slack = _ROUNDING * (high - low)
+        self._lowest, self._highest = low - slack, high + slack
+        count = len(wiring)
+        self._vented: Vector = (min(max(settings.vented, low), high),) * count
+        self._supply = 0 if settings.supply_bit is None else 1 << settings.supply_bit
+        self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
+        self._pressed_level = 0 if settings.stop_active_low else self._stop
+
+        self._receive_layouts = pack(settings.receive_entries)
+        self._transmit_layouts = pack(settings.transmit_entries)
+        self._packers = tuple(layout_struct(layout) for layout in self._receive_layouts)
+        safe = self._encode(self._vented, supply=False)
+        self._pdos = tuple(
+            TransmitPdo(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
+        )
+        for pdo in self._pdos:
+            bus.add_pdo(pdo)
+        self._inputs = CyclicInputs(
+            name,
+            settings.node,
+            bus,
+            self._transmit_layouts,
+            self._take,
+            hold_after=settings.hold_after,
+            fault_after=settings.fault_after,
+        )
+        self._following = tuple(
+            FollowingWatch(name, settings.node, channel, settings.following)
+            for channel in self.channels
+        )
+        self._setpoint = self._vented
+        self._pressure: Reading[Vector] = Reading((0.0,) * count, -inf)
+        self._emergency_stop: Reading[bool] = Reading(True, -inf)
+        self._broken = [0] * count
+        self._signals = [0.0] * count
+        self._armed = False
+
+    # Codec ----------------------------------------------------------------------------
+
+    def _encode(self, pressures: Vector, *, supply: bool) -> tuple[bytes, ...]:
+        """Return the content of the receive PDOs for pressures (Pa) and the supply valve."""
+        values: list[int | float] = [
+            encode_pressure(codec, pressure)
+            for codec, pressure in zip(self._setpoint_codecs, pressures, strict=True)
+        ]
+        if self._supply:
+            values.append(self._supply if supply else 0)
+        if len(self._packers) == 1:
+            return (self._packers[0].pack(*values),)
+        contents = []
+        for layout, packer in zip(self._receive_layouts, self._packers, strict=True):
+            part, values = values[: len(layout)], values[len(layout) :]
+            contents.append(packer.pack(*part))
+        return tuple(contents)
+
+    def _take(self, values: tuple[Any, ...], t: float) -> None:
+        """Decode a sample: monitors, then the digital byte."""
+        pressures = []
+        good = True
+        for k, (gain, offset, signal_gain, signal_offset, below, above) in enumerate(
+            self._monitor_codecs
+        ):
+            raw = values[k]
+            signal = signal_gain * raw + signal_offset
+            if below <= signal <= above or below == 0.0:
+                self._broken[k] = 0
+            else:
+                self._broken[k] += 1
+                self._signals[k] = signal
+                good = False
+            pressures.append(gain * raw + offset)
+        if good:  # else the last good sample is held, and grows old
+            self._pressure = Reading(tuple(pressures), t)
+        if self._stop:
+            self._emergency_stop = Reading(values[-1] & self._stop == self._pressed_level, t)
+
+    # Life cycle -----------------------------------------------------------------------
+
+    def connect(self) -> None:
+        """Find, identify and configure the module; leave it vented, in PRE-OPERATIONAL.
+
+        Every object that matters for safety is written and read back.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer, is another device, or did not take a setting.
+        """
+        self._armed = False
+        settings, node = self.settings, self._node
+        node.connect(
+            profile=_PROFILE,
+            vendor=settings.vendor,
+            product=settings.product,
+            serial=self._serial,
+        )
+        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+            signal = channel.setpoint
+            raw = encode_pressure(codec, self._vented[0])
+            if settings.error_mode is not None:
+                node.write(
+                    settings.error_mode, signal.sub, settings.error_mode_type, _TAKE_ERROR_VALUE
+                )
+            if settings.error_value is not None:
+                kind = "f32" if signal.type == "f32" else "i32"
+                node.write(settings.error_value, signal.sub, kind, raw)
+        if self._supply:
+            node.write(0x6206, 1, "u8", 0xFF)
+            node.write(0x6207, 1, "u8", 0)
+        node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
+        node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
+        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+            signal = channel.setpoint
+            raw = encode_pressure(codec, self._vented[0])
+            node.write(signal.index, signal.sub, signal.type, raw)
+        if self._supply:
+            node.write(0x6200, 1, "u8", 0)
+        self._set_safe()
+
+    def arm(self) -> None:
+        """Start the node and take first readings; the supply opens with the first setpoint.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not become OPERATIONAL, or sends no readings.
+        """
+        self._set_safe()
+        self._node.arm()
+        for pdo in self._pdos:
+            pdo.active = True
+        self._inputs.arm()
+        self._broken = [0] * len(self.channels)
+        bus = self._bus
+        bus.synchronise()
+        if not bus.wait_until(self._inputs.is_current, bus.settings.sdo_timeout):
+            raise ConnectionFailed(
+                self.name,
+                "it is OPERATIONAL but does not answer SYNC",
+                node=self.settings.node,
+                object=f"PDO 0x{self._inputs.can_ids[0]:03X}",
+            )
+        now = bus.clock.now()
+        for watch, pressure in zip(self._following, self._pressure.value, strict=True):
+            watch.reset(pressure, now)
+        self._armed = True
+
+    def make_safe(self) -> None:
+        """Vent every channel and shut the supply, from now until it is armed again."""
+        self._armed = False
+        self._set_safe()
+
+    def close(self) -> None:
+        """Expect nothing of the module any more; the bus stops it. Idempotent."""
+        self.make_safe()
+        self._node.disarm()
+
+    # The cycle ------------------------------------------------------------------------
+
+    def pressure(self) -> Reading[Vector]:
+        """Return the monitored pressures, Pa gauge, shape (n,)."""
+        return self._pressure
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop is pressed; without a contact it reads pressed."""
+        return self._emergency_stop
+
+    def set_pressure(self, pressure: Vector) -> None:
+        """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.
+
+        Raises
+        ------
+        LimitExceeded
+            A setpoint is outside the range or not a number. The setpoints stay as they were.
+        """
+        if not self._armed:
+            return
+        for channel, value in zip(self.channels, pressure, strict=True):
+            if not self._lowest <= value <= self._highest:
+                raise LimitExceeded(
+                    f"{self.name}: setpoint of {channel}", value, *self.pressure_range, "Pa"
+                )
+        self._setpoint = pressure
+        for pdo, data in zip(self._pdos, self._encode(pressure, supply=True), strict=True):
+            pdo.data = data
+
+    def check(self, now: float) -> None:
+        """Raise if the module or a regulator is not well.
+
+        Raises
+        ------
+        DeviceFault
+            Emergency, silence, reboot, missing or malformed readings, a broken monitor wire,
+            or a regulator that does not follow.
+        """
+        self._node.check(now)
+        if not self._armed:
+            return
+        self._inputs.check(now)
+        for k, count in enumerate(self._broken):
+            if count >= _BROKEN_AFTER:
+                raise self._broken_wire(k)
+        for watch, setpoint, pressure in zip(
+            self._following, self._setpoint, self._pressure.value, strict=True
+        ):
+            watch.check(setpoint, pressure, now)
+
+    def statistics(self) -> dict[str, float]:
+        """Return counters for the run's manifest."""
+        return self._inputs.statistics()
+
+    def _set_safe(self) -> None:
+        self._setpoint = self._vented
+        for pdo in self._pdos:
+            pdo.data = pdo.safe
+
+    def _broken_wire(self, k: int) -> DeviceFault:
+        signal = self.settings.channels[self.channels[k]].monitor
+        codec, unit = self._monitor_codecs[k], signal.signal_unit
+        prefix, factor = ("m", 1e3) if unit == "A" else ("", 1.0)
+        low = self._signals[k] < codec.broken_below
+        bound = codec.broken_below if low else codec.broken_above
+        return DeviceFault(
+            self.name,
+            f"the pressure monitor of {self.channels[k]} has a "
+            f"{'broken' if low else 'shorted'} wire",
+            node=self.settings.node,
+            object=str(signal.entry),
+            value=f"{factor * self._signals[k]:.3g} {prefix}{unit}",
+            bound=f"{'above' if low else 'below'} {factor * bound:.3g} {prefix}{unit}",
+        )
