@@ -108,6 +108,7 @@ class Cia406Encoder:
         self._velocity: Reading[Vector] = Reading((0.0,), -inf)
         self._counts: float | None = None
         self._moved_at = 0.0
+        self._earlier = -inf
         self._trouble: DeviceFault | None = None
         self._armed = False
 
@@ -126,13 +127,17 @@ class Cia406Encoder:
         if before is None:
             self._moved_at = t
         else:
-            reach = self.settings.max_speed * (t - then) + 2.0 * abs(codec.gain)
+            # A late sample and the next one come in one cycle and bear the same time.
+            since = then if t > then else self._earlier
+            reach = self.settings.max_speed * (t - since) + 2.0 * abs(codec.gain)
             if not -reach <= extension - was_at <= reach:
                 self._latch_jump(counts, before, extension - was_at, reach)
                 return
             if counts != before:
                 self._moved_at = t
         self._counts = counts
+        if t > then:
+            self._earlier = then
         self._position = Reading((extension,), t)
         if self._has_speed:
             self._velocity = Reading((codec.speed_gain * values[1],), t)
@@ -190,6 +195,7 @@ class Cia406Encoder:
         self._node.arm()
         self._trouble = None
         self._counts = None
+        self._earlier = -inf
         self._inputs.arm()
         bus = self._bus
         bus.synchronise()

@@ -1,6 +1,6 @@
 """Codec of analogue channels: converter counts ↔ signal on the wire ↔ pressure."""
 
-from math import inf, isfinite
+from math import ceil, floor, inf, isfinite
 from typing import NamedTuple
 
 from drivers.canopen.mapping import RANGES
@@ -12,8 +12,10 @@ class SetpointCodec(NamedTuple):
 
     Attributes
     ----------
-    gain, offset : float
-        ``counts = gain · pressure + offset``.
+    pressure_zero, pressure_span, raw_zero, raw_span : float
+        ``counts = (pressure - pressure_zero) · raw_span / pressure_span + raw_zero``; in
+        this order the middle of a range is exactly in the middle, so that rounding half to
+        even means what it says.
     low, high : float
         Pressures that the channel can give, Pa gauge.
     raw_low, raw_high : float
@@ -22,8 +24,10 @@ class SetpointCodec(NamedTuple):
         Whether counts are whole numbers.
     """
 
-    gain: float
-    offset: float
+    pressure_zero: float
+    pressure_span: float
+    raw_zero: float
+    raw_span: float
     low: float
     high: float
     raw_low: float
@@ -54,13 +58,23 @@ class MonitorCodec(NamedTuple):
 
 def setpoint_codec(signal: SetpointSignal) -> SetpointCodec:
     """Return the codec of an analogue output."""
-    gain, offset = _line(signal.pressure, signal.raw)
+    pressure_zero, raw_zero = signal.pressure[0], signal.raw[0]
     low, high = sorted(signal.pressure)
     raw_low, raw_high = sorted(signal.raw)
     bounds = RANGES.get(signal.type)
-    if bounds is not None:
-        raw_low, raw_high = max(raw_low, bounds[0]), min(raw_high, bounds[1])
-    return SetpointCodec(gain, offset, low, high, raw_low, raw_high, bounds is not None)
+    if bounds is not None:  # whole numbers only, or struct refuses them
+        raw_low, raw_high = ceil(raw_low), floor(raw_high)
+    return SetpointCodec(
+        pressure_zero,
+        signal.pressure[1] - pressure_zero,
+        raw_zero,
+        signal.raw[1] - raw_zero,
+        low,
+        high,
+        raw_low,
+        raw_high,
+        bounds is not None,
+    )
 
 
 def monitor_codec(signal: MonitorSignal) -> MonitorCodec:
@@ -92,12 +106,12 @@ def encode_pressure(codec: SetpointCodec, pressure: float) -> int | float:
     """
     if not isfinite(pressure):
         raise ValueError(f"the setpoint is {pressure}, which is no pressure")
-    gain, offset, low, high, raw_low, raw_high, is_integer = codec
-    pressure = low if pressure < low else min(high, pressure)
-    raw = gain * pressure + offset
-    if is_integer:
+    pressure_zero, pressure_span, raw_zero, raw_span, low, high, raw_low, raw_high, whole = codec
+    pressure = low if pressure < low else min(pressure, high)
+    raw = (pressure - pressure_zero) * raw_span / pressure_span + raw_zero
+    if whole:
         raw = round(raw)
-    return raw_low if raw < raw_low else min(raw_high, raw)
+    return raw_low if raw < raw_low else min(raw, raw_high)
 
 
 def decode_pressure(codec: MonitorCodec, raw: float) -> float:

@@ -1,0 +1,97 @@
+"""The raw-socket bus over a socket pair: `struct can_frame` both ways."""
+
+import errno
+import socket
+import struct
+
+import pytest
+
+from drivers.can import open_bus
+from drivers.can.frame import CanFrame
+from drivers.can.socketcan import SocketCanBus, link_command
+from drivers.canopen.settings import CanBusSettings
+from rig.hal import ConnectionFailed
+
+
+@pytest.fixture
+def pair():
+    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    bus = SocketCanBus(near, "can0")
+    far.setblocking(False)
+    yield bus, far
+    bus.shutdown()
+    far.close()
+
+
+def test_a_frame_is_sixteen_bytes_as_the_kernel_has_them(pair):
+    bus, far = pair
+    bus.send_data(0x201, bytes.fromhex("FF7F00"))
+    assert far.recv(64) == struct.pack("=IB3x8s", 0x201, 3, b"\xff\x7f\0")
+    bus.send(CanFrame(0x12345, b"\1", is_extended_id=True))
+    assert far.recv(64)[:4] == struct.pack("=I", 0x80012345)
+    bus.send(CanFrame(0x701, is_remote_frame=True))
+    assert far.recv(64)[:5] == struct.pack("=IB", 0x40000701, 0)
+
+
+def test_draining_takes_what_waits_and_no_more_than_asked(pair):
+    bus, far = pair
+    for n in range(5):
+        far.send(struct.pack("=IB3x8s", 0x180 + n, n, bytes(range(n))))
+    assert bus.drain(3) == [(0x180, b""), (0x181, b"\0"), (0x182, b"\0\1")]
+    assert bus.drain() == [(0x183, b"\0\1\2"), (0x184, b"\0\1\2\3")]
+    assert bus.drain() == []
+
+
+def test_recv_knows_every_kind_of_frame(pair):
+    bus, far = pair
+    assert bus.recv(0.0) is None
+    for can_id in (0x181, 0x80012345, 0x40000701, 0x20000040):
+        far.send(struct.pack("=IB3x8s", can_id, 8, bytes(8)))
+    plain, extended, remote, error = [bus.recv(1.0) for _ in range(4)]
+    assert (plain.arbitration_id, plain.is_extended_id) == (0x181, False)
+    assert (extended.arbitration_id, extended.is_extended_id) == (0x12345, True)
+    assert (remote.arbitration_id, remote.is_remote_frame) == (0x701, True)
+    assert (error.arbitration_id, error.is_error_frame) == (0x40, True)
+
+
+def test_packets_that_are_no_frames_are_left_out(pair):
+    bus, far = pair
+    far.send(b"short")
+    far.send(struct.pack("=IB3x8s", 0x181, 0, b""))
+    assert bus.drain() == [(0x181, b"")]
+
+
+def test_a_full_queue_raises_and_is_not_tried_again(pair):
+    bus, _ = pair
+    with pytest.raises(OSError) as caught:
+        for _ in range(100_000):
+            bus.send_data(0x201, bytes(8))
+    assert caught.value.errno in (errno.EAGAIN, errno.ENOBUFS)
+
+
+def test_a_missing_interface_says_what_mends_it():
+    with pytest.raises(ConnectionFailed, match=r"can77.*(sudo ip link set can77|modprobe)"):
+        open_bus(CanBusSettings("socketcan", "can77", 500_000))
+
+
+def test_an_unknown_interface_is_named():
+    with pytest.raises(ConnectionFailed, match="nothing-like-it"):
+        open_bus(CanBusSettings("nothing-like-it", "can0"))
+
+
+def test_the_command_sets_the_bit_rate():
+    assert "type can bitrate 500000 restart-ms 100" in link_command("can0", 500_000)
+    assert "add dev vcan0 type vcan" in link_command("vcan0", 1, add=True)
+
+
+def test_python_cans_virtual_bus_needs_no_wrapper():
+    settings = CanBusSettings("virtual", "test_socketcan_bus")
+    near, far = open_bus(settings), open_bus(settings)
+    try:
+        import can
+
+        far.send(can.Message(arbitration_id=0x181, data=b"\1", is_extended_id=False))
+        assert near.recv(1.0).arbitration_id == 0x181
+    finally:
+        near.shutdown()
+        far.shutdown()
