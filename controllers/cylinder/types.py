@@ -45,6 +45,21 @@ class PairCommand(NamedTuple):
     antagonist: float
 
 
+class PairEstimate(NamedTuple):
+    """What a controller believes of a pair.
+
+    Parameters
+    ----------
+    velocity : float
+        Of the pair, m/s.
+    disturbance : float
+        Force that the pressures do not explain, N, positive along the position.
+    """
+
+    velocity: float
+    disturbance: float
+
+
 @dataclass(frozen=True, slots=True)
 class PairModel:
     """What a controller believes of the pair (nominal; the plant is perturbed around it).

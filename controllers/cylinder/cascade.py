@@ -1,0 +1,137 @@
+"""Cascade of position and velocity loops on an observer that is fed with measured pressures."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Le, Unit
+
+from controllers.cylinder.differential import DifferentialRange, RegulatorLead
+from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
+from controllers.cylinder.types import (
+    PairCommand,
+    PairEstimate,
+    PairModel,
+    PairReference,
+    PairState,
+)
+from controllers.estimators import ForceObserver, observer_gains
+
+
+@dataclass(frozen=True, slots=True)
+class CascadeSettings:
+    """Bandwidths of the loops, of the observer and of the lead.
+
+    Parameters
+    ----------
+    position_rate : float
+        Velocity asked for over the position error, rad/s.
+    velocity_rate : float
+        Acceleration asked for over the velocity error, rad/s.
+    integral : float
+        N/(m s).
+    observer_bandwidth : float
+        rad/s; it follows the encoder: 600 for 1 µm, two to three times less for 5 to 10 µm
+        (PAPER-joint, section 4).
+    lead_bandwidth : float
+        Of the low-pass behind which the regulators' dynamics are inverted, rad/s.
+    disturbance_gain : float
+        Share of what the observer sees beyond the feedforward that is compensated at once; 0
+        leaves it to the integral.
+    disturbance_bandwidth : float
+        Of that compensation, rad/s.
+    delay : float, optional
+        From the readings to the moment that they are used for, s: the state is predicted over
+        it. None: one period, as on a bus that is read at the end of a cycle.
+    pressure_floor : float
+        No setpoint goes below, Pa gauge, so that no wire goes slack.
+    feedforward : FeedforwardSettings
+        Inertia and friction of the desired motion.
+    """
+
+    position_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 30.0
+    velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 200.0
+    integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 2.0e4
+    observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 600.0
+    lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 600.0
+    disturbance_gain: Annotated[float, Ge(0), Le(1)] = 0.0
+    disturbance_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 30.0
+    delay: Annotated[float, Unit("s"), Ge(0)] | None = None
+    pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
+    feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
+
+
+class Cascade:
+    """Position over velocity over force, with an observer, feedforward, integral and lead.
+
+    Parameters
+    ----------
+    settings : CascadeSettings
+        Bandwidths and gains.
+    model : PairModel
+        Pressures, area, mass, friction, regulators.
+    period : float
+        The loop's period, s.
+
+    References
+    ----------
+    PAPER-joint, section 4, controller c and its ablation: lead, integral, friction feedforward
+    and a fast observer fed with the measured force carry it.
+    """
+
+    Settings = CascadeSettings
+
+    def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
+        self._settings = settings
+        self._area = model.area
+        self._per_area = 1.0 / model.area
+        self._range = DifferentialRange(model, settings.pressure_floor)
+        self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
+        self._feedforward = Feedforward(settings.feedforward, model, period)
+        gains = observer_gains(settings.observer_bandwidth, model.mass, period)
+        self._observer = ForceObserver(gains, model.mass, period)
+        self._velocity_gain = model.mass * settings.velocity_rate
+        self._integral_step = settings.integral * period
+        self._disturbance_share = 1.0 - math.exp(-settings.disturbance_bandwidth * period)
+        self._delay = period if settings.delay is None else settings.delay
+        self._integral = 0.0
+        self._residual = 0.0
+        self._started = False
+        self.estimate = PairEstimate(0.0, 0.0)
+        """Velocity at the time of use, and the disturbance of the observer."""
+
+    def reset(self, state: PairState) -> None:
+        """Start bumplessly: the first command is the measured differential."""
+        differential = self._range.clip(state.agonist - state.antagonist)
+        force = self._area * (state.agonist - state.antagonist)
+        self._observer.reset(state.position, force)
+        self._lead.reset(differential)
+        self._feedforward.reset()
+        self._integral = self._area * differential
+        self._residual = 0.0
+        self._started = False
+        self.estimate = PairEstimate(0.0, -force)
+
+    def update(self, state: PairState, reference: PairReference) -> PairCommand:
+        """Return the setpoints for this period."""
+        settings, lead, observer = self._settings, self._lead, self._observer
+        observer.update(state.position, self._area * (state.agonist - state.antagonist))
+        position, velocity = observer.predict(self._delay)
+        error = reference.position - position
+        feedforward = self._feedforward.update(reference, error)
+        direct = feedforward + self._velocity_gain * (
+            reference.velocity - velocity + settings.position_rate * error
+        )
+        if settings.disturbance_gain > 0.0:
+            # What the feedforward and the integral do not explain of the observed disturbance.
+            missing = -observer.disturbance - feedforward - self._integral
+            self._residual += self._disturbance_share * (missing - self._residual)
+            direct += settings.disturbance_gain * self._residual
+        if not self._started:
+            self._started = True
+            self._integral -= direct
+        setpoint = lead.update(self._per_area * (direct + self._integral))
+        if lead.saturation * error <= 0.0:
+            self._integral += self._integral_step * error
+        self.estimate = PairEstimate(velocity, observer.disturbance)
+        return self._range.split(setpoint)
