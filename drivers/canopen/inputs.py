@@ -5,10 +5,12 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drivers.canopen.mapping import STRUCT_CODES, Layout, layout_size
-from rig.hal import DeviceFault
+from rig.hal import ConnectionFailed, DeviceFault
 
 if TYPE_CHECKING:
     from drivers.canopen.bus import CanopenBus
+
+_ATTEMPTS = 3
 
 Take = Callable[[tuple[Any, ...], float], None]
 
@@ -82,6 +84,27 @@ class CyclicInputs:
         self._taken_sync = self._bus.sync_count
         self._wrong_in_a_row = 0
 
+    def take_first(self) -> None:
+        """Send SYNC and wait for the sample that answers it.
+
+        Raises
+        ------
+        ConnectionFailed
+            None comes, three times over.
+        """
+        self.arm()
+        bus = self._bus
+        for _ in range(_ATTEMPTS):
+            bus.synchronise()
+            if bus.wait_until(self.is_current, bus.settings.sdo_timeout):
+                return
+        raise ConnectionFailed(
+            self.name,
+            "it is OPERATIONAL but does not answer SYNC",
+            node=self.node,
+            object=self._identifiers(),
+        )
+
     def is_current(self) -> bool:
         """Return whether the sample of the last SYNC has come."""
         return self._taken_sync == self._bus.sync_count
@@ -116,7 +139,7 @@ class CyclicInputs:
                 self.name,
                 "it does not answer SYNC any more",
                 node=self.node,
-                object=" or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids),
+                object=self._identifiers(),
                 value=f"{missed} missed in a row",
                 bound=f"fewer than {self._fault_after}",
             )
@@ -130,6 +153,9 @@ class CyclicInputs:
             "extra": self.extra,
             "wrong_length": self.wrong_length,
         }
+
+    def _identifiers(self) -> str:
+        return " or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids)
 
     def _single(self, layout: Layout) -> Callable[[bytes, float], None]:
         size, unpack, take, bus = (

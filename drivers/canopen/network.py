@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 _SDO_REQUESTS: Final = range(0x601, 0x680)
 _REQUEST_TO_ANSWER: Final = -0x80
 _ABORT: Final = 0x80
+_ATTEMPTS: Final = 3
 
 # Its complaints reach the user as exceptions that name device, node and object.
 logging.getLogger("canopen").addHandler(logging.NullHandler())
@@ -40,6 +41,9 @@ class ThreadlessNetwork(canopen.Network):
         remote = library.RemoteNode(node, library.ObjectDictionary())
         # The answer is in the queue before the client looks for it, or it never comes.
         remote.sdo.RESPONSE_TIMEOUT = 0.0
+        # A frame may get lost; every transfer here may be repeated without harm.
+        remote.sdo.MAX_RETRIES = _ATTEMPTS
+        remote.sdo.RETRY_DELAY = 0.0
         self.add_node(remote)
         self._answers[0x580 + node] = 0
         return remote.sdo

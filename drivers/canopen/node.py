@@ -18,6 +18,7 @@ from rig.hal import ConnectionFailed, DeviceFault
 _START: Final = 0x01
 _PRE_OPERATIONAL: Final = 0x80
 _RESET_NODE: Final = 0x81
+_ATTEMPTS: Final = 3
 
 _INVALID: Final = 0x8000_0000  # bit 31 of a PDO's identifier
 _KEEP: Final = 0x4000_0000  # bit 30: no remote requests; as the device has it
@@ -139,11 +140,13 @@ class CanopenNode:
         watch, emergency = self.heartbeat, self.emergency
         boots = watch.boots
         watch.forget()  # only a heartbeat from now on counts
-        self._command(_START)
-        self._bus.wait_until(
-            lambda: watch.state == NmtState.OPERATIONAL or emergency.active is not None,
-            self._bus.settings.boot_timeout,
-        )
+        for _ in range(_ATTEMPTS):  # the command may get lost; it is not confirmed
+            self._command(_START)
+            if self._bus.wait_until(
+                lambda: watch.state == NmtState.OPERATIONAL or emergency.active is not None,
+                self._bus.settings.boot_timeout / _ATTEMPTS,
+            ):
+                break
         if emergency.active is not None:
             raise self._failed(str(emergency.active))
         if watch.state != NmtState.OPERATIONAL or watch.boots != boots:

@@ -196,16 +196,7 @@ class Cia406Encoder:
         self._trouble = None
         self._counts = None
         self._earlier = -inf
-        self._inputs.arm()
-        bus = self._bus
-        bus.synchronise()
-        if not bus.wait_until(self._inputs.is_current, bus.settings.sdo_timeout):
-            raise ConnectionFailed(
-                self.name,
-                "it is OPERATIONAL but does not answer SYNC",
-                node=self.settings.node,
-                object=f"PDO 0x{self._inputs.can_ids[0]:03X}",
-            )
+        self._inputs.take_first()
         self._armed = True
 
     def make_safe(self) -> None:

@@ -21,7 +21,7 @@ from drivers.regulators.analogue import (
 )
 from drivers.regulators.cia401_settings import Cia401Settings
 from drivers.regulators.following import FollowingWatch
-from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded, Reading, Vector
+from rig.hal import DeviceFault, LimitExceeded, Reading, Vector
 
 _PROFILE: Final = 401
 _TAKE_ERROR_VALUE: Final = 1  # 0x6443
@@ -194,18 +194,9 @@ class Cia401Regulators:
         self._node.arm()
         for pdo in self._pdos:
             pdo.active = True
-        self._inputs.arm()
         self._broken = [0] * len(self.channels)
-        bus = self._bus
-        bus.synchronise()
-        if not bus.wait_until(self._inputs.is_current, bus.settings.sdo_timeout):
-            raise ConnectionFailed(
-                self.name,
-                "it is OPERATIONAL but does not answer SYNC",
-                node=self.settings.node,
-                object=f"PDO 0x{self._inputs.can_ids[0]:03X}",
-            )
-        now = bus.clock.now()
+        self._inputs.take_first()
+        now = self._bus.clock.now()
         for watch, pressure in zip(self._following, self._pressure.value, strict=True):
             watch.reset(pressure, now)
         self._armed = True

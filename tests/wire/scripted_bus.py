@@ -58,7 +58,8 @@ class ScriptedNode:
     """A node that answers SDOs from a dictionary and NMT with heartbeats.
 
     `objects` maps (index, sub) to bytes. `sync_answers` are sent one per SYNC.
-    `aborts` maps (index, sub) to an abort code, and `stubborn` holds objects that take a value and keep another.
+    `aborts` maps (index, sub) to an abort code, and `stubborn` holds objects that take a
+    value and keep another.
     """
 
     def __init__(self, bus, node, objects):

@@ -392,3 +392,52 @@ def test_an_error_warning_is_only_counted(valves):
     valves.interface.put("004#0004000000000000", is_error_frame=True)
     valves.run(VENTED)
     assert valves.bus.statistics()["error_frames"] == 1
+
+
+# More than one frame each way, and frames that get lost while connecting ------------------
+
+
+def test_four_regulators_and_a_valve_take_two_frames_each_way():
+    settings = Cia401Settings(
+        node=1,
+        channels={name: channel(sub) for sub, name in enumerate("abcd", 1)},
+        supply_bit=2,
+        stop_bit=0,
+    )
+    bench = Regulators(settings)
+    for sub in (3, 4):
+        bench.node.objects |= {
+            (0x6411, sub): u16(0),
+            (0x6443, sub): u8(0),
+            (0x6444, sub): u32(0),
+        }
+    bench.driver.connect()
+    bench.node.sync_answers.append("181#B80BB80BB80BB80B")
+    bench.node.sync_answers.append("281#01")
+    bench.driver._inputs.arm()
+    bench.driver._node.arm()
+    bench.bus.synchronise()
+    bench.bus.receive(0.0)
+    assert not bench.driver._inputs.is_current(), "half a sample is none"
+    bench.interface.put("281#01")
+    bench.bus.receive(0.0)
+    assert bench.driver._inputs.is_current()
+    assert bench.driver.pressure().value == (0.0,) * 4
+    bench.sent()
+    encoded = bench.driver._encode((0.0, 0.0, 0.0, 900e3), supply=True)
+    assert [data.hex().upper() for data in encoded] == ["000000000000FF7F", "04"]
+
+
+def test_a_lost_answer_is_asked_for_again():
+    bench = Regulators()
+    lost = iter((True, False))
+    put = bench.interface.put
+
+    def lossy(*frames, **kind):
+        if frames[0].startswith("581#4300") and next(lost, False):
+            return
+        put(*frames, **kind)
+
+    bench.interface.put = lossy
+    bench.driver.connect()
+    assert bench.sent().count("601#4000100000000000") == 2

@@ -28,6 +28,7 @@ class Encoder(Bench):
         self.driver.connect()
         self.node.sync_answers.append(first)
         self.driver.arm()
+        self.clock.sleep_until(self.clock.now() + 0.001)
         self.sent()
         return self
 
