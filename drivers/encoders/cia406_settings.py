@@ -56,7 +56,7 @@ class Cia406Settings:
         The rod's travel, m.
     position : PositionObject
         Where the position is.
-    speed : PositionObject, optional
+    speed : SpeedObject, optional
         Where the speed is; None if the device has none (null in a profile).
     alarms : str
         ``mapped`` into the PDO, ``polled`` once while connecting, or ``off``. A device's

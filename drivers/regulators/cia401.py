@@ -282,6 +282,6 @@ class Cia401Regulators:
             f"{'broken' if low else 'shorted'} wire",
             node=self.settings.node,
             object=str(signal.entry),
-            value=f"{factor * self._signals[k]:.3g} {prefix}{unit}",
-            bound=f"{'above' if low else 'below'} {factor * bound:.3g} {prefix}{unit}",
+            value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
+            bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
         )

@@ -255,7 +255,7 @@ def test_a_broken_monitor_wire_is_named_with_its_signal(valves):
     valves.run(VENTED)
     valves.run("181#B80B000001")
     held = valves.driver.pressure()
-    with pytest.raises(DeviceFault, match=r"antagonist has a broken wire.*0x6401:02.*0\.5 V"):
+    with pytest.raises(DeviceFault, match=r"antagonist has a broken wire.*0x6401:02.*0\.50 V"):
         valves.run("181#B80B000001")
     assert valves.driver.pressure() == held
 

@@ -5,12 +5,14 @@ import socket
 import struct
 
 import pytest
+from scripted_bus import TestClock
 
 from drivers.can import open_bus
 from drivers.can.frame import CanFrame
 from drivers.can.socketcan import SocketCanBus, link_command
+from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
-from rig.hal import ConnectionFailed
+from rig.hal import ConnectionFailed, DeviceFault
 
 
 @pytest.fixture
@@ -94,4 +96,34 @@ def test_python_cans_virtual_bus_needs_no_wrapper():
         assert near.recv(1.0).arbitration_id == 0x181
     finally:
         near.shutdown()
+        far.shutdown()
+
+
+def test_the_canopen_bus_speaks_through_python_can_as_well():
+    import can
+
+    settings = CanBusSettings("virtual", "test_canopen_over_python_can")
+    far = open_bus(settings)
+    bus = CanopenBus("can0", settings, lambda: open_bus(settings), TestClock())
+    taken = []
+    bus.subscribe(0x181, lambda data, now: taken.append((data, now)))
+    bus.open()
+    try:
+        for message in (
+            can.Message(arbitration_id=0x181, data=b"\1\2", is_extended_id=False),
+            can.Message(arbitration_id=0x181, data=b"\3", is_extended_id=True),
+            can.Message(arbitration_id=0x181, is_remote_frame=True, is_extended_id=False),
+            can.Message(arbitration_id=0x40, data=bytes(8), is_error_frame=True),
+        ):
+            far.send(message)
+        bus.receive(1.5)
+        assert taken == [(b"\1\2", 1.5)]
+        assert bus.statistics()["unknown"] == 1
+        assert bus.statistics()["remote"] == 1
+        with pytest.raises(DeviceFault, match="bus-off"):
+            bus.check(1.5)
+        bus.transmit(1.5)
+        assert [far.recv(1.0).arbitration_id for _ in range(2)] == [0x080, 0x77F]
+    finally:
+        bus.close()
         far.shutdown()
