@@ -48,8 +48,10 @@ ALLOWED = [
     ("rig.runtime", ("rig.runtime", "rig.hal", "rig.mechanisms.base", "controllers.base")),
     ("rig.config", ("rig.config", "rig.hal")),
     ("rig.mechanisms", ("rig.mechanisms", "rig.runtime", "rig.hal", "controllers")),
-    ("rig.report", ("rig.report", "rig.runtime", "rig.run_folder", "rig.experiment", "rig.config",
-                    "rig.hal")),
+    (
+        "rig.report",
+        ("rig.report", "rig.runtime", "rig.run_folder", "rig.experiment", "rig.config", "rig.hal"),
+    ),
 ]
 
 
@@ -102,19 +104,31 @@ def test_emulated_nodes_use_no_codec_of_the_drivers():
         for module, path in MODULES.items()
         if belongs(module, "drivers.sim.nodes")
         for target, line, _ in imports(path, module)
-        if not (belongs(target, "drivers.sim") or target.endswith("settings") or target == "rig.hal")
+        if not (
+            belongs(target, "drivers.sim") or target.endswith("settings") or target == "rig.hal"
+        )
     ]
     assert not broken, "\n".join(broken)
 
 
 def test_nothing_stands_at_the_root_that_the_design_does_not_name():
-    allowed = {"pyproject.toml", "README.md", "LICENSE", "rig", "drivers", "controllers",
-               "configs", "tests", "runs", "build", "dist"}
+    allowed = {
+        "pyproject.toml",
+        "README.md",
+        "LICENSE",
+        "rig",
+        "drivers",
+        "controllers",
+        "configs",
+        "tests",
+        "runs",
+        "build",
+        "dist",
+    }
     stray = [
         path.name
         for path in ROOT.iterdir()
-        if not path.name.startswith(".") and path.name not in allowed
-        and path.suffix != ".egg-info"
+        if not path.name.startswith(".") and path.name not in allowed and path.suffix != ".egg-info"
     ]
     assert not stray
 

@@ -24,7 +24,7 @@ class SimClock:
     """
 
     def __init__(self, world: World) -> None:
-        self._world = world
+        self.world = world
         self._now = 0.0
 
     def now(self) -> float:
@@ -43,5 +43,5 @@ class SimClock:
             return
         if not t < float("inf"):
             raise ValueError(f"The simulated clock cannot sleep until {t}.")
-        self._world.advance(t)
+        self.world.advance(t)
         self._now = t

@@ -225,7 +225,7 @@ class _Reader:
         }
         plant_node = sections.take("plant")
         plant = None if plant_node is None else sections.chosen("plant", plant_node, "model")
-        simulation = self._simulation((*device_nodes, *bus_nodes))
+        simulation = self._simulation((*device_nodes, *bus_nodes, "plant"))
         head = sections.rest(Head)
         if self._problems or head is None or simulation is None:
             return None

@@ -108,9 +108,7 @@ class LimitExceeded(SafetyError):
         The SI unit of all three.
     """
 
-    def __init__(
-        self, quantity: str, value: float, lower: float, upper: float, unit: str
-    ) -> None:
+    def __init__(self, quantity: str, value: float, lower: float, upper: float, unit: str) -> None:
         self.quantity = quantity
         self.value = value
         self.lower = lower

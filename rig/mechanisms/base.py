@@ -1,8 +1,9 @@
 """The seam between the loop, which is the same for every rig, and a mechanism."""
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol, TypeVar
 
+from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
 
 State = TypeVar("State")
@@ -90,3 +91,40 @@ class Mechanism(Protocol[State, Reference, Command]):
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
         ...
+
+
+def pick_device(role: str, name: str, kind: type[Any], devices: Mapping[str, Any]) -> Any:
+    """Return the device of a role.
+
+    Parameters
+    ----------
+    role : str
+        Where the profile names it, for messages.
+    name : str
+        The device's name.
+    kind : type
+        A capability protocol of `rig.hal` that it must satisfy.
+    devices : mapping
+        The rig's devices by name.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such device, or it lacks the capability.
+    """
+    if name not in devices:
+        raise ConfigurationError(
+            f"{role}: no device is called {name!r}; there are {', '.join(devices)}"
+        )
+    device = devices[name]
+    lacking = sorted(
+        member
+        for base in kind.__mro__
+        for member in (*vars(base), *vars(base).get("__annotations__", ()))
+        if not member.startswith("_") and not hasattr(device, member)
+    )
+    if lacking:
+        raise ConfigurationError(
+            f"{role}: {name} is no {kind.__name__}: it has no {', '.join(lacking)}"
+        )
+    return device

@@ -1,7 +1,8 @@
 """One antagonistic pair: two cylinders that pull one carriage against each other."""
 
 import math
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
 from rig.hal import (
@@ -14,7 +15,7 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.mechanisms.base import Margin
+from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.cylinder_settings import CylinderSettings
 from rig.runtime.columns import Column
 from rig.runtime.limits import VectorLimiter
@@ -105,6 +106,49 @@ class AntagonisticPair:
         self._speed_from: tuple[float, float] | None = None
         self._moved_from = (settings.home, settings.home)
 
+    @classmethod
+    def assemble(
+        cls, settings: CylinderSettings, devices: Mapping[str, Any], period: float
+    ) -> "AntagonisticPair":
+        """Pick the devices that the settings name.
+
+        Parameters
+        ----------
+        settings : CylinderSettings
+            See there.
+        devices : mapping
+            The rig's devices by name.
+        period : float
+            The loop's period, s.
+
+        Raises
+        ------
+        ConfigurationError
+            A device is not there, or cannot do what its role asks for.
+        """
+        roles: dict[str, tuple[str | None, type[Any]]] = {
+            "regulators": (settings.regulators, PressureRegulator),
+            "encoder_agonist": (settings.encoder_agonist, LinearEncoder),
+            "encoder_antagonist": (settings.encoder_antagonist, LinearEncoder),
+            "emergency_stop": (settings.emergency_stop, EmergencyStopInput),
+        }
+        return cls(
+            settings,
+            period=period,
+            **{
+                role: None if name is None else pick_device(f"cylinder.{role}", name, kind, devices)
+                for role, (name, kind) in roles.items()
+            },
+        )
+
+    @staticmethod
+    def wiring(settings: CylinderSettings) -> dict[str, str]:
+        """Return which channel of the plant each single-channel device measures."""
+        return {
+            settings.encoder_agonist: "agonist",
+            settings.encoder_antagonist: "antagonist",
+        }
+
     @property
     def model(self) -> PairModel:
         """What the controllers are told of this pair."""
@@ -178,7 +222,9 @@ class AntagonisticPair:
             )
             if now_at == was_at
         ]
-        cause = f"{still[0]} is frozen" if len(still) == 1 else "a wire is slack or an encoder wrong"
+        cause = (
+            f"{still[0]} is frozen" if len(still) == 1 else "a wire is slack or an encoder wrong"
+        )
         raise LimitExceeded(f"mismatch of the two rods ({cause})", mismatch, -bound, bound, "m")
 
     def _check_speed(self, position: float, now: float) -> None:

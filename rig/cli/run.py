@@ -1,0 +1,110 @@
+"""`rig run`: an experiment, with a progress line and a run folder."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rig.experiment.run import Result
+
+BACKENDS = ("sim", "virtual", "vcan", "hardware")
+
+
+@click.command()
+@click.argument("experiment")
+@click.option(
+    "--on",
+    "backend",
+    type=click.Choice(BACKENDS),
+    default="virtual",
+    show_default=True,
+    help="sim: devices on the plant. virtual: production drivers on emulated CANopen nodes. "
+    "vcan: SocketCAN vcan0. hardware: what the profile names.",
+)
+@click.option("--rig", "rig_name", metavar="PROFILE", help="Another rig than the experiment's.")
+@click.option("--controller", help="Another controller than the experiment's.")
+@click.option("--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting.")
+@click.option("--seed", type=int, help="Seed of the simulation; short for simulation.seed.")
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
+    help="Where run folders live.",
+)  # fmt: skip
+@click.option("--configs", type=click.Path(path_type=Path), help="Folder of configurations.")
+@click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
+@click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+def run(
+    experiment: str,
+    backend: str,
+    rig_name: str | None,
+    controller: str | None,
+    overrides: tuple[str, ...],
+    seed: int | None,
+    out: Path,
+    configs: Path | None,
+    no_report: bool,
+    as_json: bool,
+) -> int:
+    """Run EXPERIMENT and leave a run folder with log, metrics, figures and report.
+
+    EXPERIMENT is a name from `rig list` or the path of a YAML file. Ctrl-C stops the rig in an
+    orderly way, a second Ctrl-C at once; both leave it safe.
+    """
+    from rig.assembly import Backend
+    from rig.cli.progress import ProgressLine
+    from rig.experiment.plan import load_plan
+    from rig.experiment.run import run_experiment
+
+    options = list(overrides)
+    if controller is not None:
+        options.append(f"controller={controller}")
+    if seed is not None:
+        options.append(f"simulation.seed={seed}")
+    plan = load_plan(experiment, options, rig=rig_name, configs=configs)
+    if rig_name is not None:
+        options.append(f"rig={rig_name}")
+    line = ProgressLine(plan.experiment.name, backend)
+    with line:
+        result = run_experiment(
+            plan, Backend(backend), out, overrides=options, watcher=line, report=not no_report
+        )
+    if as_json:
+        click.echo(json.dumps(as_data(result), indent=2))
+    else:
+        show(result, has_report=not no_report)
+    return result.exit_code
+
+
+def as_data(result: Result) -> dict[str, object]:
+    """Return a result as plain data."""
+    return {
+        "run": str(result.path),
+        "status": result.status.value,
+        "exit_code": result.exit_code,
+        "message": result.message,
+        "metrics": [metric.as_json() for metric in result.metrics],
+    }
+
+
+def show(result: Result, *, has_report: bool) -> None:
+    """Print what a run came to: metrics on stdout, talk on stderr."""
+    from rig.config.quantities import format_quantity
+
+    if result.message is not None:
+        click.echo(f"{result.status}: {result.message}", err=True)
+    width = max((len(metric.name) for metric in result.metrics), default=0)
+    for metric in result.metrics:
+        value = format_quantity(metric.value, metric.unit or "1")
+        bound = ""
+        if metric.bound is not None:
+            sign = "<=" if metric.bound_kind == "max" else ">="
+            verdict = "ok" if metric.passed else "MISSED"
+            bound = f"{sign} {format_quantity(metric.bound, metric.unit or '1')}  {verdict}"
+        click.echo(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
+    what = "report.html" if has_report else "log.mcap"
+    click.echo(f"{result.status}: {result.path / what}", err=True)
+    sys.stdout.flush()

@@ -1,0 +1,258 @@
+"""One experiment on one rig, from preflight to the report."""
+
+import contextlib
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rig.assembly import Backend, Rig, build_rig
+from rig.config import dump_resolved
+from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
+from rig.experiment.plan import Plan
+from rig.experiment.references import minimum_jerk
+from rig.hal import RigError
+from rig.run_folder import EVALUATION, RunFolder, RunStatus
+from rig.runtime.log import read_log
+from rig.runtime.loop import (
+    RUN_COLUMNS,
+    TIMING_COLUMNS,
+    Loop,
+    Outcome,
+    Phase,
+    Progress,
+    Timings,
+)
+from rig.runtime.realtime import real_time
+from rig.runtime.recorder import Recorder
+from rig.runtime.states import RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+EXIT_OK, EXIT_MISSED, EXIT_PREFLIGHT, EXIT_FAULT, EXIT_INTERRUPTED = 0, 1, 3, 4, 130
+
+
+class Result(NamedTuple):
+    """How a run ended.
+
+    Parameters
+    ----------
+    path : Path
+        The run folder.
+    status : RunStatus
+        As in its manifest.
+    exit_code : int
+        Of the command.
+    message : str or None
+        What ended it early.
+    metrics : tuple of Metric
+        Empty if it did not get far enough.
+    """
+
+    path: Path
+    status: RunStatus
+    exit_code: int
+    message: str | None
+    metrics: tuple[Metric, ...]
+
+
+class Watcher:
+    """Hears what happens during a run; every method may be overridden."""
+
+    def started(self, path: Path) -> None:
+        """The run folder exists."""
+
+    def said(self, sentence: str) -> None:
+        """Something worth one line to the operator."""
+
+    def progressed(self, progress: Progress) -> None:
+        """Some cycles went by."""
+
+
+def run_experiment(
+    plan: Plan,
+    backend: Backend,
+    out: Path,
+    *,
+    overrides: Sequence[str] = (),
+    watcher: Watcher | None = None,
+    report: bool = True,
+) -> Result:
+    """Run an experiment and leave a run folder.
+
+    Parameters
+    ----------
+    plan : Plan
+        Checked.
+    backend : Backend
+        What to run it on.
+    out : Path
+        Where run folders live.
+    overrides : sequence of str
+        The options that shaped the plan; recorded so that the run can be repeated.
+    watcher : Watcher, optional
+        Is told what happens.
+    report : bool
+        Draw figures and write the report.
+
+    Returns
+    -------
+    Result
+        Whatever happened on the rig is in it.
+
+    Raises
+    ------
+    ConfigurationError
+        The run folder cannot be made, or the profile does not run on this backend.
+    """
+    watcher = watcher or Watcher()
+    rig = build_rig(plan.profile, backend)
+    folder = _create_folder(plan, backend, out, overrides)
+    watcher.started(folder.path)
+    with StopRequests() as stop:
+        status, code, message = _run(plan, rig, folder, watcher, stop)
+        stop.shielded = True  # what is left is bookkeeping; it is not to be torn
+        metrics = _finish(plan, folder, rig, status, code, message)
+        if status is RunStatus.OK and not all_passed(metrics):
+            status, code = RunStatus.FAILED, EXIT_MISSED
+        folder.finish(status, code, message, {"buses": rig.statistics()})
+    if report:
+        from rig.report.regenerate import write_report
+
+        write_report(folder.path)
+    return Result(folder.path, status, code, message, tuple(metrics))
+
+
+def _create_folder(plan: Plan, backend: Backend, out: Path, overrides: Sequence[str]) -> RunFolder:
+    experiment, profile = plan
+    command = ["rig", "run", experiment.name, "--on", backend.value]
+    for option in overrides:
+        command += ["--set", option]
+    calibrations = {
+        f"calibration/{path.name}": path.read_text(encoding="utf-8")
+        for path in profile.files
+        if path.parent.parent.name == "calibration"
+    }
+    folder = RunFolder.create(
+        out,
+        experiment.name,
+        backend.value,
+        inputs={
+            "profile.yaml": dump_resolved(profile),
+            "experiment.yaml": dump_resolved(experiment),
+            **calibrations,
+        },
+        seed=profile.simulation.seed if backend.is_simulated else None,
+        command=[shlex.join(command)],
+    )
+    folder.write_json(EVALUATION, evaluation_as_json(plan.reference.segments, experiment.metrics))
+    return folder
+
+
+def _run(
+    plan: Plan, rig: Rig, folder: RunFolder, watcher: Watcher, stop: StopRequests
+) -> tuple[RunStatus, int, str | None]:
+    """Connect, arm, loop; return status, exit code and what ended it early."""
+    events = _Events(folder)
+    states = StateMachine(
+        lambda old, new: events(None, "state", f"{old} -> {new}", {"old": old, "new": new})
+    )
+    energised = False
+    try:
+        with rig:
+            states.move(RigState.IDLE)
+            loop = _make_loop(plan, rig, states)
+            columns = (
+                *RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns,
+            )  # fmt: skip
+            priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
+            with (
+                Recorder(folder.log_path, columns) as recorder,
+                real_time(priority, plan.profile.loop.cpu) as refused,
+            ):
+                for sentence in refused:
+                    watcher.said(sentence)
+                    events(None, "real-time", sentence, {})
+                rig.arm()
+                energised = True
+                outcome = loop.run(
+                    plan.reference,
+                    _approach,
+                    recorder=recorder,
+                    events=events,
+                    stop=stop,
+                    timings=Timings(approach=plan.experiment.approach),
+                    progress=watcher.progressed,
+                )
+        return _judge(outcome, events)
+    except KeyboardInterrupt:
+        return RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted before the rig was energised"
+    except RigError as error:
+        states.latch_fault(error)
+        events(None, "fault", str(error), {"type": type(error).__name__})
+        if energised:
+            return RunStatus.FAULTED, EXIT_FAULT, str(error)
+        return RunStatus.FAULTED, EXIT_PREFLIGHT, str(error)
+
+
+def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any]:
+    loop = plan.profile.loop
+    return Loop(
+        clock=rig.clock,
+        period=loop.period,
+        buses=tuple(rig.buses.values()),
+        devices=tuple(rig.devices.values()),
+        mechanism=rig.mechanism,
+        controller=rig.make_controller(plan.experiment.controller),
+        states=states,
+        max_missed=loop.max_missed,
+        truth=rig.truth,
+    )
+
+
+def _approach(start: Any, end: Any, duration: float, t: float) -> Any:
+    return minimum_jerk(start.position, end.position, duration, t)
+
+
+def _judge(outcome: Outcome, events: "_Events") -> tuple[RunStatus, int, str | None]:
+    fault = outcome.fault
+    if fault is not None:
+        events(None, "fault", str(fault), {"type": type(fault).__name__})
+        if not isinstance(fault, RigError | OSError):
+            raise fault  # a bug of ours: the rig is safe by now, and the traceback is wanted
+        return RunStatus.FAULTED, EXIT_FAULT, str(fault)
+    if outcome.stopped:
+        how = "stopped" if outcome.stopped == 1 else "stopped at once"
+        return RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe"
+    return RunStatus.OK, EXIT_OK, None
+
+
+def _finish(
+    plan: Plan, folder: RunFolder, rig: Rig, status: RunStatus, code: int, message: str | None
+) -> list[Metric]:
+    """Write metrics and timing of whatever was recorded; return the metrics."""
+    from rig.report.timing import summarise_timing
+
+    if not folder.log_path.exists():
+        return []
+    log = read_log(folder.log_path)
+    if len(log.cycle):
+        folder.write_timing(summarise_timing(log))
+    if status is not RunStatus.OK:
+        return []
+    metrics = evaluate(log, plan.reference.segments, plan.experiment.metrics)
+    folder.write_metrics(metrics)
+    return metrics
+
+
+class _Events:
+    """Writes events; a full disk must not keep the rig from being made safe."""
+
+    def __init__(self, folder: RunFolder) -> None:
+        self._folder = folder
+
+    def __call__(self, t: float | None, kind: str, message: str, data: dict[str, Any]) -> None:
+        with contextlib.suppress(RigError):
+            self._folder.record_event(t, kind, message, **data)
+
+
+__all__ = ["Phase", "Result", "Watcher", "run_experiment"]
