@@ -420,7 +420,7 @@ def _build_virtual(profile: Profile) -> Rig:
 
 
 def _schedule(kind: Any, profile: Profile, *parts: Any) -> Any:
-    """Build something with a fault schedule; a fault that cannot happen is a configuration error."""
+    """Build something with a fault schedule; an impossible fault is a configuration error."""
     try:
         if kind.__name__ == "EmulatedRig":
             plant, buses = parts

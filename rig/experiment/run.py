@@ -59,13 +59,13 @@ class Watcher:
     """Hears what happens during a run; every method may be overridden."""
 
     def started(self, path: Path) -> None:
-        """The run folder exists."""
+        """Take note that the run folder exists."""
 
     def said(self, sentence: str) -> None:
-        """Something worth one line to the operator."""
+        """Pass one sentence to the operator."""
 
     def progressed(self, progress: Progress) -> None:
-        """Some cycles went by."""
+        """Take note that some cycles went by."""
 
 
 def run_experiment(

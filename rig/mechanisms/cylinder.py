@@ -126,19 +126,22 @@ class AntagonisticPair:
         ConfigurationError
             A device is not there, or cannot do what its role asks for.
         """
-        roles: dict[str, tuple[str | None, type[Any]]] = {
-            "regulators": (settings.regulators, PressureRegulator),
-            "encoder_agonist": (settings.encoder_agonist, LinearEncoder),
-            "encoder_antagonist": (settings.encoder_antagonist, LinearEncoder),
-            "emergency_stop": (settings.emergency_stop, EmergencyStopInput),
-        }
+
+        def pick(role: str, name: str, kind: type[Any]) -> Any:
+            return pick_device(f"cylinder.{role}", name, kind, devices)
+
+        stop = settings.emergency_stop
         return cls(
             settings,
+            regulators=pick("regulators", settings.regulators, PressureRegulator),
+            encoder_agonist=pick("encoder_agonist", settings.encoder_agonist, LinearEncoder),
+            encoder_antagonist=pick(
+                "encoder_antagonist", settings.encoder_antagonist, LinearEncoder
+            ),
+            emergency_stop=None
+            if stop is None
+            else pick("emergency_stop", stop, EmergencyStopInput),
             period=period,
-            **{
-                role: None if name is None else pick_device(f"cylinder.{role}", name, kind, devices)
-                for role, (name, kind) in roles.items()
-            },
         )
 
     @staticmethod

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 from time import perf_counter
-from typing import Any, Generic, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from controllers.base import Controller
 from rig.hal import Clock, CyclicBus, Device, LoopStalled
@@ -19,6 +19,8 @@ from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
 from rig.runtime.columns import Column
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
+
+Followed = TypeVar("Followed", covariant=True)
 
 SAFE_CYCLES = 5
 """How many cycles the safe setpoints are repeated: one lost frame must not matter."""
@@ -32,12 +34,15 @@ class Phase(IntEnum):
     STOP = 2
 
 
-class Motion(Protocol[Reference]):
+class Motion(Protocol[Followed]):
     """What the loop follows once the rig is at its start."""
 
-    duration: float
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        ...
 
-    def at(self, t: float) -> Reference:
+    def at(self, t: float) -> Followed:
         """Return the reference at `t` seconds."""
         ...
 

@@ -1,4 +1,4 @@
-# ruff: noqa: PLR0917 - compiled functions take positional arguments only
+
 """Kernel of the antagonistic pair: a whole cycle of substeps per call.
 
 The carriage moves along ``position``, positive towards the agonist. At the rods' `home` and the

@@ -1,4 +1,4 @@
-# ruff: noqa: PLR0917 - compiled functions take positional arguments only
+
 """Air: flow through an orifice and the pressure in a chamber. All pressures absolute, Pa.
 
 References

@@ -1,4 +1,4 @@
-# ruff: noqa: PLR0917 - compiled functions take positional arguments only
+
 """An electro-pneumatic regulator: from the setpoint to the opening of its main valve.
 
 The stages, in order: converter, play (hysteresis), bow (static linearity error), pilot stage
