@@ -33,6 +33,11 @@ class CascadeSettings:
     observer_bandwidth : float
         rad/s; it follows the encoder: 600 for 1 µm, two to three times less for 5 to 10 µm
         (PAPER-joint, section 4).
+    force_trust : float
+        Share of the measured force that drives the observer's mass. With 1 a fast change of the
+        force in a pair that still sticks is taken for motion until the disturbance has followed,
+        ``3 F' / (M w²)``, and the monitors' noise gets into the velocity; with 0 the velocity
+        comes from the encoders alone. The disturbance counts the whole force either way.
     lead_bandwidth : float
         Of the low-pass behind which the regulators' dynamics are inverted, rad/s.
     disturbance_gain : float
@@ -40,6 +45,8 @@ class CascadeSettings:
         leaves it to the integral.
     disturbance_bandwidth : float
         Of that compensation, rad/s.
+    trim_rate : float
+        How fast the regulators' static error is trimmed by their monitors, rad/s.
     delay : float, optional
         From the readings to the moment that they are used for, s: the state is predicted over
         it. None: one period, as on a bus that is read at the end of a cycle.
@@ -53,9 +60,11 @@ class CascadeSettings:
     velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 200.0
     integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 2.0e4
     observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 600.0
+    force_trust: Annotated[float, Ge(0), Le(1)] = 0.3
     lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 600.0
     disturbance_gain: Annotated[float, Ge(0), Le(1)] = 0.0
     disturbance_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 30.0
+    trim_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(30)] = 3.0
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
     feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
@@ -93,9 +102,11 @@ class Cascade:
         self._velocity_gain = model.mass * settings.velocity_rate
         self._integral_step = settings.integral * period
         self._disturbance_share = 1.0 - math.exp(-settings.disturbance_bandwidth * period)
+        self._trim_step = settings.trim_rate * period
         self._delay = period if settings.delay is None else settings.delay
         self._integral = 0.0
         self._residual = 0.0
+        self._trim = 0.0
         self._started = False
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity at the time of use, and the disturbance of the observer."""
@@ -104,34 +115,42 @@ class Cascade:
         """Start bumplessly: the first command is the measured differential."""
         differential = self._range.clip(state.agonist - state.antagonist)
         force = self._area * (state.agonist - state.antagonist)
-        self._observer.reset(state.position, force)
+        self._observer.reset(state.position, self._settings.force_trust * force)
         self._lead.reset(differential)
         self._feedforward.reset()
         self._integral = self._area * differential
         self._residual = 0.0
+        self._trim = 0.0
         self._started = False
         self.estimate = PairEstimate(0.0, -force)
 
     def update(self, state: PairState, reference: PairReference) -> PairCommand:
         """Return the setpoints for this period."""
         settings, lead, observer = self._settings, self._lead, self._observer
-        observer.update(state.position, self._area * (state.agonist - state.antagonist))
+        force = self._area * (state.agonist - state.antagonist)
+        trusted = settings.force_trust * force
+        observer.update(state.position, trusted)
         position, velocity = observer.predict(self._delay)
         error = reference.position - position
+        disturbance = observer.disturbance + trusted - force
         feedforward = self._feedforward.update(reference, error)
         direct = feedforward + self._velocity_gain * (
             reference.velocity - velocity + settings.position_rate * error
         )
         if settings.disturbance_gain > 0.0:
             # What the feedforward and the integral do not explain of the observed disturbance.
-            missing = -observer.disturbance - feedforward - self._integral
+            missing = -disturbance - feedforward - self._integral
             self._residual += self._disturbance_share * (missing - self._residual)
             direct += settings.disturbance_gain * self._residual
         if not self._started:
             self._started = True
             self._integral -= direct
-        setpoint = lead.update(self._per_area * (direct + self._integral))
+        setpoint = lead.update(self._per_area * (direct + self._integral)) + self._trim
         if lead.saturation * error <= 0.0:
             self._integral += self._integral_step * error
-        self.estimate = PairEstimate(velocity, observer.disturbance)
-        return self._range.split(setpoint)
+        self._integral -= self._feedforward.learn(self._integral)
+        # What the regulators are off, seen by their own monitors, needs no position error.
+        off = lead.pressure - (state.agonist - state.antagonist)
+        self._trim = self._range.clip(self._trim + self._trim_step * off)
+        self.estimate = PairEstimate(velocity, disturbance)
+        return self._range.split(self._range.clip(setpoint))

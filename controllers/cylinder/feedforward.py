@@ -8,6 +8,11 @@ from annotated_types import Ge, Gt, Le, Unit
 from controllers.cylinder.types import PairModel, PairReference
 from controllers.friction import PreslidingFriction, SmoothFriction
 
+_LEAST_SPEED = 0.5e-3
+"""Below this desired speed (m/s) a pair may stick, and the integral says nothing of sliding."""
+_LEAST_SCALE, _MOST_SCALE = 0.25, 3.0
+"""Bounds of the learnt friction over the model's."""
+
 
 @dataclass(frozen=True, slots=True)
 class FeedforwardSettings:
@@ -25,6 +30,10 @@ class FeedforwardSettings:
     distance : float
         Motion over which friction turns round, m (`presliding`). The contacts of the plant of
         PAPER-joint, section 3, need 20 to 30 µm each.
+    learning_rate : float
+        How fast the share of friction that the integral holds is moved into the feedforward
+        while the pair slides, 1/s: after a reversal it is then on the right side at once,
+        whatever the unit's friction is. 0 keeps the model's friction.
     error_rate : float
         Weight of the position error in the velocity that friction is computed for, rad/s: it
         helps to break loose towards the reference.
@@ -34,6 +43,7 @@ class FeedforwardSettings:
     gain: Annotated[float, Ge(0), Le(2)] = 0.9
     rounding: Annotated[float, Unit("m/s"), Gt(0)] = 1e-3
     distance: Annotated[float, Unit("m"), Gt(0)] = 40e-6
+    learning_rate: Annotated[float, Unit("1/s"), Ge(0), Le(50)] = 1.0
     error_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(100)] = 0.0
 
 
@@ -52,6 +62,8 @@ class Feedforward:
 
     def __init__(self, settings: FeedforwardSettings, model: PairModel, period: float) -> None:
         self._mass = model.mass
+        self._full = settings.gain * model.coulomb
+        self._learning_step = settings.learning_rate * period
         self._error_rate = settings.error_rate
         self._memory: PreslidingFriction | None = None
         gain = settings.gain
@@ -69,13 +81,35 @@ class Feedforward:
                 model.viscous,
                 settings.rounding,
             ).force
+        self._nominal = 0.0
+        self._speed = 0.0
+        self.scale = 1.0
+        """Friction of this unit over the model's, as learnt."""
 
     def reset(self) -> None:
-        """Forget which way the pair was asked to move."""
+        """Forget which way the pair was asked to move, and what was learnt."""
+        self._nominal = self._speed = 0.0
+        self.scale = 1.0
         if self._memory is not None:
             self._memory.reset()
 
     def update(self, reference: PairReference, error: float) -> float:
         """Return the force (N) for a reference, given the position error (m)."""
         velocity = reference.velocity + self._error_rate * error
-        return self._mass * reference.acceleration + self._friction(velocity)
+        self._speed = abs(reference.velocity)
+        self._nominal = self._friction(velocity)
+        return self._mass * reference.acceleration + self.scale * self._nominal
+
+    def learn(self, integral: float) -> float:
+        """Take over what an integral (N) holds against friction, and return that share, N.
+
+        Called after `update`. The sum of integral and feedforward does not change, so nothing is
+        felt before the next reversal. Only a pair that is asked to slide teaches.
+        """
+        if self._speed < _LEAST_SPEED or abs(self._nominal) < 0.9 * self._full:
+            return 0.0
+        gained = self._learning_step * integral / self._nominal
+        scale = min(max(self.scale + gained, _LEAST_SCALE), _MOST_SCALE)
+        moved = (scale - self.scale) * self._nominal
+        self.scale = scale
+        return moved

@@ -106,5 +106,6 @@ def show(result: Result, *, has_report: bool) -> None:
             bound = f"{sign} {format_quantity(metric.bound, metric.unit or '1')}  {verdict}"
         click.echo(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
     what = "report.html" if has_report else "log.mcap"
-    click.echo(f"{result.status}: {result.path / what}", err=True)
+    verdict = "" if result.message is not None else f"{result.status}: "
+    click.echo(f"{verdict}{result.path / what}", err=True)
     sys.stdout.flush()

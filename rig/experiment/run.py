@@ -111,7 +111,7 @@ def run_experiment(
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
         stop.shielded = True  # what is left is bookkeeping; it is not to be torn
-        metrics = _finish(plan, folder, rig, status, code, message)
+        metrics = _finish(plan, folder, status)
         if status is RunStatus.OK and not all_passed(metrics):
             status, code = RunStatus.FAILED, EXIT_MISSED
         folder.finish(status, code, message, {"buses": rig.statistics()})
@@ -153,9 +153,13 @@ def _run(
 ) -> tuple[RunStatus, int, str | None]:
     """Connect, arm, loop; return status, exit code and what ended it early."""
     events = _Events(folder)
-    states = StateMachine(
-        lambda old, new: events(None, "state", f"{old} -> {new}", {"old": old, "new": new})
-    )
+    loop: Loop[Any, Any, Any] | None = None
+
+    def on_change(old: RigState, new: RigState) -> None:
+        t = None if loop is None else loop.t
+        events(t, "state", f"{old} -> {new}", {"old": old, "new": new})
+
+    states = StateMachine(on_change)
     energised = False
     try:
         with rig:
@@ -183,7 +187,7 @@ def _run(
                     timings=Timings(approach=plan.experiment.approach),
                     progress=watcher.progressed,
                 )
-        return _judge(outcome, events)
+        return _judge(outcome, loop.t, events)
     except KeyboardInterrupt:
         return RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted before the rig was energised"
     except RigError as error:
@@ -213,10 +217,12 @@ def _approach(start: Any, end: Any, duration: float, t: float) -> Any:
     return minimum_jerk(start.position, end.position, duration, t)
 
 
-def _judge(outcome: Outcome, events: "_Events") -> tuple[RunStatus, int, str | None]:
+def _judge(
+    outcome: Outcome, t: float | None, events: "_Events"
+) -> tuple[RunStatus, int, str | None]:
     fault = outcome.fault
     if fault is not None:
-        events(None, "fault", str(fault), {"type": type(fault).__name__})
+        events(t, "fault", str(fault), {"type": type(fault).__name__})
         if not isinstance(fault, RigError | OSError):
             raise fault  # a bug of ours: the rig is safe by now, and the traceback is wanted
         return RunStatus.FAULTED, EXIT_FAULT, str(fault)
@@ -226,9 +232,7 @@ def _judge(outcome: Outcome, events: "_Events") -> tuple[RunStatus, int, str | N
     return RunStatus.OK, EXIT_OK, None
 
 
-def _finish(
-    plan: Plan, folder: RunFolder, rig: Rig, status: RunStatus, code: int, message: str | None
-) -> list[Metric]:
+def _finish(plan: Plan, folder: RunFolder, status: RunStatus) -> list[Metric]:
     """Write metrics and timing of whatever was recorded; return the metrics."""
     from rig.report.timing import summarise_timing
 

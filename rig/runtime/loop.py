@@ -164,6 +164,8 @@ class Loop(Generic[State, Reference, Command]):
         self.states = states
         self.max_missed = max_missed
         self.truth = truth
+        self.t: float | None = None
+        """Time since the first cycle, s; None before it."""
 
     def run(
         self,
@@ -261,7 +263,7 @@ class Loop(Generic[State, Reference, Command]):
         while True:
             now = clock_now()
             t = now - start
-            run.t = t
+            run.t = self.t = t
             began = perf_counter()
             for bus in buses:
                 bus.receive(now)
