@@ -47,6 +47,9 @@ class CascadeSettings:
         Of that compensation, rad/s.
     trim_rate : float
         How fast the regulators' static error is trimmed by their monitors, rad/s.
+    trim_limit : float
+        Greatest differential that the trim adds, Pa: no more than two regulators may be off by
+        linearity and hysteresis, because a pressure that does not follow is not to be chased.
     delay : float, optional
         From the readings to the moment that they are used for, s: the state is predicted over
         it. None: one period, as on a bus that is read at the end of a cycle.
@@ -65,6 +68,7 @@ class CascadeSettings:
     disturbance_gain: Annotated[float, Ge(0), Le(1)] = 0.0
     disturbance_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 30.0
     trim_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(30)] = 3.0
+    trim_limit: Annotated[float, Unit("Pa"), Ge(0)] = 15e3
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
     feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
@@ -151,6 +155,7 @@ class Cascade:
         self._integral -= self._feedforward.learn(self._integral)
         # What the regulators are off, seen by their own monitors, needs no position error.
         off = lead.pressure - (state.agonist - state.antagonist)
-        self._trim = self._range.clip(self._trim + self._trim_step * off)
+        trim = self._trim + self._trim_step * off
+        self._trim = min(max(trim, -settings.trim_limit), settings.trim_limit)
         self.estimate = PairEstimate(velocity, disturbance)
         return self._range.split(self._range.clip(setpoint))

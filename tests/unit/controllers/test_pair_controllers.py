@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from controllers.cylinder.cascade import Cascade
-from controllers.cylinder.feedforward import FeedforwardSettings
+from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
 from controllers.cylinder.pid import Pid
 from controllers.cylinder.pid_friction import PidFriction
 from controllers.cylinder.super_twisting import SuperTwisting
@@ -141,7 +141,16 @@ def test_cascade_predicts_over_the_delay_that_it_is_told(model):
     """On a ramp read one period late, the right delay leaves no position error to act on."""
     first = []
     for delay in (0.0, PERIOD):
-        controller = build(Cascade, model, delay=delay, integral=1e6)
+        controller = build(
+            Cascade,
+            model,
+            delay=delay,
+            integral=1e6,
+            trim_rate=0.0,
+            disturbance_gain=0.0,
+            feedforward=FeedforwardSettings(learning_rate=0.0),
+        )
+
         controller.reset(PairState(0.0, 0.0, 0.12e6, 0.12e6))
         for k in range(300):
             t = k * PERIOD
@@ -170,6 +179,7 @@ def test_cascade_compensates_what_it_observes(model):
             disturbance_gain=gain,
             disturbance_bandwidth=100.0,
             integral=0.0,
+            trim_rate=0.0,
             feedforward=FeedforwardSettings(gain=0.0),
         )
         still = PairState(0.0, 0.0, 0.12e6, 0.12e6)
@@ -206,7 +216,9 @@ def test_dither_has_its_amplitude_and_frequency(model):
 def test_feedforward_pushes_along_the_motion(model, friction):
     settings = FeedforwardSettings(friction=friction, gain=1.0)
     for sign in (1.0, -1.0):
-        controller = build(Cascade, model, feedforward=settings)
+        controller = build(
+            Cascade, model, trim_rate=0.0, disturbance_gain=0.0, feedforward=settings
+        )
         controller.reset(PairState(0.0, 0.0, 0.12e6, 0.12e6))
         position = 0.0
         for k in range(300):
@@ -218,3 +230,51 @@ def test_feedforward_pushes_along_the_motion(model, friction):
             )
         force = (command.agonist - command.antagonist) * model.area
         assert force == pytest.approx(sign * (6.5 + 30.0 * 20e-3), rel=0.15)
+
+
+def test_cascade_trims_what_its_regulators_are_off_but_not_more(model):
+    """Regulators that put out 4 kPa too little get 4 kPa more; a lost supply is not chased."""
+    for off, expected in ((4e3, 4e3), (60e3, 15e3)):
+        # Only the trim acts: the chambers below are quicker than any that the loops could face.
+        controller = build(
+            Cascade, model, velocity_rate=0.0, integral=0.0, disturbance_gain=0.0, trim_rate=5.0
+        )
+        state = PairState(0.0, 0.0, 0.12e6, 0.12e6)
+        controller.reset(state)
+        for k in range(2000):
+            command = controller.update(state, PairReference(0.0, 0.0, 0.0))
+            # Both chambers follow at once, only less.
+            state = PairState(
+                k * PERIOD, 0.0, command.agonist - 0.5 * off, command.antagonist + 0.5 * off
+            )
+        assert command.agonist - command.antagonist == pytest.approx(expected, rel=0.01)
+
+
+def test_feedforward_learns_what_the_integral_holds_against_friction(model):
+    """A unit with 1.5 times the friction, slid both ways under an ideal integral."""
+    settings = FeedforwardSettings(friction="smooth", gain=1.0, learning_rate=5.0)
+    feedforward = Feedforward(settings, model, PERIOD)
+    integral = 0.0
+    for k in range(4000):
+        velocity = 5e-3 if k // 500 % 2 == 0 else -5e-3
+        needed = 1.5 * math.copysign(6.5 + 30.0 * 5e-3, velocity)
+        force = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        integral += 0.1 * (needed - force)
+        before = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        integral -= feedforward.learn(integral)
+        after = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        assert after == pytest.approx(before, abs=1e-9)
+    assert feedforward.scale == pytest.approx(1.5, rel=0.02)
+    assert abs(integral) < 0.1
+
+
+def test_a_pair_at_rest_teaches_nothing_and_lessons_are_bounded(model):
+    feedforward = Feedforward(FeedforwardSettings(gain=1.0, learning_rate=50.0), model, PERIOD)
+    for _ in range(1000):
+        feedforward.update(PairReference(0.0, 20e-3, 0.0), 0.0)
+    feedforward.update(PairReference(0.0, 0.0, 0.0), 0.0)
+    assert feedforward.learn(5.0) == 0.0
+    for _ in range(10_000):
+        feedforward.update(PairReference(0.0, 20e-3, 0.0), 0.0)
+        feedforward.learn(1e3)
+    assert feedforward.scale == 3.0
