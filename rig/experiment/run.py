@@ -110,7 +110,7 @@ def run_experiment(
     watcher.started(folder.path)
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
-        stop.shielded = True  # what is left is bookkeeping; it is not to be torn
+        stop.shield()  # what is left is bookkeeping; it is not to be torn either
         metrics = _finish(plan, folder, status)
         if status is RunStatus.OK and not all_passed(metrics):
             status, code = RunStatus.FAILED, EXIT_MISSED
@@ -162,7 +162,9 @@ def _run(
     states = StateMachine(on_change)
     energised = False
     try:
-        with rig:
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(rig)
+            stack.callback(stop.shield)  # first on the way out: closing is not to be torn
             states.move(RigState.IDLE)
             loop = _make_loop(plan, rig, states)
             columns = (

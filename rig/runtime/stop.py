@@ -22,6 +22,10 @@ class StopRequests:
         """Ask for a stop, as Ctrl-C does."""
         self.count += 1
 
+    def shield(self) -> None:
+        """Only count from now on: what runs next must not be interrupted."""
+        self.shielded = True
+
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.count += 1
         if not self.in_loop and not self.shielded:
