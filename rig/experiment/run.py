@@ -106,7 +106,11 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     rig = build_rig(plan.profile, backend)
-    folder = _create_folder(plan, backend, out, overrides)
+    try:
+        folder = _create_folder(plan, backend, out, overrides)
+    except BaseException:
+        rig.close()
+        raise
     watcher.started(folder.path)
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
