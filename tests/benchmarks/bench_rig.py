@@ -1,0 +1,69 @@
+"""The cylinder rig as a benchmark runs it: the whole loop, with its log, without a console."""
+
+import contextlib
+from typing import NamedTuple
+
+from rig.assembly import REGISTRY, build_rig
+from rig.config import find_configs, load_profile
+from rig.experiment.references import Sine, SineTone, minimum_jerk
+from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Timings
+from rig.runtime.recorder import Recorder
+from rig.runtime.states import RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+
+class Run(NamedTuple):
+    """What a run took: cycles, and seconds on the rig's clock."""
+
+    outcome: Outcome
+    duration: float
+
+
+def cylinder_profile():
+    return load_profile("cylinder", REGISTRY, search=find_configs())
+
+
+@contextlib.contextmanager
+def armed_rig(backend, profile=None):
+    """Yield the cylinder rig, ready to run."""
+    with build_rig(profile or cylinder_profile(), backend) as rig:
+        rig.arm()
+        yield rig
+
+
+def columns_of(rig):
+    return (*RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns)
+
+
+def run(rig, log, seconds, *, clock=None):
+    """Run the cascade through one slow sine, in so many seconds, recorded to `log`."""
+    controller = rig.make_controller("cascade")
+    clock = clock or rig.clock
+    states = StateMachine()
+    states.move(RigState.IDLE)
+    loop = Loop(
+        clock=clock,
+        period=rig.profile.loop.period,
+        buses=tuple(rig.buses.values()),
+        devices=tuple(rig.devices.values()),
+        mechanism=rig.mechanism,
+        controller=controller,
+        states=states,
+        truth=rig.truth,
+    )
+    moving = seconds - sum(Timings())
+    motion = Sine(2e-3, (SineTone(2.0 / moving, 2),))
+    events = []
+    with Recorder(log, columns_of(rig)) as recorder:
+        start = clock.now()
+        outcome = loop.run(
+            motion,
+            lambda start, end, duration, t: minimum_jerk(start.position, end.position, duration, t),
+            recorder=recorder,
+            events=lambda *event: events.append(event),
+            stop=StopRequests(),
+        )
+        duration = clock.now() - start
+    assert outcome.fault is None, outcome.fault
+    assert not outcome.missed
+    return Run(outcome, duration)
