@@ -5,8 +5,8 @@ from itertools import pairwise
 import pytest
 from emulated_rig import AGONIST, REGULATORS, Bench
 
-from drivers.sim.faults import ScheduledFault
 from drivers.sim.frame_faults import FrameFault
+from rig.config.models import FaultSpec
 
 
 def on_sync(bench):
@@ -148,7 +148,7 @@ def test_losses_are_the_same_for_the_same_seed():
 
 def test_schedule_acts_at_its_time_whatever_the_step():
     for step in (0.001, 0.004, 0.5):
-        bench = Bench(faults=(ScheduledFault(0.0303, "agonist", "emergency", 4096.0),))
+        bench = Bench(faults=(FaultSpec(0.0303, "agonist", "emergency", 4096.0),))
         times = []
         bench.side.monitor = lambda t, can_id, data, times=times: times.append((t, can_id))
         while bench.rig.time < 1.0:
@@ -158,13 +158,13 @@ def test_schedule_acts_at_its_time_whatever_the_step():
 
 def test_schedule_names_a_device_that_is_not_there():
     with pytest.raises(ValueError, match=r"no device 'legs'"):
-        Bench(faults=(ScheduledFault(1.0, "legs", "silent"),))
+        Bench(faults=(FaultSpec(1.0, "legs", "silent"),))
     with pytest.raises(ValueError, match=r"can0: no fault 'silent'; known are frame_loss"):
-        Bench(faults=(ScheduledFault(1.0, "can0", "silent"),))
+        Bench(faults=(FaultSpec(1.0, "can0", "silent"),))
 
 
 def test_scheduled_fault_lasts_from_its_time():
-    bench = Bench(faults=(ScheduledFault(0.5, "agonist", "silent", 0.1),))
+    bench = Bench(faults=(FaultSpec(0.5, "agonist", "silent", 0.1),))
     bench.run()
     bench.write(AGONIST, 0x1017, 0, 10, 2)
     times = []
