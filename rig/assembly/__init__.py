@@ -1,0 +1,15 @@
+"""From a profile to a rig: the only package that knows concrete drivers and controllers."""
+
+from rig.assembly.build import build_rig, bus_loads, check_profile
+from rig.assembly.registry import REGISTRY, InstalledClasses
+from rig.assembly.rig import Backend, Rig
+
+__all__ = [
+    "REGISTRY",
+    "Backend",
+    "InstalledClasses",
+    "Rig",
+    "build_rig",
+    "bus_loads",
+    "check_profile",
+]

@@ -1,0 +1,97 @@
+"""The names that profiles and experiments may use, and the classes behind them.
+
+Names map to ``"module:class"``; a class is imported when a profile uses it. Other packages
+add theirs through the entry-point groups ``rig.drivers``, ``rig.controllers``,
+``rig.mechanisms``, ``rig.plants`` and ``rig.references``; no import has a side effect.
+"""
+
+import importlib
+from importlib.metadata import entry_points
+from typing import Any, NamedTuple
+
+from rig.config.registry import Kind
+
+
+class _Class(NamedTuple):
+    """Where a class and its settings are; settings apart where the class is slow to import."""
+
+    path: str
+    settings: str | None = None
+
+
+_TABLE: dict[Kind, dict[str, _Class]] = {
+    "bus": {
+        "can": _Class("drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings")
+    },
+    "driver": {
+        "cia401": _Class(
+            "drivers.regulators.cia401:Cia401Regulators",
+            "drivers.regulators.cia401_settings:Cia401Settings",
+        ),
+        "cia406": _Class(
+            "drivers.encoders.cia406:Cia406Encoder",
+            "drivers.encoders.cia406_settings:Cia406Settings",
+        ),
+    },
+    "controller": {
+        "pid": _Class("controllers.cylinder.pid:Pid"),
+        "pid-friction": _Class("controllers.cylinder.pid_friction:PidFriction"),
+        "cascade": _Class("controllers.cylinder.cascade:Cascade"),
+        "super-twisting": _Class("controllers.cylinder.super_twisting:SuperTwisting"),
+    },
+    "mechanism": {
+        "cylinder": _Class(
+            "rig.mechanisms.cylinder:AntagonisticPair",
+            "rig.mechanisms.cylinder_settings:CylinderSettings",
+        ),
+    },
+    "plant": {
+        "antagonistic-pair": _Class(
+            "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
+            "drivers.sim.plants.settings:PlantSettings",
+        ),
+    },
+    "reference": {
+        "sine": _Class("rig.experiment.references:Sine", "rig.experiment.references:Sine"),
+        "staircase": _Class(
+            "rig.experiment.references:Staircase", "rig.experiment.references:Staircase"
+        ),
+        "step": _Class("rig.experiment.references:Step", "rig.experiment.references:Step"),
+        "ramp": _Class("rig.experiment.references:Ramp", "rig.experiment.references:Ramp"),
+    },
+}
+
+
+def _load(path: str) -> Any:
+    module, _, name = path.partition(":")
+    return getattr(importlib.import_module(module), name)
+
+
+class InstalledClasses:
+    """The registry of everything a profile or experiment may name; see `Registry`."""
+
+    def names(self, kind: Kind) -> tuple[str, ...]:
+        """Return every name of a kind, sorted."""
+        others = {point.name for point in entry_points(group=f"rig.{kind}s")}
+        return tuple(sorted(others | set(_TABLE[kind])))
+
+    def settings(self, kind: Kind, name: str) -> type[Any]:
+        """Return the settings dataclass of a name; KeyError if there is none."""
+        known = _TABLE[kind].get(name)
+        if known is not None and known.settings is not None:
+            settings: type[Any] = _load(known.settings)
+            return settings
+        found: type[Any] = self.load(kind, name).Settings
+        return found
+
+    def load(self, kind: Kind, name: str) -> Any:
+        """Return the class behind a name; KeyError if there is none."""
+        known = _TABLE[kind].get(name)
+        if known is not None:
+            return _load(known.path)
+        for point in entry_points(group=f"rig.{kind}s", name=name):
+            return point.load()
+        raise KeyError(name)
+
+
+REGISTRY = InstalledClasses()

@@ -1,0 +1,127 @@
+"""A rig that has been built: buses, devices and mechanism on one backend."""
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import StrEnum
+from typing import Any
+
+from rig.assembly.registry import REGISTRY
+from rig.config import Profile
+from rig.hal import Clock, ConfigurationError, CyclicBus, Device
+from rig.runtime.columns import Column
+
+
+class Backend(StrEnum):
+    """What a run runs on."""
+
+    SIM = "sim"
+    VIRTUAL = "virtual"
+    VCAN = "vcan"
+    HARDWARE = "hardware"
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether time is virtual and the plant is in this process."""
+        return self in (Backend.SIM, Backend.VIRTUAL)
+
+
+class Rig:
+    """Buses, devices and mechanism of one profile on one backend; a context manager.
+
+    Entering opens the buses and connects every device; leaving makes everything safe and
+    closes it, whatever happened in between.
+
+    Parameters
+    ----------
+    profile : Profile
+        What it was built from.
+    backend : Backend
+        What it runs on.
+    clock : Clock
+        Virtual or real.
+    buses, devices : mapping
+        By name.
+    mechanism : Mechanism
+        The loop's view of it.
+    truth_columns : sequence of Column
+        In simulation: what `truth` returns.
+    truth : callable
+        In simulation: the plant's true values.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        backend: Backend,
+        *,
+        clock: Clock,
+        buses: Mapping[str, CyclicBus],
+        devices: Mapping[str, Device],
+        mechanism: Any,
+        truth_columns: Sequence[Column] = (),
+        truth: Callable[[], tuple[float, ...]] = tuple,
+        release: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.profile = profile
+        self.backend = backend
+        self.clock = clock
+        self.buses = buses
+        self.devices = devices
+        self.mechanism = mechanism
+        self.truth_columns = tuple(truth_columns)
+        self.truth = truth
+        self._release = release
+
+    def make_controller(self, name: str) -> Any:
+        """Return a controller of the profile, for this mechanism.
+
+        Raises
+        ------
+        ConfigurationError
+            The profile has no settings for it.
+        """
+        controllers = self.profile.controllers
+        if name not in controllers:
+            raise ConfigurationError(
+                f"the profile {self.profile.name} has no controller {name!r}; "
+                f"it has {', '.join(controllers)}"
+            )
+        controller = REGISTRY.load("controller", name)(
+            controllers[name], self.mechanism.model, self.profile.loop.period
+        )
+        self.mechanism.controller = controller
+        return controller
+
+    def __enter__(self) -> "Rig":
+        try:
+            for bus in self.buses.values():
+                bus.open()
+            for device in self.devices.values():
+                device.connect()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def arm(self) -> None:
+        """Make every device follow its setpoints, which are the safe ones until the loop runs."""
+        for device in self.devices.values():
+            device.arm()
+
+    def close(self) -> None:
+        """Make safe and release everything; idempotent."""
+        for device in self.devices.values():
+            device.make_safe()
+        for bus in self.buses.values():
+            bus.make_safe()
+        for device in self.devices.values():
+            device.close()
+        for bus in self.buses.values():
+            bus.close()
+        self._release()
+
+    def statistics(self) -> dict[str, dict[str, float]]:
+        """Return the counters of every bus, for the manifest."""
+        return {name: bus.statistics() for name, bus in self.buses.items()}
