@@ -275,3 +275,43 @@ class ForceObserver:
         """Return position (m) and velocity (m/s) `ahead` seconds after the last readings."""
         gained = ahead * self._per_mass * (self._force + self.disturbance)
         return self.position + ahead * (self.velocity + 0.5 * gained), self.velocity + gained
+
+
+class StandstillDetector:
+    """Whether something stands still: it has moved less than a distance within a time.
+
+    Parameters
+    ----------
+    distance : float
+        m; a few encoder steps.
+    time : float
+        s.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, distance: float, time: float, period: float) -> None:
+        self._distance = distance
+        self._cycles = max(1, round(time / period))
+        self._anchor = 0.0
+        self._count = 0
+
+    def reset(self, position: float) -> None:
+        """Start at a position (m), not yet known to stand still."""
+        self._anchor = position
+        self._count = 0
+
+    def update(self, position: float) -> bool:
+        """Take the next reading (m) and return whether it stands still."""
+        if abs(position - self._anchor) > self._distance:
+            self._anchor = position
+            self._count = 0
+            return False
+        self._count += 1
+        if self._count < self._cycles:
+            return False
+        if self._count >= 2 * self._cycles:
+            # Creeping is standing still: the anchor comes along.
+            self._anchor = position
+            self._count = self._cycles
+        return True

@@ -15,7 +15,12 @@ from controllers.cylinder.types import (
     PairReference,
     PairState,
 )
-from controllers.estimators import ForceObserver, observer_gains
+from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
+
+_REST_SPEED = 5e-5
+"""A reference slower than this rests, m/s: in a second it moves less than the pre-sliding."""
+_STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
+"""A pair that moves less than this (m) in this time (s) sticks. On its bristles it may creep."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +34,11 @@ class CascadeSettings:
     velocity_rate : float
         Acceleration asked for over the velocity error, rad/s.
     integral : float
-        N/(m s).
+        N/(m s), while the reference moves.
+    hold_integral : float
+        N/(m s), while it rests and the pair sticks. It then is a spring of some 4e5 N/m (the
+        bristles of its contacts), on which the integral that suits sliding would take ten
+        seconds; on a pair that slides this one would oscillate.
     observer_bandwidth : float
         rad/s; it follows the encoder: 600 for 1 µm, two to three times less for 5 to 10 µm
         (PAPER-joint, section 4).
@@ -62,6 +71,7 @@ class CascadeSettings:
     position_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 30.0
     velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 200.0
     integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 2.0e4
+    hold_integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 5.0e5
     observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 600.0
     force_trust: Annotated[float, Ge(0), Le(1)] = 0.3
     lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 600.0
@@ -103,8 +113,10 @@ class Cascade:
         self._feedforward = Feedforward(settings.feedforward, model, period)
         gains = observer_gains(settings.observer_bandwidth, model.mass, period)
         self._observer = ForceObserver(gains, model.mass, period)
+        self._standstill = StandstillDetector(_STILL_DISTANCE, _STILL_TIME, period)
         self._velocity_gain = model.mass * settings.velocity_rate
-        self._integral_step = settings.integral * period
+        self._moving_step = settings.integral * period
+        self._holding_step = settings.hold_integral * period
         self._disturbance_share = 1.0 - math.exp(-settings.disturbance_bandwidth * period)
         self._trim_step = settings.trim_rate * period
         self._delay = period if settings.delay is None else settings.delay
@@ -119,6 +131,7 @@ class Cascade:
         """Start bumplessly: the first command is the measured differential."""
         differential = self._range.clip(state.agonist - state.antagonist)
         force = self._area * (state.agonist - state.antagonist)
+        self._standstill.reset(state.position)
         self._observer.reset(state.position, self._settings.force_trust * force)
         self._lead.reset(differential)
         self._feedforward.reset()
@@ -133,6 +146,7 @@ class Cascade:
         settings, lead, observer = self._settings, self._lead, self._observer
         force = self._area * (state.agonist - state.antagonist)
         trusted = settings.force_trust * force
+        sticks = self._standstill.update(state.position)
         observer.update(state.position, trusted)
         position, velocity = observer.predict(self._delay)
         error = reference.position - position
@@ -151,7 +165,8 @@ class Cascade:
             self._integral -= direct
         setpoint = lead.update(self._per_area * (direct + self._integral)) + self._trim
         if lead.saturation * error <= 0.0:
-            self._integral += self._integral_step * error
+            holding = sticks and abs(reference.velocity) < _REST_SPEED
+            self._integral += (self._holding_step if holding else self._moving_step) * error
         self._integral -= self._feedforward.learn(self._integral)
         # What the regulators are off, seen by their own monitors, needs no position error.
         off = lead.pressure - (state.agonist - state.antagonist)

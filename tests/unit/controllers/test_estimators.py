@@ -10,6 +10,7 @@ from controllers.estimators import (
     ForceObserver,
     Gains,
     MotionEstimator,
+    StandstillDetector,
     disturbance_gains,
     fading_memory_gains,
     motion_gains,
@@ -127,6 +128,17 @@ def test_prediction_over_a_delay_is_exact_for_a_constant_force():
     observer.disturbance = -0.62  # 10 m/s²
     observer.velocity = 0.1
     assert observer.predict(2e-3) == pytest.approx((1e-3 + 2e-4 + 2e-5, 0.12))
+
+
+def test_standstill_is_moving_less_than_a_distance_within_a_time():
+    detector = StandstillDetector(5e-6, 0.04, PERIOD)
+    detector.reset(1e-3)
+    # 40 cycles at rest; then 0.1 mm/s is 4 µm in 40 ms, a creep; 0.3 mm/s is sliding.
+    assert [detector.update(1e-3) for _ in range(41)] == [False] * 39 + [True] * 2
+    creep = [detector.update(1e-3 + k * 1e-7) for k in range(1, 400)]
+    assert all(creep)
+    slide = [detector.update(1.04e-3 + k * 3e-7) for k in range(1, 400)]
+    assert not any(slide[40:])
 
 
 def test_a_filter_that_cannot_settle_says_so():

@@ -194,6 +194,23 @@ def test_cascade_compensates_what_it_observes(model):
     assert commands[1] == pytest.approx(1.0, rel=0.01)
 
 
+def test_cascade_holds_harder_once_the_pair_sticks(model):
+    """At rest and stuck the force on an error grows by `hold_integral`, before by `integral`."""
+    rates = []
+    for hold in (1e5, 4e5):
+        controller = build(
+            Cascade, model, integral=1e5, hold_integral=hold, trim_rate=0.0, disturbance_gain=0.0
+        )
+        stuck = PairState(0.0, 0.0, 0.12e6, 0.12e6)
+        controller.reset(stuck)
+        forces = []
+        for _ in range(200):
+            command = controller.update(stuck, PairReference(10e-6, 0.0, 0.0))
+            forces.append((command.agonist - command.antagonist) * model.area)
+        rates.append((forces[-1] - forces[-101]) / (100 * PERIOD))
+    assert rates == pytest.approx([1.0, 4.0], rel=0.01)
+
+
 def test_dither_has_its_amplitude_and_frequency(model):
     controller = build(
         PidFriction,
