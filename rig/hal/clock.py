@@ -1,6 +1,6 @@
 """The rig's clock: monotonic on hardware, virtual and in lock-step in simulation."""
 
-import time
+from time import monotonic, sleep
 from typing import Protocol
 
 
@@ -33,15 +33,18 @@ class MonotonicClock:
     def __init__(self, spin: float = 0.0) -> None:
         self.spin = spin
 
-    def now(self) -> float:
-        """Return the current time, s."""
-        return time.monotonic()
+    now = staticmethod(monotonic)
+    """Return the current time, s."""
 
     def sleep_until(self, t: float) -> None:
-        """Sleep to `spin` before `t`, then spin to `t`."""
-        wait = t - self.spin - time.monotonic()
+        """Sleep to `spin` before `t`, then spin to `t`.
+
+        After a sleep the caches are cold and every look-up counts: what is needed then is local.
+        """
+        spin = self.spin
+        wait = t - spin - monotonic()
         if wait > 0.0:
-            time.sleep(wait)
-        if self.spin > 0.0:
-            while time.monotonic() < t:
+            sleep(wait)
+        if spin > 0.0:
+            while monotonic() < t:
                 pass
