@@ -64,6 +64,10 @@ class CascadeSettings:
         it. None: one period, as on a bus that is read at the end of a cycle.
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
+    differential_limit : float, optional
+        Greatest differential setpoint, Pa: head-room of the lead. Beyond what the floor leaves
+        around the base pressure one chamber goes on alone, and the mean rises for moments. None:
+        the mean stays.
     feedforward : FeedforwardSettings
         Inertia and friction of the desired motion.
     """
@@ -81,6 +85,7 @@ class CascadeSettings:
     trim_limit: Annotated[float, Unit("Pa"), Ge(0)] = 15e3
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
+    differential_limit: Annotated[float, Unit("Pa"), Gt(0)] | None = None
     feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
 
 
@@ -108,7 +113,7 @@ class Cascade:
         self._settings = settings
         self._area = model.area
         self._per_area = 1.0 / model.area
-        self._range = DifferentialRange(model, settings.pressure_floor)
+        self._range = DifferentialRange(model, settings.pressure_floor, settings.differential_limit)
         self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
         self._feedforward = Feedforward(settings.feedforward, model, period)
         gains = observer_gains(settings.observer_bandwidth, model.mass, period)

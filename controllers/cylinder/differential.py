@@ -20,6 +20,9 @@ class DifferentialRange:
         Range of the regulators and base pressure.
     floor : float
         No setpoint goes below, Pa gauge: a wire without pressure goes slack.
+    most : float, optional
+        Greatest differential wanted either way, Pa. Where one chamber has come down to the floor,
+        the other goes on alone and the mean gives way. None: the mean never does.
 
     Raises
     ------
@@ -27,16 +30,18 @@ class DifferentialRange:
         The base pressure leaves no room above the floor, or below the top of the range.
     """
 
-    def __init__(self, model: PairModel, floor: float) -> None:
+    def __init__(self, model: PairModel, floor: float, most: float | None = None) -> None:
         lower = max(floor, model.pressure_min)
-        half = min(model.base_pressure - lower, model.pressure_max - model.base_pressure)
+        above = model.pressure_max - model.base_pressure
+        half = min(model.base_pressure - lower, above)
         if half <= 0.0:
             raise ValueError(
                 f"base_pressure ({model.base_pressure:g} Pa) leaves no differential between the "
                 f"pressure floor ({lower:g} Pa) and pressure_max ({model.pressure_max:g} Pa)."
             )
         self._base = model.base_pressure
-        self.limit = 2.0 * half
+        self._floor = lower
+        self.limit = 2.0 * half if most is None else min(most, model.pressure_max - lower)
         """Greatest differential either way, Pa."""
 
     def clip(self, differential: float) -> float:
@@ -46,7 +51,8 @@ class DifferentialRange:
     def split(self, differential: float) -> PairCommand:
         """Return the setpoints for a differential (Pa) that is within the limit."""
         half = 0.5 * differential
-        return PairCommand(self._base + half, self._base - half)
+        mean = max(self._base, self._floor + abs(half))
+        return PairCommand(mean + half, mean - half)
 
 
 class RegulatorLead:
