@@ -1,0 +1,112 @@
+"""`rig check`: whether a profile or an experiment is valid, and what it says."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.names import complete_config, configs_option, json_option, set_option
+from rig.cli.tables import print_tables
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+    from rig.experiment.plan import Plan
+
+# Keys that only one of the two kinds of file has; the text is looked at, not parsed, so that
+# a file with an error in it is still taken for what it is.
+_PROFILE_KEY = re.compile(r"^(mechanism|loop|buses|devices|controllers|plant)\s*:", re.MULTILINE)
+_EXPERIMENT_KEY = re.compile(r"^(rig|reference|metrics|controller|approach)\s*:", re.MULTILINE)
+
+
+@click.command()
+@click.argument("source", metavar="PROFILE|EXPERIMENT", shell_complete=complete_config)
+@set_option
+@configs_option
+@json_option
+def check(source: str, overrides: tuple[str, ...], configs: Path | None, as_json: bool) -> int:
+    """Check a profile or an experiment and show what it says.
+
+    Nothing is opened. Every error of a file is shown at once, with its line.
+    """
+    from rig.cli.description import (
+        describe_experiment,
+        describe_profile,
+        experiment_tables,
+        profile_tables,
+    )
+
+    profile, plan = load(source, overrides, configs)
+    described = describe_profile(profile)
+    if plan is None:
+        content: dict[str, Any] = {"profile": described}
+        tables = profile_tables(described)
+    else:
+        content = {"experiment": describe_experiment(plan), "profile": described}
+        tables = [*experiment_tables(content["experiment"]), *profile_tables(described)]
+    if as_json:
+        click.echo(json.dumps(content, indent=2, ensure_ascii=False))
+    else:
+        print_tables(tables)
+        click.echo(f"{source}: valid", err=True)
+    return 0
+
+
+def load(
+    source: str, overrides: Sequence[str], configs: Path | None
+) -> tuple[Profile, Plan | None]:
+    """Load a profile, or an experiment with its profile.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such file, or it is not valid.
+    """
+    from rig.config.names import find_configs
+
+    search = find_configs(configs)
+    if is_experiment(source, search):
+        from rig.experiment.plan import load_plan
+
+        plan = load_plan(source, overrides, configs=configs)
+        return plan.profile, plan
+    from rig.assembly import REGISTRY, check_profile
+    from rig.config import load_profile
+
+    profile = load_profile(source, REGISTRY, overrides, search)
+    check_profile(profile)
+    return profile, None
+
+
+def is_experiment(source: str, search: Sequence[Path]) -> bool:
+    """Return whether a name or file is an experiment's and not a profile's.
+
+    Raises
+    ------
+    ConfigurationError
+        Nothing is called so; with the nearest name.
+    """
+    from rig.config.diagnostics import nearest
+    from rig.config.names import is_path, list_files
+    from rig.hal import ConfigurationError
+
+    if is_path(source):
+        try:
+            text = Path(source).read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            text = ""  # the loader says what is wrong with it
+        ours, others = _EXPERIMENT_KEY.findall(text), _PROFILE_KEY.findall(text)
+        if len(ours) == len(others):  # a file that extends another may have neither
+            return Path(source).resolve().parent.name == "experiments"
+        return len(ours) > len(others)
+    rigs, experiments = list_files("rigs", search), list_files("experiments", search)
+    if source in rigs:
+        return False
+    if source in experiments:
+        return True
+    hint = nearest(source, {**rigs, **experiments}) or "there are none"
+    raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")

@@ -1,0 +1,221 @@
+"""What a valid profile or experiment says, as plain data in SI and as tables for people."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, Any, get_args, get_type_hints
+
+from rig.cli.tables import Table
+from rig.config.quantities import format_quantity
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+    from rig.experiment.plan import Plan
+
+
+def describe_profile(profile: Profile) -> dict[str, Any]:
+    """Return what a profile says, in SI; it must have been checked."""
+    from rig.assembly import bus_loads
+
+    loads = bus_loads(profile)
+    limits = getattr(profile.mechanism_settings, "limits", None)
+    plant = profile.plant
+    return {
+        "name": profile.name,
+        "description": profile.description,
+        "mechanism": profile.mechanism,
+        "rate": profile.loop.rate,
+        "files": [str(path) for path in profile.files],
+        "buses": [_bus(name, bus, loads[name]) for name, bus in profile.buses.items()],
+        "devices": [_device(name, entry) for name, entry in profile.devices.items()],
+        "limits": [] if limits is None else _quantities(limits),
+        "controllers": list(profile.controllers),
+        "plant": None
+        if plant is None
+        else {"model": plant.model, "seals": getattr(plant.settings, "seals", None)},
+    }
+
+
+def _bus(name: str, settings: Any, load: Any) -> dict[str, Any]:
+    return {
+        "name": name,
+        "interface": settings.interface,
+        "channel": settings.channel,
+        "bitrate": settings.bitrate,
+        "load": load.total,
+        "max_load": settings.max_load,
+        "frames": [frame._asdict() for frame in load.frames],
+    }
+
+
+def _device(name: str, entry: Any) -> dict[str, Any]:
+    calibration = entry.calibration
+    return {
+        "name": name,
+        "driver": entry.driver,
+        "bus": entry.bus,
+        "node": getattr(entry.settings, "node", None),
+        "serial": entry.serial,
+        "calibration": None
+        if calibration is None
+        else {
+            "file": calibration.file,
+            "date": calibration.provenance.date,
+            "operator": calibration.provenance.operator,
+            "valid_until": calibration.provenance.valid_until,
+        },
+    }
+
+
+def _quantities(settings: Any) -> list[dict[str, Any]]:
+    """Return every field of a settings dataclass with the unit that it is annotated with."""
+    hints = get_type_hints(type(settings), include_extras=True)
+    return [
+        {
+            "name": field.name,
+            "value": getattr(settings, field.name),
+            "unit": _unit(hints[field.name]),
+        }
+        for field in dataclasses.fields(settings)
+    ]
+
+
+def _unit(annotation: Any) -> str:
+    """Return the first unit in an annotation, also of a tuple's members; else none."""
+    from annotated_types import Unit
+
+    for part in (*getattr(annotation, "__metadata__", ()), *get_args(annotation)):
+        found = part.unit if isinstance(part, Unit) else _unit(part)
+        if found:
+            return found
+    return ""
+
+
+def describe_experiment(plan: Plan) -> dict[str, Any]:
+    """Return what an experiment says, in SI; it must have been checked."""
+    from rig.experiment.measures import MEASURES
+
+    experiment, reference = plan.experiment, plan.reference
+    metrics = []
+    for name, spec in experiment.metrics.items():
+        measure = MEASURES[spec.measure or name]
+        metrics.append(
+            {
+                "name": name,
+                "measure": spec.measure or name,
+                "description": measure.description,
+                "segments": spec.segments,
+                "unit": measure.unit,
+                "max": spec.max,
+                "min": spec.min,
+            }
+        )
+    return {
+        "name": experiment.name,
+        "description": experiment.description,
+        "rig": plan.profile.name,
+        "controller": experiment.controller,
+        "reference": experiment.reference.kind,
+        "duration": reference.duration,
+        "approach": experiment.approach,
+        "files": [str(path) for path in experiment.files],
+        "segments": [segment._asdict() for segment in reference.segments],
+        "metrics": metrics,
+    }
+
+
+def profile_tables(profile: dict[str, Any]) -> list[Table]:
+    """Return a described profile as tables."""
+    plant = profile["plant"]
+    physics = "-" if plant is None else " ".join(filter(None, (plant["model"], plant["seals"])))
+    facts = [
+        ("description", profile["description"] or "-"),
+        ("mechanism", profile["mechanism"]),
+        ("loop rate", format_quantity(profile["rate"], "Hz")),
+        ("controllers", ", ".join(profile["controllers"]) or "-"),
+        ("plant", physics),
+        ("file", profile["files"][0] if profile["files"] else "-"),
+    ]
+    return [
+        Table(f"rig {profile['name']}", ("what", "value"), facts),
+        Table(
+            "devices",
+            ("device", "driver", "bus", "node", "serial", "calibration"),
+            [_device_row(device) for device in profile["devices"]],
+        ),
+        *(_load_table(bus) for bus in profile["buses"]),
+        Table(
+            "limits",
+            ("limit", "value"),
+            [(limit["name"], _text(limit["value"], limit["unit"])) for limit in profile["limits"]],
+        ),
+    ]
+
+
+def _device_row(device: dict[str, Any]) -> tuple[str, ...]:
+    calibration, node, serial = device["calibration"], device["node"], device["serial"]
+    return (
+        device["name"],
+        device["driver"],
+        device["bus"] or "-",
+        "-" if node is None else f"0x{node:02X}",
+        "any" if serial is None else str(serial),
+        "none" if calibration is None else f"{calibration['date']}, {calibration['operator']}",
+    )
+
+
+def _load_table(bus: dict[str, Any]) -> Table:
+    title = (
+        f"bus {bus['name']}: {bus['interface']} {bus['channel']}, {bus['bitrate']} bit/s, "
+        f"worst-case load {100 * bus['load']:.1f} % of at most {100 * bus['max_load']:.0f} %"
+    )
+    rows = [
+        (
+            frame["name"],
+            str(frame["size"]),
+            format_quantity(frame["rate"], "Hz"),
+            f"{100 * frame['load']:.1f} %",
+        )
+        for frame in bus["frames"]
+    ]
+    return Table(title, ("frame", "bytes", "rate", "load"), rows)
+
+
+def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
+    """Return a described experiment as tables."""
+    facts = [
+        ("description", experiment["description"] or "-"),
+        ("rig", experiment["rig"]),
+        ("controller", experiment["controller"]),
+        ("reference", experiment["reference"]),
+        ("approach", format_quantity(experiment["approach"], "s")),
+        ("duration", format_quantity(experiment["duration"], "s")),
+    ]
+    segments = [
+        (s["name"], format_quantity(s["start"], "s"), format_quantity(s["end"], "s"))
+        for s in experiment["segments"]
+    ]
+    metrics = [
+        (m["name"], m["description"], m["segments"], _bound(m)) for m in experiment["metrics"]
+    ]
+    return [
+        Table(f"experiment {experiment['name']}", ("what", "value"), facts),
+        Table("segments", ("segment", "start", "end"), segments),
+        Table("metrics", ("metric", "what", "segments", "bound"), metrics),
+    ]
+
+
+def _bound(metric: dict[str, Any]) -> str:
+    bounds = [
+        f"{sign} {_text(metric[kind], metric['unit'])}"
+        for kind, sign in (("min", ">="), ("max", "<="))
+        if metric[kind] is not None
+    ]
+    return ", ".join(bounds) or "-"
+
+
+def _text(value: Any, unit: str) -> str:
+    if isinstance(value, tuple | list):
+        return " … ".join(_text(item, unit) for item in value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return format_quantity(value, unit or "1") if is_number else str(value)

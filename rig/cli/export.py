@@ -1,0 +1,37 @@
+"""`rig export`: a run's log for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rig.cli.names import complete_run, find_run, runs_option
+
+
+@click.command()
+@click.argument("run", shell_complete=complete_run)
+@click.option(
+    "--format",
+    "format",
+    type=click.Choice(["csv", "npz", "mat"]),
+    required=True,
+    help="csv: text. npz: numpy. mat: MATLAB.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="File to write; default: log.FORMAT in the run folder.",
+)
+@runs_option
+def export(run: str, format: str, out: Path | None, runs: Path) -> int:
+    """Write the log of RUN as csv, npz or mat, and print the file's path.
+
+    RUN is a run folder, the name of one, or "latest". A run that crashed exports as far as its
+    log goes.
+    """
+    path = find_run(run, runs)
+    from rig.export import export_run
+
+    click.echo(str(export_run(path, format, out)))
+    return 0

@@ -1,0 +1,172 @@
+"""Options that commands share, and what a shell completes them with.
+
+Completion runs at every press of the tabulator: it lists folders and opens no file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+RUNS = Path("runs")
+"""Where run folders live unless ``--out`` says otherwise."""
+LATEST = "latest"
+"""Stands for the newest run."""
+MANIFEST = "manifest.json"
+"""What makes a folder a run folder; here so that listing needs nothing that is slow."""
+
+
+def configs_option(command: Command) -> Command:
+    """Add ``--configs``."""
+    return click.option(
+        "--configs", type=click.Path(path_type=Path), help="Folder of configurations."
+    )(command)
+
+
+def set_option(command: Command) -> Command:
+    """Add ``--set``, any number of times."""
+    return click.option(
+        "--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting."
+    )(command)
+
+
+def runs_option(command: Command) -> Command:
+    """Add ``--runs``: where a run is looked for by its name."""
+    return click.option(
+        "--runs",
+        type=click.Path(path_type=Path),
+        default=RUNS,
+        show_default=True,
+        help="Where run folders live.",
+    )(command)
+
+
+def json_option(command: Command) -> Command:
+    """Add ``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")(command)
+
+
+def list_runs(out: Path) -> list[Path]:
+    """Return the run folders in a folder, newest first.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder is there and cannot be read.
+    """
+    try:
+        found = [path for path in out.iterdir() if (path / MANIFEST).is_file()]
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        from rig.hal import ConfigurationError
+
+        raise ConfigurationError(f"cannot list {out}: {error.strerror or error}") from error
+    # The name starts with the UTC time; of one second, the longer suffix is the later run.
+    return sorted(found, key=_age_key, reverse=True)
+
+
+def _age_key(path: Path) -> tuple[str, float]:
+    try:
+        born = (path / "experiment.yaml").stat().st_mtime
+    except OSError:
+        born = 0.0
+    return path.name.partition("Z-")[0], born
+
+
+def find_run(source: str, runs: Path = RUNS) -> Path:
+    """Return the folder of a run.
+
+    Parameters
+    ----------
+    source : str
+        A path, the name of a folder in `runs`, or ``"latest"``.
+    runs : Path
+        Where run folders live.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none; with the nearest one.
+    """
+    from rig.hal import ConfigurationError
+
+    if source == LATEST:
+        found = list_runs(runs)
+        if not found:
+            raise ConfigurationError(f"there is no run in {runs} yet; `rig run` makes one")
+        return found[0]
+    for path in (Path(source), runs / source):
+        if path.is_dir():
+            return path
+    import difflib
+
+    names = [path.name for path in list_runs(runs)]
+    near = difflib.get_close_matches(source, [*names, LATEST], n=1)
+    if near:
+        hint = f"did you mean {near[0]}?"
+    elif names:
+        hint = f"there are {len(names)} in {runs}, see `rig list runs`"
+    else:
+        hint = f"there is none in {runs}"
+    raise ConfigurationError(f"no run is called {source!r}; {hint}")
+
+
+def complete_rig(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the name of a profile."""
+    return _complete(_names(ctx, "rigs"), incomplete)
+
+
+def complete_experiment(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the name of an experiment."""
+    return _complete(_names(ctx, "experiments"), incomplete)
+
+
+def complete_config(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the name of a profile or an experiment."""
+    return _complete([*_names(ctx, "rigs"), *_names(ctx, "experiments")], incomplete)
+
+
+def complete_run(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the name of a run."""
+    from rig.hal import ConfigurationError
+
+    try:
+        runs = [path.name for path in list_runs(Path(ctx.params.get("runs") or RUNS))]
+    except ConfigurationError:
+        runs = []
+    return _complete([LATEST, *runs], incomplete)
+
+
+def _names(ctx: click.Context, folder: Any) -> list[str]:
+    from rig.config.names import find_configs, list_files
+    from rig.hal import ConfigurationError
+
+    try:
+        return list(list_files(folder, find_configs(ctx.params.get("configs"))))
+    except (ConfigurationError, OSError):  # a shell has no place for an error
+        return []
+
+
+def _complete(names: list[str], incomplete: str) -> list[CompletionItem]:
+    from click.shell_completion import CompletionItem
+
+    if "/" in incomplete or incomplete.startswith("."):
+        return [CompletionItem(incomplete, type="file")]
+    return [CompletionItem(name) for name in names if name.startswith(incomplete)]

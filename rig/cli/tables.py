@@ -1,0 +1,67 @@
+"""Tables on stdout: drawn by rich for a person at a terminal, plain columns for a pipe."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import click
+
+
+class Table(NamedTuple):
+    """Rows of text under a title.
+
+    Parameters
+    ----------
+    title : str
+        One word or a short sentence.
+    header : tuple of str
+        Names of the columns.
+    rows : sequence of tuple of str
+        As wide as `header`.
+    """
+
+    title: str
+    header: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+
+def print_tables(tables: Sequence[Table]) -> None:
+    """Print tables that have rows, one below the other."""
+    shown = [table for table in tables if table.rows]
+    if not shown:
+        return
+    if sys.stdout.isatty():
+        _draw(shown)
+    else:
+        click.echo("\n\n".join(_plain(table) for table in shown))
+    sys.stdout.flush()  # a closed pipe shows here, where it is caught, and not at exit
+
+
+def _draw(tables: Sequence[Table]) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table as Drawing
+
+    console = Console(highlight=False)
+    for table in tables:
+        drawing = Drawing(
+            title=escape(table.title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD
+        )
+        for name in table.header:
+            drawing.add_column(escape(name), overflow="fold")
+        for row in table.rows:
+            drawing.add_row(*(escape(cell) for cell in row))
+        console.print(drawing)
+
+
+def _plain(table: Table) -> str:
+    lines = [table.header, *table.rows]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(table.header))]
+    texts = [
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
+        for line in lines
+    ]
+    return "\n".join([f"# {table.title}", *texts])
