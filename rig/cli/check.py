@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rig.cli.names import complete_config, configs_option, json_option, set_option
-from rig.cli.tables import print_tables
+from rig.cli.tables import print_data, print_tables
 
 if TYPE_CHECKING:
     from rig.config import Profile
@@ -49,7 +49,7 @@ def check(source: str, overrides: tuple[str, ...], configs: Path | None, as_json
         content = {"experiment": describe_experiment(plan), "profile": described}
         tables = [*experiment_tables(content["experiment"]), *profile_tables(described)]
     if as_json:
-        click.echo(json.dumps(content, indent=2, ensure_ascii=False))
+        print_data(json.dumps(content, indent=2, ensure_ascii=False))
     else:
         print_tables(tables)
         click.echo(f"{source}: valid", err=True)

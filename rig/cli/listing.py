@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from rig.cli.names import MANIFEST, RUNS, configs_option, json_option, list_runs
-from rig.cli.tables import Table, print_tables
+from rig.cli.tables import Table, print_data, print_tables
 
 
 @click.command()
@@ -38,7 +38,7 @@ def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) ->
     if what in (None, "runs"):
         made["runs"] = [describe_run(path) for path in list_runs(out)]
     if as_json:
-        click.echo(json.dumps(made if what is None else made[what], indent=2))
+        print_data(json.dumps(made if what is None else made[what], indent=2))
         return 0
     print_tables([_table(kind, entries) for kind, entries in made.items()])
     for kind, entries in made.items():

@@ -6,6 +6,8 @@ import json
 
 import click
 
+from rig.cli.tables import print_data
+
 
 @click.command()
 @click.argument("kind", type=click.Choice(["profile", "experiment"]))
@@ -19,5 +21,5 @@ def schema(kind: str) -> int:
     from rig.config import experiment_schema, profile_schema
 
     made = profile_schema(REGISTRY) if kind == "profile" else experiment_schema(REGISTRY)
-    click.echo(json.dumps(made, indent=2, ensure_ascii=False))
+    print_data(json.dumps(made, indent=2, ensure_ascii=False))
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -35,8 +36,20 @@ def print_tables(tables: Sequence[Table]) -> None:
     if sys.stdout.isatty():
         _draw(shown)
     else:
-        click.echo("\n\n".join(_plain(table) for table in shown))
-    sys.stdout.flush()  # a closed pipe shows here, where it is caught, and not at exit
+        print_data("\n\n".join(_plain(table) for table in shown))
+
+
+def print_data(text: str) -> None:
+    """Print text on stdout; a reader that has had enough (`rig list | head`) is no error."""
+    try:
+        click.echo(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # click would exit with 1, which here means a missed bound. What is still in the
+        # buffer goes nowhere, or the interpreter would complain at its exit.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def _draw(tables: Sequence[Table]) -> None:
