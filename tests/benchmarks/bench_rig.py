@@ -20,7 +20,7 @@ class Run(NamedTuple):
 
 
 def cylinder_profile():
-    return load_profile("cylinder", REGISTRY, search=find_configs())
+    return load_profile("cylinder", REGISTRY, ["loop.rate=500 Hz"], find_configs())
 
 
 @contextlib.contextmanager
@@ -52,7 +52,7 @@ def run(rig, log, seconds, *, clock=None):
         truth=rig.truth,
     )
     moving = seconds - sum(Timings())
-    motion = Sine(2e-3, (SineTone(2.0 / moving, 2),))
+    motion = Sine(8.727e-3, (SineTone(2.0 / moving, 2),))
     events = []
     with Recorder(log, columns_of(rig)) as recorder:
         start = clock.now()
