@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from rig.cli.names import complete_experiment, complete_rig
+from rig.cli.tables import print_data
+
 if TYPE_CHECKING:
     from rig.experiment.run import Result
 
@@ -25,7 +28,7 @@ class _Job(NamedTuple):
 
 
 @click.command()
-@click.argument("experiment")
+@click.argument("experiment", shell_complete=complete_experiment)
 @click.option(
     "--controllers",
     metavar="A,B,…",
@@ -35,7 +38,10 @@ class _Job(NamedTuple):
     "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
     default="virtual", show_default=True, help="As for `rig run`.",
 )  # fmt: skip
-@click.option("--rig", "rig_name", metavar="PROFILE", help="Another rig than the experiment's.")
+@click.option(
+    "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
+    help="Another rig than the experiment's.",
+)  # fmt: skip
 @click.option("--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting.")
 @click.option("--seed", type=int, help="Seed of the simulation; short for simulation.seed.")
 @click.option(
@@ -90,7 +96,7 @@ def compare(
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
         draw_comparison(paths, labels, folder)
         if as_json:
-            click.echo(json.dumps(content, indent=2))
+            print_data(json.dumps(content, indent=2))
         else:
             _print_table(labels, rows)
         click.echo(f"figure: {folder / 'compare.png'}", err=True)
@@ -167,7 +173,9 @@ def _print_table(labels: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
         ]
         cells.append([row["name"], *values])
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
+    lines = []
     for line in cells:
         texts = [line[0].ljust(widths[0])]
         texts += [text.rjust(width) for text, width in zip(line[1:], widths[1:], strict=True)]
-        click.echo("  ".join(texts).rstrip())
+        lines.append("  ".join(texts).rstrip())
+    print_data("\n".join(lines))

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from rig.cli.names import complete_experiment, complete_rig
+from rig.cli.tables import print_data
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
@@ -16,7 +18,7 @@ BACKENDS = ("sim", "virtual", "vcan", "hardware")
 
 
 @click.command()
-@click.argument("experiment")
+@click.argument("experiment", shell_complete=complete_experiment)
 @click.option(
     "--on",
     "backend",
@@ -26,7 +28,10 @@ BACKENDS = ("sim", "virtual", "vcan", "hardware")
     help="sim: devices on the plant. virtual: production drivers on emulated CANopen nodes. "
     "vcan: SocketCAN vcan0. hardware: what the profile names.",
 )
-@click.option("--rig", "rig_name", metavar="PROFILE", help="Another rig than the experiment's.")
+@click.option(
+    "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
+    help="Another rig than the experiment's.",
+)  # fmt: skip
 @click.option("--controller", help="Another controller than the experiment's.")
 @click.option("--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting.")
 @click.option("--seed", type=int, help="Seed of the simulation; short for simulation.seed.")
@@ -73,7 +78,7 @@ def run(
             plan, Backend(backend), out, overrides=options, watcher=line, report=not no_report
         )
     if as_json:
-        click.echo(json.dumps(as_data(result), indent=2))
+        print_data(json.dumps(as_data(result), indent=2))
     else:
         show(result, has_report=not no_report)
     return result.exit_code
@@ -97,6 +102,7 @@ def show(result: Result, *, has_report: bool) -> None:
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)
     width = max((len(metric.name) for metric in result.metrics), default=0)
+    lines = []
     for metric in result.metrics:
         value = format_quantity(metric.value, metric.unit or "1")
         bound = ""
@@ -104,8 +110,9 @@ def show(result: Result, *, has_report: bool) -> None:
             sign = "<=" if metric.bound_kind == "max" else ">="
             verdict = "ok" if metric.passed else "MISSED"
             bound = f"{sign} {format_quantity(metric.bound, metric.unit or '1')}  {verdict}"
-        click.echo(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
+        lines.append(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
+    if lines:
+        print_data("\n".join(lines))
     what = "report.html" if has_report else "log.mcap"
     verdict = "" if result.message is not None else f"{result.status}: "
     click.echo(f"{verdict}{result.path / what}", err=True)
-    sys.stdout.flush()
