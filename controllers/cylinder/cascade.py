@@ -17,8 +17,9 @@ from controllers.cylinder.types import (
 )
 from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
 
-_REST_SPEED = 5e-5
-"""A reference slower than this rests, m/s: in a second it moves less than the pre-sliding."""
+_REST_SPEED, _REST_TIME = 5e-5, 0.1
+"""A reference rests if it is slower than this (m/s) and stays so for this time (s): a sine that
+turns round does not."""
 _STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
 """A pair that moves less than this (m) in this time (s) sticks. On its bristles it may creep."""
 
@@ -156,6 +157,7 @@ class Cascade:
         position, velocity = observer.predict(self._delay)
         error = reference.position - position
         disturbance = observer.disturbance + trusted - force
+        rests = abs(reference.velocity) + _REST_TIME * abs(reference.acceleration) < _REST_SPEED
         feedforward = self._feedforward.update(reference, error)
         direct = feedforward + self._velocity_gain * (
             reference.velocity - velocity + settings.position_rate * error
@@ -170,7 +172,7 @@ class Cascade:
             self._integral -= direct
         setpoint = lead.update(self._per_area * (direct + self._integral)) + self._trim
         if lead.saturation * error <= 0.0:
-            holding = sticks and abs(reference.velocity) < _REST_SPEED
+            holding = sticks and rests
             self._integral += (self._holding_step if holding else self._moving_step) * error
         self._integral -= self._feedforward.learn(self._integral)
         # What the regulators are off, seen by their own monitors, needs no position error.
