@@ -360,7 +360,6 @@ class _Run(Generic[State, Reference, Command]):
         self._controlling = False
         self._resting: Command | None = None
         self._home: Reference | None = None
-        self._last: Command | None = None
         self._stop_at = 0.0
         self._stopped_from: Command | None = None
 
@@ -375,7 +374,7 @@ class _Run(Generic[State, Reference, Command]):
         self.reference_time = t - timings.energise - timings.approach
 
         if self.phase is not Phase.STOP and (stops or self.reference_time >= self.duration):
-            self._begin_stop(t)
+            self._begin_stop(t, state)
         if stops > 1:  # at once: the loop makes safe right after this cycle
             self.finished = True
         if self.phase is Phase.STOP:
@@ -383,7 +382,6 @@ class _Run(Generic[State, Reference, Command]):
         if t < timings.energise:
             share = t / timings.energise
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
-            self._last = command
             return self._home, command
 
         if not self._controlling:
@@ -398,13 +396,13 @@ class _Run(Generic[State, Reference, Command]):
             self.phase = Phase.RUN
             reference = self._motion.at(self.reference_time)
         command = self._loop.controller.update(state, reference)
-        self._last = command
         return reference, command
 
-    def _begin_stop(self, t: float) -> None:
+    def _begin_stop(self, t: float, state: State) -> None:
         self.phase = Phase.STOP
         self._stop_at = t
-        self._stopped_from = self._last if self._last is not None else self._resting
+        # From what the rig has, not from the last command, which may lead it by far.
+        self._stopped_from = self._loop.mechanism.resting_command(state)
         self._loop.states.move(RigState.STOPPING)
 
     def _release(self, t: float) -> Command:
