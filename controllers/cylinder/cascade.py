@@ -28,6 +28,8 @@ _STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
 class CascadeSettings:
     """Bandwidths of the loops, of the observer and of the lead.
 
+    The defaults are tuned for standard seals at 1 kHz; low-speed seals take less.
+
     Parameters
     ----------
     position_rate : float
@@ -41,8 +43,8 @@ class CascadeSettings:
         bristles of its contacts), on which the integral that suits sliding would take ten
         seconds; on a pair that slides this one would oscillate.
     observer_bandwidth : float
-        rad/s; it follows the encoder: 600 for 1 µm, two to three times less for 5 to 10 µm
-        (PAPER-joint, section 4).
+        rad/s; it follows the encoder: 800 to 1200 for 1 µm, two to three times less for 5 to
+        10 µm (PAPER-joint, section 4).
     force_trust : float
         Share of the measured force that drives the observer's mass. With 1 a fast change of the
         force in a pair that still sticks is taken for motion until the disturbance has followed,
@@ -73,15 +75,15 @@ class CascadeSettings:
         Inertia and friction of the desired motion.
     """
 
-    position_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 30.0
-    velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 200.0
-    integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 2.0e4
-    hold_integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 5.0e5
-    observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 600.0
-    force_trust: Annotated[float, Ge(0), Le(1)] = 0.3
+    position_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 120.0
+    velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 700.0
+    integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 8.0e4
+    hold_integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 4.5e5
+    observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 1200.0
+    force_trust: Annotated[float, Ge(0), Le(1)] = 0.2
     lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 600.0
-    disturbance_gain: Annotated[float, Ge(0), Le(1)] = 0.0
-    disturbance_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 30.0
+    disturbance_gain: Annotated[float, Ge(0), Le(1)] = 0.1
+    disturbance_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     trim_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(30)] = 3.0
     trim_limit: Annotated[float, Unit("Pa"), Ge(0)] = 15e3
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None

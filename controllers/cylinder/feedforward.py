@@ -28,8 +28,8 @@ class FeedforwardSettings:
     rounding : float
         Velocity over which the sign is rounded, m/s (`smooth`, `stribeck`).
     distance : float
-        Motion over which friction turns round, m (`presliding`). The contacts of the plant of
-        PAPER-joint, section 3, need 20 to 30 µm each.
+        Motion over which friction turns round, m (`presliding`); somewhat less than the 20 to
+        30 µm of the contacts (PAPER-joint, section 3), because the regulators come after it.
     learning_rate : float
         How fast the share of friction that the integral holds is moved into the feedforward
         while the pair slides, 1/s: after a reversal it is then on the right side at once,
@@ -40,10 +40,10 @@ class FeedforwardSettings:
     """
 
     friction: Literal["smooth", "stribeck", "presliding"] = "presliding"
-    gain: Annotated[float, Ge(0), Le(2)] = 0.9
+    gain: Annotated[float, Ge(0), Le(2)] = 1.0
     rounding: Annotated[float, Unit("m/s"), Gt(0)] = 1e-3
-    distance: Annotated[float, Unit("m"), Gt(0)] = 40e-6
-    learning_rate: Annotated[float, Unit("1/s"), Ge(0), Le(50)] = 1.0
+    distance: Annotated[float, Unit("m"), Gt(0)] = 9e-6
+    learning_rate: Annotated[float, Unit("1/s"), Ge(0), Le(50)] = 3.0
     error_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(100)] = 0.0
 
 

@@ -18,7 +18,7 @@ from controllers.cylinder.types import (
 
 @dataclass(frozen=True, slots=True)
 class PidSettings:
-    """Gains from position to differential pressure.
+    """Gains from position to differential pressure; tuned for standard seals at 1 kHz.
 
     Parameters
     ----------
@@ -34,10 +34,10 @@ class PidSettings:
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     """
 
-    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 2.0e7
-    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 5.0e7
-    derivative: Annotated[float, Unit("Pa s/m"), Ge(0)] = 4.0e5
-    derivative_time: Annotated[float, Unit("s"), Gt(0)] = 5e-3
+    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 2.0e8
+    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 1.0e9
+    derivative: Annotated[float, Unit("Pa s/m"), Ge(0)] = 1.0e7
+    derivative_time: Annotated[float, Unit("s"), Gt(0)] = 5e-4
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
 
 

@@ -22,6 +22,8 @@ from controllers.estimators import MotionEstimator, motion_gains
 class PidFrictionSettings:
     """Gains from position to differential pressure, feedforward, lead and dither.
 
+    The defaults are tuned for standard seals at 1 kHz.
+
     Parameters
     ----------
     proportional : float
@@ -48,16 +50,20 @@ class PidFrictionSettings:
         Inertia and friction of the desired motion.
     """
 
-    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 4.0e7
-    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 3.0e8
+    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 5.1e7
+    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 5.0e8
     derivative: Annotated[float, Unit("Pa s/m"), Ge(0)] = 3.0e5
-    lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 400.0
-    dither_amplitude: Annotated[float, Unit("Pa"), Ge(0)] = 0.0
-    dither_frequency: Annotated[float, Unit("Hz"), Gt(0)] = 20.0
+    lead_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(3000)] = 350.0
+    dither_amplitude: Annotated[float, Unit("Pa"), Ge(0)] = 800.0
+    dither_frequency: Annotated[float, Unit("Hz"), Gt(0)] = 17.0
     resolution: Annotated[float, Unit("m"), Gt(0)] = 1e-6
-    acceleration_step: Annotated[float, Unit("m/s^2"), Gt(0)] = 0.5
+    acceleration_step: Annotated[float, Unit("m/s^2"), Gt(0)] = 0.85
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
-    feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
+    feedforward: FeedforwardSettings = field(
+        default_factory=lambda: FeedforwardSettings(
+            friction="smooth", rounding=5e-4, learning_rate=0.0, error_rate=1.3
+        )
+    )
 
 
 class PidFriction:
@@ -124,6 +130,7 @@ class PidFriction:
         setpoint = lead.update(direct + self._integral)
         if lead.saturation * error <= 0.0:
             self._integral += self._integral_step * error
+        self._integral -= self._per_area * self._feedforward.learn(self._area * self._integral)
         if settings.dither_amplitude > 0.0:
             setpoint += settings.dither_amplitude * math.sin(self._dither_phase)
             self._dither_phase = (self._dither_phase + self._dither_step) % math.tau
