@@ -1,4 +1,3 @@
-
 """One channel: regulator, chamber, piston and wire. Any rig with pulling cylinders is n of these.
 
 A channel's state and its parameters are one record each of a structured array, so that a kernel

@@ -1,4 +1,3 @@
-
 """Kernel of the antagonistic pair: a whole cycle of substeps per call.
 
 The carriage moves along ``position``, positive towards the agonist. At the rods' `home` and the

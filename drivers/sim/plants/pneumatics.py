@@ -1,4 +1,3 @@
-
 """Air: flow through an orifice and the pressure in a chamber. All pressures absolute, Pa.
 
 References

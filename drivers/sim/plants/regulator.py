@@ -1,4 +1,3 @@
-
 """An electro-pneumatic regulator: from the setpoint to the opening of its main valve.
 
 The stages, in order: converter, play (hysteresis), bow (static linearity error), pilot stage
