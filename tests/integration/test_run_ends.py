@@ -1,0 +1,156 @@
+"""Every way out of a run: same seed same bytes, Ctrl-C once and twice, SIGTERM, SIGKILL."""
+
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rig.assembly import Backend
+from rig.experiment.plan import load_plan
+from rig.experiment.run import Watcher, run_experiment
+from rig.report.regenerate import write_report
+from rig.run_folder import RunFolder
+from rig.runtime.log import read_log
+from rig.runtime.recorder import Recorder
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SHORT = [
+    "reference.tones=[{frequency: 1 Hz, periods: 3}]",
+    "metrics={tracking_rms: {}, pressure_max: {}}",
+]
+RIG_RUN = [sys.executable, "-m", "rig", "run", "cylinder-sine", "--configs", str(CONFIGS)]
+WALL_CLOCK = "timing."
+"""Columns that measure this machine, not the rig."""
+
+
+def plan(*options):
+    return load_plan("cylinder-sine", [*SHORT, *options], configs=CONFIGS)
+
+
+def rig_run(out, *more):
+    options = [word for option in SHORT for word in ("--set", option)]
+    return [*RIG_RUN, "--no-report", "--out", str(out), *options, *more]
+
+
+def run_folder(out):
+    (folder,) = out.iterdir()
+    return folder
+
+
+def test_same_seed_gives_the_same_bytes_whatever_the_machine_does(tmp_path):
+    first = subprocess.run(rig_run(tmp_path / "first"), capture_output=True, check=False)
+    burner = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+    try:
+        second = subprocess.run(rig_run(tmp_path / "second"), capture_output=True, check=False)
+    finally:
+        burner.kill()
+        burner.wait()
+    assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
+    folders = [run_folder(tmp_path / name) for name in ("first", "second")]
+    metrics = [(folder / "metrics.json").read_bytes() for folder in folders]
+    assert metrics[0] == metrics[1]
+    logs = [read_log(folder / "log.mcap") for folder in folders]
+    names = [c.name for c in logs[0].columns if not c.name.startswith(WALL_CLOCK)]
+    assert any(name.startswith("truth.") for name in names)
+    for name in names:
+        assert logs[0].column(name).tobytes() == logs[1].column(name).tobytes(), name
+
+
+def test_another_seed_gives_other_readings(tmp_path):
+    logs = [
+        read_log(
+            run_experiment(
+                plan(f"simulation.seed={seed}"), Backend.SIM, tmp_path, report=False
+            ).path
+            / "log.mcap"
+        )
+        for seed in (0, 1)
+    ]
+    assert not np.array_equal(*(log.column("reading.position") for log in logs))
+
+
+@pytest.mark.parametrize(
+    ("signals", "message"),
+    [
+        ([signal.SIGINT], "stopped by the operator"),
+        ([signal.SIGTERM], "stopped by the operator"),
+        ([signal.SIGINT, signal.SIGINT], "at once"),
+    ],
+    ids=["once", "term", "twice"],
+)
+def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, message):
+    class Operator(Watcher):
+        """Presses Ctrl-C in mid-run."""
+
+        asked = False
+
+        def progressed(self, progress):
+            if progress.t > 1.0 and not self.asked:
+                self.asked = True
+                for number in signals:
+                    os.kill(os.getpid(), number)
+
+    result = run_experiment(plan(), Backend.VIRTUAL, tmp_path, watcher=Operator(), report=False)
+    assert (result.exit_code, result.status.value) == (130, "aborted")
+    assert message in result.message
+    log = read_log(result.path / "log.mcap")
+    assert log.column("phase")[-1] == 2.0
+    released = log.t[-1] - log.t[log.column("phase") == 1.0][-1]
+    if len(signals) == 1:  # lowered over half a second, down to vented
+        assert released == pytest.approx(0.5, abs=0.01)
+        assert log.column("applied.agonist")[-1] == 0.0
+        assert np.abs(np.diff(log.column("applied.agonist")[-400:])).max() < 5e3
+    else:
+        assert released < 0.01
+
+
+def record_until_killed(out, acknowledged):
+    """Run in a child, counting every cycle whose recording was acknowledged."""
+    write = Recorder.write
+
+    def counting(self, cycle, t, row):
+        write(self, cycle, t, row)
+        acknowledged.value += 1
+
+    Recorder.write = counting
+    run_experiment(plan(), Backend.VIRTUAL, out, report=False)
+
+
+def kill_in_mid_run(out, generator):
+    context = multiprocessing.get_context("fork")
+    acknowledged = context.Value("q", 0, lock=False)
+    child = context.Process(target=record_until_killed, args=(out, acknowledged))
+    child.start()
+    target = generator.integers(1, 3000)
+    deadline = time.monotonic() + 30.0
+    while acknowledged.value < target and child.is_alive() and time.monotonic() < deadline:
+        time.sleep(generator.uniform(0.0, 2e-3))
+    child.kill()
+    child.join()
+    assert child.exitcode == -signal.SIGKILL
+    folder = RunFolder.open(run_folder(out))
+    assert folder.status.value == "crashed"
+    log = read_log(folder.log_path)
+    assert len(log.cycle) >= acknowledged.value >= target
+    assert np.array_equal(log.cycle, np.arange(len(log.cycle)))
+    return folder
+
+
+@pytest.mark.parametrize(
+    "trials", [5, pytest.param(200, marks=pytest.mark.slow)], ids=["few", "many"]
+)
+def test_killed_run_loses_no_recorded_cycle(tmp_path, trials):
+    run_experiment(plan(), Backend.SIM, tmp_path / "warm", report=False)  # kernels compiled
+    generator = np.random.default_rng(7)
+    for trial in range(trials):
+        folder = kill_in_mid_run(tmp_path / str(trial), generator)
+    assert write_report(folder.path).exists()
+    manifest = json.loads((folder.path / "manifest.json").read_text())
+    assert manifest["status"] == "crashed"
