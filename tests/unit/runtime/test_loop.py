@@ -1,0 +1,267 @@
+"""The cycle with fake parts: order, deadlines, and safety on every way out."""
+
+import pytest
+
+from rig.hal import DeviceFault, LoopStalled
+from rig.mechanisms.base import Margin
+from rig.runtime.loop import SAFE_CYCLES, Loop, Phase, Timings
+from rig.runtime.states import RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+PERIOD = 0.01
+
+
+class FakeClock:
+    """Virtual time; work takes what a test says."""
+
+    def __init__(self):
+        self.time = 0.0
+        self.slept_to = []
+
+    def now(self):
+        return self.time
+
+    def sleep_until(self, t):
+        self.slept_to.append(t)
+        self.time = max(self.time, t)
+
+
+class FakeBus:
+    """Notes what the loop does to it."""
+
+    def __init__(self, name="can0"):
+        self.name = name
+        self.calls = []
+        self.fail = set()
+
+    def __getattr__(self, call):
+        if call.startswith("_"):
+            raise AttributeError(call)
+
+        def note(*_):
+            self.calls.append(call)
+            if call in self.fail:
+                raise OSError(f"{self.name} is down")
+
+        return note
+
+
+class FakeDevice:
+    """Faults when told to; counts how often it was made safe."""
+
+    def __init__(self):
+        self.name = "device"
+        self.safe = 0
+        self.fault_at = float("inf")
+
+    def check(self, now):
+        if now >= self.fault_at:
+            raise DeviceFault(self.name, "it broke")
+
+    def make_safe(self):
+        self.safe += 1
+
+
+class FakeMechanism:
+    """One scalar that is commanded and read back."""
+
+    columns = ()
+
+    def __init__(self):
+        self.written = []
+        self.value = 7.0
+
+    def read(self, now):
+        return self.value
+
+    def check(self, state, now):
+        pass
+
+    def resting_command(self, state):
+        return state
+
+    def energised_command(self, state):
+        return 100.0
+
+    def released_command(self):
+        return 0.0
+
+    def blend(self, start, end, share):
+        return start + share * (end - start)
+
+    def start_limiting(self, state):
+        pass
+
+    def limit(self, command):
+        return command
+
+    def write(self, applied):
+        self.written.append(applied)
+
+    def row(self, *values):
+        return tuple(map(float, values))
+
+    def reference_of(self, state):
+        return state
+
+    def worst_margin(self, *_):
+        return Margin("nothing", 1.0)
+
+    def limit_hits(self):
+        return {"range": 2, "rate": 0}
+
+
+class FakeController:
+    """Commands its reference; may raise."""
+
+    def __init__(self):
+        self.resets = []
+        self.error = None
+
+    def reset(self, state):
+        self.resets.append(state)
+
+    def update(self, state, reference):
+        if self.error:
+            raise self.error
+        return reference
+
+
+class FakeMotion:
+    duration = 0.1
+
+    def at(self, t):
+        return 50.0
+
+
+class FakeRecorder:
+    def __init__(self):
+        self.rows = []
+        self.busy = lambda: None
+
+    def write(self, cycle, t, row):
+        self.rows.append((cycle, t, row))
+        self.busy()
+
+
+class Bench:
+    def __init__(self, **loop):
+        self.clock, self.bus, self.device = FakeClock(), FakeBus(), FakeDevice()
+        self.mechanism, self.controller = FakeMechanism(), FakeController()
+        self.recorder, self.states, self.events = FakeRecorder(), StateMachine(), []
+        self.states.move(RigState.IDLE)
+        self.buses = [self.bus]
+        self.options = loop
+
+    def run(self, stop=None):
+        loop = Loop(
+            clock=self.clock, period=PERIOD, buses=self.buses, devices=[self.device],
+            mechanism=self.mechanism, controller=self.controller, states=self.states,
+            **self.options,
+        )  # fmt: skip
+        return loop.run(
+            FakeMotion(),
+            lambda start, end, duration, t: start + (end - start) * t / duration,
+            recorder=self.recorder,
+            events=lambda *event: self.events.append(event),
+            stop=stop or StopRequests(),
+            timings=Timings(energise=0.05, approach=0.05, release=0.05),
+        )
+
+
+def test_a_run_goes_through_its_phases_and_starts_bumplessly():
+    bench = Bench()
+    outcome = bench.run()
+    assert (outcome.fault, outcome.stopped, outcome.missed) == (None, 0, 0)
+    assert bench.states.state is RigState.IDLE
+    phases = [row[0] for _, _, row in bench.recorder.rows]
+    assert phases == sorted(phases) and set(phases) == {0.0, 1.0, 2.0}
+    assert bench.mechanism.written[0] == 7.0  # what was measured: nothing jumps
+    assert bench.mechanism.written[-1] == 0.0
+    assert bench.controller.resets == [7.0]
+    assert any(event[1] == "limit" and "range" in event[2] for event in bench.events)
+
+
+def test_each_cycle_drains_before_it_sends():
+    bench = Bench()
+    bench.run()
+    cycle = bench.bus.calls[:3]
+    assert cycle == ["receive", "check", "transmit"]
+
+
+def test_late_cycle_skips_ticks_and_keeps_to_the_grid():
+    bench = Bench()
+
+    def busy():
+        if len(bench.recorder.rows) == 3:
+            bench.clock.time += 2.5 * PERIOD
+
+    bench.recorder.busy = busy
+    outcome = bench.run()
+    ticks = [cycle for cycle, _, _ in bench.recorder.rows]
+    assert outcome.missed == 2
+    assert ticks[:5] == [0, 1, 2, 5, 6]  # never two at once to catch up
+    for cycle, t, _ in bench.recorder.rows:
+        assert t == pytest.approx(cycle * PERIOD)
+    assert any(event[1] == "overrun" for event in bench.events)
+
+
+def test_too_many_late_cycles_in_a_row_are_a_fault():
+    bench = Bench(max_missed=5)
+    bench.recorder.busy = lambda: setattr(bench.clock, "time", bench.clock.time + 3 * PERIOD)
+    outcome = bench.run()
+    assert isinstance(outcome.fault, LoopStalled)
+    assert bench.states.state is RigState.FAULT
+
+
+def test_cycle_that_sees_a_fault_is_recorded_with_what_is_sent_then():
+    bench = Bench()
+    bench.device.fault_at = 0.12
+    outcome = bench.run()
+    assert isinstance(outcome.fault, DeviceFault)
+    assert bench.recorder.rows[-1][1] == pytest.approx(0.12)
+    assert bench.mechanism.written[-1] == 0.0
+    assert bench.device.safe >= SAFE_CYCLES
+
+
+@pytest.mark.parametrize("where", ["controller", "recorder", "transmit", "interrupt"])
+def test_every_way_out_makes_safe_for_several_cycles(where):
+    bench = Bench()
+    if where == "controller":
+        bench.controller.error = ZeroDivisionError("a bug")
+    elif where == "recorder":
+        bench.recorder.busy = lambda: (_ for _ in ()).throw(OSError("disk full"))
+    elif where == "transmit":
+        bench.bus.fail.add("transmit")
+    else:
+        bench.controller.error = KeyboardInterrupt()
+    if where == "interrupt":
+        with pytest.raises(KeyboardInterrupt):
+            bench.run()
+    else:
+        assert bench.run().fault is not None
+        assert bench.states.state is RigState.FAULT
+    assert bench.device.safe >= SAFE_CYCLES
+
+
+def test_dead_bus_does_not_keep_another_from_its_safe_state():
+    bench = Bench()
+    dead, alive = FakeBus("dead"), FakeBus("alive")
+    bench.buses = [dead, alive]
+    bench.device.fault_at = 0.0
+    dead.fail |= {"receive", "transmit"}
+    dead.fail.discard("receive")
+    bench.run()
+    assert dead.calls.count("make_safe") == SAFE_CYCLES
+    assert alive.calls.count("transmit") >= SAFE_CYCLES
+
+
+def test_stop_asked_twice_ends_at_once():
+    bench = Bench()
+    stop = StopRequests()
+    bench.recorder.busy = lambda: stop.request() if len(bench.recorder.rows) in (12, 13) else None
+    outcome = bench.run(stop)
+    assert outcome.stopped == 2
+    assert len(bench.recorder.rows) == 14
+    assert bench.recorder.rows[-1][2][0] == float(Phase.STOP)
+    assert bench.device.safe >= SAFE_CYCLES

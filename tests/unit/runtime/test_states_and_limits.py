@@ -1,0 +1,87 @@
+"""The state machine, the stop requests and the one choke point of commands."""
+
+import math
+import os
+import signal
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rig.hal import DeviceFault, LimitExceeded
+from rig.runtime.limits import VectorLimiter
+from rig.runtime.states import IllegalMove, RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+
+def test_fault_is_latched_until_an_operator_resets_it():
+    states = StateMachine()
+    states.move(RigState.IDLE)
+    states.move(RigState.RUNNING)
+    first = DeviceFault("regulators", "it fell silent")
+    states.latch_fault(first)
+    states.latch_fault(DeviceFault("encoder", "it fell silent too"))
+    assert states.fault is first
+    for state in RigState:
+        with pytest.raises(IllegalMove, match="latched by: regulators"):
+            states.move(state)
+    states.operator_reset()
+    assert (states.state, states.fault) == (RigState.DISCONNECTED, None)
+
+
+def test_a_rig_does_not_run_before_it_is_connected():
+    with pytest.raises(IllegalMove, match="disconnected and cannot become running"):
+        StateMachine().move(RigState.RUNNING)
+
+
+def test_changes_of_state_are_told():
+    told = []
+    states = StateMachine(lambda old, new: told.append((old, new)))
+    states.move(RigState.IDLE)
+    assert told == [(RigState.DISCONNECTED, RigState.IDLE)]
+
+
+def test_requests_count_in_the_loop_interrupt_outside_and_are_put_back():
+    before = signal.getsignal(signal.SIGINT)
+    with StopRequests() as stop:
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)
+        stop.in_loop = True
+        os.kill(os.getpid(), signal.SIGTERM)
+        stop.in_loop = False
+        stop.shield()
+        os.kill(os.getpid(), signal.SIGINT)
+        assert stop.count == 3
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+PRESSURE = st.floats(-1e7, 1e7)
+
+
+@given(start=st.floats(0.0, 5e5), commands=st.lists(PRESSURE, min_size=1, max_size=20))
+def test_limiter_never_leaves_range_or_rate(start, commands):
+    limiter = VectorLimiter("pressure", 0.0, 5e5, rate=1e6, period=0.01, unit="Pa")
+    limiter.reset((start,))
+    before = start
+    for command in commands:
+        (applied,) = limiter.limit((command,))
+        assert 0.0 <= applied <= 5e5
+        assert abs(applied - before) <= 1e4 + 1e-6
+        if 0.0 <= command <= 5e5 and abs(command - before) <= 1e4:
+            assert applied == command
+        before = applied
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_limiter_refuses_what_is_not_a_number(value):
+    limiter = VectorLimiter("pressure", 0.0, 5e5, rate=1e6, period=0.01, unit="Pa")
+    limiter.reset((0.0, 0.0))
+    with pytest.raises(LimitExceeded, match="commanded pressure"):
+        limiter.limit((0.0, value))
+
+
+def test_limiter_counts_what_it_clips():
+    limiter = VectorLimiter("pressure", 0.0, 5e5, rate=1e9, period=0.01, unit="Pa")
+    limiter.reset((0.0,))
+    assert limiter.limit((6e5,)) == (5e5,)
+    assert (limiter.range_hits, limiter.rate_hits) == (1, 0)
