@@ -1,0 +1,65 @@
+"""What the machine around a run may lack: an interface, a place to write, room on the disk."""
+
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+from rig.cli import invoke
+from rig.run_folder import RunFolder
+from rig.runtime.log import read_log
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SHORT = ["--set", "reference.tones=[{frequency: 1 Hz, periods: 3}]", "--set", "metrics={}"]
+BASE = ["run", "cylinder-sine", "--configs", str(CONFIGS), "--no-report", *SHORT]
+LIMIT = 300_000
+"""Largest file that the run may write, bytes: full in mid-run."""
+
+
+def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
+    code = invoke(
+        [*BASE, "--on", "hardware", "--out", str(tmp_path),
+         "--set", "buses.can0.channel=nocan7", "--set", "loop.priority=0"]
+    )  # fmt: skip
+    said = capsys.readouterr().err
+    assert code == 3
+    assert "nocan7" in said
+    assert "ip link" in said or "modprobe" in said
+    (folder,) = tmp_path.iterdir()
+    assert RunFolder.open(folder).status.value == "faulted"
+
+
+def test_place_that_cannot_be_written_is_refused_before_anything_opens(capsys):
+    assert invoke([*BASE, "--out", "/proc/runs"]) == 2
+    assert "--out" in capsys.readouterr().err
+
+
+def test_full_disk_ends_the_run_safe_with_everything_that_fitted(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "rig", *BASE, "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT)),
+    )
+    assert done.returncode == 4, done.stderr
+    assert "log.mcap" in done.stderr
+    assert "Traceback" not in done.stderr
+    (path,) = tmp_path.iterdir()
+    folder = RunFolder.open(path)
+    assert folder.status.value == "faulted"
+    log = read_log(folder.log_path)
+    assert len(log.cycle) > 500
+    assert list(log.cycle) == list(range(len(log.cycle)))
+
+
+def test_output_is_plain_in_a_pipe(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "rig", *BASE, "--out", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert "\x1b" not in done.stderr + done.stdout
+    assert "run …" in done.stderr
