@@ -1,1 +1,1 @@
-"""TODO."""
+"""Emulated CANopen nodes, of their own making: they share no codec with the drivers."""
