@@ -1,0 +1,257 @@
+"""What all plants with pneumatic channels share: their ports, their time and their faults."""
+
+import math
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.sim.plants.channel import (
+    PARAMETERS,
+    REGULATING,
+    STATE,
+    STUCK,
+    STUCK_CLOSED,
+    STUCK_OPEN,
+)
+from drivers.sim.plants.parameters import draw_channel
+from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.regulator import quantize
+from drivers.sim.plants.settings import (
+    ActuatorSettings,
+    RegulatorSettings,
+    SealFriction,
+    WireSettings,
+)
+
+_NOISE_BLOCK = 4096
+"""Monitor samples drawn at a time: numpy's cost per call is spread over them."""
+
+_MODES = {
+    "regulator_stuck": STUCK,
+    "regulator_open": STUCK_OPEN,
+    "regulator_closed": STUCK_CLOSED,
+}
+
+EXTENSION, SPEED, PRESSURE, TENSION = (
+    list(STATE.names or ()).index(name) for name in ("extension", "speed", "pressure", "tension")
+)
+"""Columns of a channel's values."""
+
+
+class PneumaticSettings(Protocol):
+    """Settings that every plant with pneumatic channels has."""
+
+    @property
+    def friction_spread(self) -> float:
+        """Bound of the relative deviation of a unit's friction."""
+        ...
+
+    @property
+    def home(self) -> float:
+        """Rod extension at which a wire is just taut at home, m."""
+        ...
+
+    @property
+    def leak(self) -> float:
+        """Sonic conductance of the fault ``leak``, m³/(s Pa)."""
+        ...
+
+    @property
+    def substep(self) -> float:
+        """Step of the integration, s."""
+        ...
+
+    @property
+    def regulator(self) -> RegulatorSettings:
+        """Of every channel."""
+        ...
+
+    @property
+    def cylinder(self) -> ActuatorSettings:
+        """Of every channel."""
+        ...
+
+    @property
+    def wire(self) -> WireSettings:
+        """Of every channel."""
+        ...
+
+
+class PneumaticPlant(ABC):
+    """Channels at rest at home, vented and with the supply closed.
+
+    Nothing moves before ``set_supply(True)`` and a setpoint.
+
+    Parameters
+    ----------
+    settings : PneumaticSettings
+        Nominal parameters.
+    seals : SealFriction
+        Friction of the nominal cylinder.
+    units, monitors : numpy.random.Generator
+        Of the units' deviations and of the monitors' noise.
+    line : ndarray, shape (1,)
+        Record with the fields ``supply`` and ``supply_target`` of the supply line, Pa absolute.
+    """
+
+    channel_names: ClassVar[tuple[str, ...]]
+
+    known_faults: tuple[str, ...] = (*_MODES, "leak", "wire_cut", "supply_lost", "repair")
+    """What `inject` understands."""
+
+    def __init__(
+        self,
+        settings: PneumaticSettings,
+        seals: SealFriction,
+        *,
+        units: np.random.Generator,
+        monitors: np.random.Generator,
+        line: NDArray[Any],
+    ) -> None:
+        self._common = settings
+        self._full_scale = settings.regulator.full_scale
+        self._codes = float(2**settings.regulator.dac_bits - 1)
+        self._dt = settings.substep
+        self._steps = 0
+
+        count = len(self.channel_names)
+        self.parameters = np.zeros(count, PARAMETERS)
+        for channel in range(count):
+            self.parameters[channel] = draw_channel(
+                units,
+                regulator=settings.regulator,
+                cylinder=settings.cylinder,
+                wire=settings.wire,
+                seals=seals,
+                friction_spread=settings.friction_spread,
+            )
+        self.channels = np.zeros(count, STATE)
+        self.channels["pressure"] = ATMOSPHERE
+        self.channels["extension"] = settings.home
+        self._channel_values = self.channels.view(float).reshape(count, -1)
+
+        self._line = line
+        self._line["supply"] = self._line["supply_target"] = ATMOSPHERE
+        self._supply_open = False
+        self._supply_pressure = settings.regulator.supply_pressure
+
+        self._monitors = monitors
+        self._noise: list[list[float]] = []
+        self._sample = _NOISE_BLOCK
+        self._next_noise()
+
+    @property
+    def time(self) -> float:
+        """How far the plant has been integrated, s."""
+        return self._steps * self._dt
+
+    def advance(self, t: float) -> None:
+        """Integrate to the last substep that is not after `t` (s); the past is left alone."""
+        steps = int(t / self._dt + 1e-6) - self._steps
+        if steps <= 0:
+            return
+        self._integrate(steps)
+        self._steps += steps
+        self._next_noise()
+
+    @abstractmethod
+    def _integrate(self, steps: int) -> None:
+        """Step everything that moves `steps` times."""
+
+    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
+        """Take a setpoint, Pa gauge; the converter saturates and quantises it.
+
+        Raises
+        ------
+        ValueError
+            The setpoint is not a finite number: no converter can put it out.
+        """
+        if not math.isfinite(pressure):
+            raise ValueError(f"plant: channel {channel} cannot take the setpoint {pressure}")
+        self.channels[channel]["setpoint"] = quantize(pressure, self._full_scale, self._codes)
+
+    def set_supply(self, open: bool) -> None:
+        """Open the supply valve, or close it: it then vents the line and the regulators."""
+        self._supply_open = open
+        self._connect_supply()
+
+    def pressure(self, channel: int) -> float:
+        """Return what the regulator's monitor puts out, Pa gauge: the chamber and its noise."""
+        true: float = self._channel_values.item(channel, PRESSURE)
+        return true - ATMOSPHERE + self._noise[self._sample][channel]
+
+    def position(self, channel: int) -> float:
+        """Return the true extension of a rod, m."""
+        value: float = self._channel_values.item(channel, EXTENSION)
+        return value
+
+    def speed(self, channel: int) -> float:
+        """Return the true speed of a rod's extension, m/s."""
+        value: float = self._channel_values.item(channel, SPEED)
+        return value
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Break or repair something now.
+
+        Parameters
+        ----------
+        fault : str
+            ``regulator_stuck`` (holds its pressure), ``regulator_open``, ``regulator_closed``,
+            ``leak`` (the chamber's tube is off), ``wire_cut`` and what else the plant knows,
+            each with a channel as its value; ``supply_lost`` with the pressure that remains,
+            Pa gauge; ``repair`` ends all of them.
+        value : float, optional
+            As said above; 0 if not given.
+
+        Raises
+        ------
+        ValueError
+            There is no such fault or channel, or the pressure is negative or not finite.
+        """
+        number = 0.0 if value is None else value
+        count = len(self.channel_names)
+        if fault == "repair":
+            self._repair()
+        elif fault == "supply_lost":
+            if not 0.0 <= number < math.inf:
+                raise ValueError(f"plant: supply_lost leaves {number:g} Pa; 0 or more is needed")
+            self._supply_pressure = number
+            self._connect_supply()
+        elif fault not in self.known_faults:
+            raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
+        elif number not in range(count):
+            some = ", ".join(str(channel) for channel in range(count - 1))
+            raise ValueError(f"plant: {fault} takes channel {some} or {count - 1}, not {number:g}")
+        else:
+            self._break_channel(fault, int(number))
+
+    def _break_channel(self, fault: str, channel: int) -> None:
+        if fault == "leak":
+            self.channels[channel]["leak"] = self._common.leak
+        elif fault == "wire_cut":
+            self.parameters[channel]["wire_stiffness"] = 0.0
+            self.parameters[channel]["wire_damping"] = 0.0
+        else:
+            self.channels[channel]["mode"] = _MODES[fault]
+
+    def _repair(self) -> None:
+        self.channels["mode"] = REGULATING
+        self.channels["leak"] = 0.0
+        self.parameters["wire_stiffness"] = self._common.wire.stiffness
+        self.parameters["wire_damping"] = self._common.wire.damping
+        self._supply_pressure = self._common.regulator.supply_pressure
+        self._connect_supply()
+
+    def _connect_supply(self) -> None:
+        gauge = self._supply_pressure if self._supply_open else 0.0
+        self._line["supply_target"] = ATMOSPHERE + gauge
+
+    def _next_noise(self) -> None:
+        self._sample += 1
+        if self._sample >= _NOISE_BLOCK:
+            rms = self._common.regulator.monitor_noise * self._full_scale
+            shape = (_NOISE_BLOCK, len(self.channel_names))
+            self._noise = (rms * self._monitors.standard_normal(shape)).tolist()
+            self._sample = 0
