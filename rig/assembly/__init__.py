@@ -1,6 +1,7 @@
 """From a profile to a rig: the only package that knows concrete drivers and controllers."""
 
 from rig.assembly.build import build_rig, bus_loads, check_profile
+from rig.assembly.parts import make_controller, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledClasses
 from rig.assembly.rig import Backend, Rig
 
@@ -12,4 +13,6 @@ __all__ = [
     "build_rig",
     "bus_loads",
     "check_profile",
+    "make_controller",
+    "plan_motion",
 ]

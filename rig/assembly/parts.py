@@ -7,6 +7,7 @@ from typing import Any
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
 from rig.hal import Clock, ConfigurationError, CyclicBus, Device
+from rig.runtime.motion import Motion
 
 
 def make_bus(
@@ -35,3 +36,38 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     """Make the loop's view of the rig."""
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     return mechanism.assemble(profile.mechanism_settings, devices, profile.loop.period)
+
+
+def make_controller(profile: Profile, name: str) -> Any:
+    """Make a controller with the profile's settings, for the profile's mechanism.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has no settings for it.
+    """
+    if name not in profile.controllers:
+        raise ConfigurationError(
+            f"the profile {profile.name} has no controller {name!r}; "
+            f"it has {', '.join(profile.controllers)}"
+        )
+    model = REGISTRY.load("mechanism", profile.mechanism).model_of(profile.mechanism_settings)
+    return REGISTRY.load("controller", name)(profile.controllers[name], model, profile.loop.period)
+
+
+def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any]:
+    """Turn an experiment's reference into a motion of the profile's mechanism.
+
+    Raises
+    ------
+    ConfigurationError
+        The rig cannot or must not move so.
+    """
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    try:
+        motion: Motion[Any] = mechanism.plan(
+            profile.mechanism_settings, reference, controller, profile.loop.period
+        )
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+    return motion

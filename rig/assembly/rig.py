@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 from typing import Any
 
-from rig.assembly.registry import REGISTRY
 from rig.config import Profile
-from rig.hal import Clock, ConfigurationError, CyclicBus, Device
+from rig.hal import Clock, CyclicBus, Device
 from rig.runtime.columns import Column
 
 
@@ -70,26 +69,6 @@ class Rig:
         self.truth_columns = tuple(truth_columns)
         self.truth = truth
         self._release = release
-
-    def make_controller(self, name: str) -> Any:
-        """Return a controller of the profile, for this mechanism.
-
-        Raises
-        ------
-        ConfigurationError
-            The profile has no settings for it.
-        """
-        controllers = self.profile.controllers
-        if name not in controllers:
-            raise ConfigurationError(
-                f"the profile {self.profile.name} has no controller {name!r}; "
-                f"it has {', '.join(controllers)}"
-            )
-        controller = REGISTRY.load("controller", name)(
-            controllers[name], self.mechanism.model, self.profile.loop.period
-        )
-        self.mechanism.controller = controller
-        return controller
 
     def __enter__(self) -> "Rig":
         try:

@@ -95,7 +95,7 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
     from rig.experiment.measures import MEASURES
 
-    experiment, reference = plan.experiment, plan.reference
+    experiment, motion = plan.experiment, plan.motion
     metrics = []
     for name, spec in experiment.metrics.items():
         measure = MEASURES[spec.measure or name]
@@ -116,10 +116,10 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
         "rig": plan.profile.name,
         "controller": experiment.controller,
         "reference": experiment.reference.kind,
-        "duration": reference.duration,
+        "duration": motion.duration,
         "approach": experiment.approach,
         "files": [str(path) for path in experiment.files],
-        "segments": [segment._asdict() for segment in reference.segments],
+        "segments": [segment._asdict() for segment in motion.segments],
         "metrics": metrics,
     }
 

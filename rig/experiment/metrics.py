@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from rig.experiment.measures import MEASURES, Window, local_slope
-from rig.experiment.segments import Segment
+from rig.experiment.measures import MEASURES
+from rig.experiment.measures.base import Samples, Window
 from rig.hal import RigError
+from rig.runtime.log import LogError
+from rig.runtime.motion import Segment
 
 if TYPE_CHECKING:
     from rig.runtime.log import Log
-
-PHASE_RUN = 1.0
-"""Value of the log's column ``phase`` while the reference is followed."""
 
 
 class MetricError(RigError):
@@ -109,8 +108,7 @@ def evaluate(
     Parameters
     ----------
     log : Log
-        With the columns ``phase``, ``reference.time``, ``reading.position``,
-        ``reference.position``, ``reference.velocity`` and ``reading.pressure_*``.
+        With the columns ``phase`` and ``reference.time``, and those that the measures take.
     segments : sequence of Segment
         Those of the experiment's reference.
     specs : mapping of str to MetricSpec
@@ -128,7 +126,7 @@ def evaluate(
         A measure is unknown, a pattern matches no segment, or the log does not hold a segment
         to its end: a number over half of it would look like one over all of it.
     """
-    samples = _Samples(log)
+    samples = Samples(log)
     metrics = []
     for name, spec in specs.items():
         measure_name = spec.measure or name
@@ -144,10 +142,10 @@ def evaluate(
                 f"metric {name}: no segment matches {spec.segments!r}; there are "
                 + (", ".join(repr(segment.name) for segment in segments) or "none")
             )
-        windows = [samples.window(name, segment) for segment in chosen]
+        windows = [_window(samples, name, segment) for segment in chosen]
         try:
             value = measure.compute(windows)
-        except ValueError as error:
+        except (ValueError, LogError) as error:
             raise MetricError(f"metric {name}: {error}") from error
         bounds: list[tuple[str, float | None, str | None]] = []
         if spec.max is not None or spec.min is None:
@@ -162,10 +160,11 @@ def evaluate(
 
 
 def evaluation_as_json(
-    segments: Sequence[Segment], specs: Mapping[str, MetricSpec]
+    segments: Sequence[Segment], specs: Mapping[str, MetricSpec], figures: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return what `evaluate` needs beside the log, for ``evaluation.json`` in a run folder."""
+    """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
+        "figures": list(figures),
         "segments": [segment._asdict() for segment in segments],
         "metrics": {
             name: {
@@ -193,39 +192,16 @@ def all_passed(metrics: Iterable[Metric]) -> bool:
     return all(metric.passed is not False for metric in metrics)
 
 
-class _Samples:
-    """The followed part of a log, and windows of it."""
-
-    def __init__(self, log: "Log") -> None:
-        run = log.column("phase") == PHASE_RUN
-        self.t = log.column("reference.time")[run]
-        self.position = log.column("reading.position")[run]
-        self.reference = log.column("reference.position")[run]
-        self.reference_velocity = log.column("reference.velocity")[run]
-        names = log.names("reading.pressure_")
-        self.pressures = np.column_stack(
-            [log.column(name)[run] for name in names] or [np.empty((len(self.t), 0))]
+def _window(samples: Samples, metric: str, segment: Segment) -> Window:
+    """Cut a segment out; MetricError if the log does not hold it to its end."""
+    t = samples.t
+    first, last = np.searchsorted(t, [segment.start, segment.end])
+    # The last sample of a run comes one period before its end; rounding may take another.
+    reached = len(t) > 0 and t[-1] >= segment.end - 2.0 * samples.period
+    if last <= first or not reached:
+        end = f"{t[-1]:.3f} s" if len(t) else "before the reference started"
+        raise MetricError(
+            f"metric {metric}: segment {segment.name!r} lasts from {segment.start:.3f} to "
+            f"{segment.end:.3f} s, but the log ends at {end}"
         )
-        self.velocity = local_slope(self.t, self.position)
-        self.period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
-
-    def window(self, metric: str, segment: Segment) -> Window:
-        first, last = np.searchsorted(self.t, [segment.start, segment.end])
-        # The last sample of a run comes one period before its end; rounding may take another.
-        reached = len(self.t) > 0 and self.t[-1] >= segment.end - 2.0 * self.period
-        if last <= first or not reached:
-            end = f"{self.t[-1]:.3f} s" if len(self.t) else "before the reference started"
-            raise MetricError(
-                f"metric {metric}: segment {segment.name!r} lasts from {segment.start:.3f} to "
-                f"{segment.end:.3f} s, but the log ends at {end}"
-            )
-        part = slice(int(first), int(last))
-        return Window(
-            segment.name,
-            self.t[part],
-            self.position[part],
-            self.reference[part],
-            self.velocity[part],
-            self.reference_velocity[part],
-            self.pressures[part],
-        )
+    return Window(segment, samples, slice(int(first), int(last)))

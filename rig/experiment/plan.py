@@ -4,9 +4,9 @@ import difflib
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from rig.assembly import REGISTRY, check_profile
+from rig.assembly import REGISTRY, check_profile, make_controller, plan_motion
 from rig.config import (
     EXPERIMENT_KEYS,
     PROFILE_KEYS,
@@ -17,21 +17,27 @@ from rig.config import (
     load_profile,
 )
 from rig.experiment.measures import MEASURES
-from rig.experiment.references import Reference
 from rig.hal import ConfigurationError
+from rig.runtime.motion import Motion
 
 
 class Plan(NamedTuple):
-    """What is to be done, on what."""
+    """What is to be done, on what; found possible before anything is opened.
+
+    Parameters
+    ----------
+    experiment, profile : Experiment, Profile
+        As loaded.
+    controller : Controller
+        The experiment's, with the profile's settings.
+    motion : Motion
+        What the controller follows.
+    """
 
     experiment: Experiment
     profile: Profile
-
-    @property
-    def reference(self) -> Reference:
-        """The desired motion."""
-        settings: Reference = self.experiment.reference.settings
-        return settings
+    controller: Any
+    motion: Motion[Any]
 
 
 def load_plan(
@@ -65,9 +71,7 @@ def load_plan(
         for_experiment = [*for_experiment, f"rig={rig}"]
     loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
     profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
-    plan = Plan(loaded, profile)
-    check_plan(plan)
-    return plan
+    return make_plan(loaded, profile)
 
 
 def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -93,58 +97,52 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
     return for_experiment, for_profile
 
 
-def check_plan(plan: Plan) -> None:
+def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     """Find what is wrong with an experiment on its rig, before anything is opened.
 
     Raises
     ------
     ConfigurationError
-        The profile lacks the controller, the reference leaves the permitted positions, or a
+        The profile lacks the controller, the motion is not possible or not permitted, or a
         metric cannot be computed.
     """
-    experiment, profile = plan
     check_profile(profile)
-    if experiment.controller not in profile.controllers:
-        raise ConfigurationError(
-            f"{experiment.name}: the profile {profile.name} has no controller "
-            f"{experiment.controller!r}; it has {', '.join(profile.controllers)}"
-        )
-    _check_reference(plan)
-    _check_metrics(plan)
+    try:
+        controller = make_controller(profile, experiment.controller)
+        motion = plan_motion(profile, experiment.reference.settings, controller)
+        _check_metrics(experiment, motion)
+        _check_figures(experiment)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{experiment.name}: {error}") from error
+    return Plan(experiment, profile, controller, motion)
 
 
-def _check_reference(plan: Plan) -> None:
-    reference, period = plan.reference, plan.profile.loop.period
-    lower, upper = plan.profile.mechanism_settings.limits.position
-    for tick in range(int(reference.duration / period) + 1):
-        t = tick * period
-        position = reference.at(t).position
-        if not lower <= position <= upper:
-            raise ConfigurationError(
-                f"{plan.experiment.name}: after {t:.3g} s the reference is at "
-                f"{position * 1e3:.4g} mm, outside limits.position of {plan.profile.name}, "
-                f"{lower * 1e3:.4g} … {upper * 1e3:.4g} mm"
-            )
-
-
-def _check_metrics(plan: Plan) -> None:
-    names = [segment.name for segment in plan.reference.segments]
-    for name, spec in plan.experiment.metrics.items():
+def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
+    names = [segment.name for segment in motion.segments]
+    for name, spec in experiment.metrics.items():
         measure = MEASURES.get(spec.measure or name)
         if measure is None:
             near = difflib.get_close_matches(spec.measure or name, MEASURES, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(MEASURES)}"
             raise ConfigurationError(
-                f"{plan.experiment.name}: metric {name}: no measure is called "
-                f"{spec.measure or name!r}{hint}"
+                f"metric {name}: no measure is called {spec.measure or name!r}{hint}"
             )
         if spec.unit is not None and spec.unit != (measure.unit or "1"):
             raise ConfigurationError(
-                f"{plan.experiment.name}: metric {name}: its bound is in {spec.unit}, "
+                f"metric {name}: its bound is in {spec.unit}, "
                 f"{spec.measure or name} is in {measure.unit or 'no unit'}"
             )
         if not any(fnmatchcase(segment, spec.segments) for segment in names):
             raise ConfigurationError(
-                f"{plan.experiment.name}: metric {name}: no segment matches "
-                f"{spec.segments!r}; there are {', '.join(names)}"
+                f"metric {name}: no segment matches {spec.segments!r}; there are {', '.join(names)}"
             )
+
+
+def _check_figures(experiment: Experiment) -> None:
+    from rig.report.figures import FIGURES
+
+    for name in experiment.figures:
+        if name not in FIGURES:
+            near = difflib.get_close_matches(name, FIGURES, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(FIGURES)}"
+            raise ConfigurationError(f"figures: no figure is called {name!r}; {hint}")

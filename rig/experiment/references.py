@@ -6,67 +6,16 @@ without a jump.
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated, Protocol
+from typing import Annotated
 
 from annotated_types import Ge, Gt, MinLen, Unit
 
 from controllers.cylinder.types import PairReference
-from rig.experiment.segments import Segment
+from controllers.minimum_jerk import minimum_jerk
+from rig.runtime.motion import Segment
 
 Length = Annotated[float, Unit("m")]
 Duration = Annotated[float, Unit("s"), Gt(0)]
-
-
-class Reference(Protocol):
-    """A desired motion with the stretches that metrics look at."""
-
-    @property
-    def duration(self) -> float:
-        """How long it takes, s."""
-        ...
-
-    @property
-    def segments(self) -> tuple[Segment, ...]:
-        """The stretches that metrics look at."""
-        ...
-
-    def at(self, t: float) -> PairReference:
-        """Return the desired motion at `t` seconds, 0 … `duration`."""
-        ...
-
-
-def minimum_jerk(start: float, end: float, duration: float, t: float) -> PairReference:
-    """Return the motion from rest to rest that minimises the integral of squared jerk.
-
-    Parameters
-    ----------
-    start, end : float
-        Positions, m.
-    duration : float
-        s; outside 0 … `duration` the motion rests at its ends.
-    t : float
-        s.
-
-    Returns
-    -------
-    PairReference
-        Position, velocity and acceleration.
-
-    References
-    ----------
-    T. Flash, N. Hogan, J. Neurosci. 5(7), 1985: the fifth-order polynomial.
-    """
-    if t <= 0.0:
-        return PairReference(start, 0.0, 0.0)
-    if t >= duration:
-        return PairReference(end, 0.0, 0.0)
-    s = t / duration
-    travel = end - start
-    return PairReference(
-        start + travel * s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
-        travel / duration * 30.0 * s * s * (1.0 - s) ** 2,
-        travel / duration**2 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +128,8 @@ class Staircase:
         if number == len(self.levels) - 1:
             return PairReference(self.levels[-1], 0.0, 0.0)
         into = t - number * each - self.dwell
-        return minimum_jerk(self.levels[number], self.levels[number + 1], self.rise, into)
+        start, end = self.levels[number], self.levels[number + 1]
+        return PairReference(*minimum_jerk(start, end, self.rise, into))
 
 
 @dataclass(frozen=True, slots=True)

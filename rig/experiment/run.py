@@ -10,7 +10,6 @@ from rig.assembly import Backend, Rig, build_rig
 from rig.config import dump_resolved
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
-from rig.experiment.references import minimum_jerk
 from rig.hal import RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
@@ -127,7 +126,7 @@ def run_experiment(
 
 
 def _create_folder(plan: Plan, backend: Backend, out: Path, overrides: Sequence[str]) -> RunFolder:
-    experiment, profile = plan
+    experiment, profile = plan.experiment, plan.profile
     command = ["rig", "run", experiment.name, "--on", backend.value]
     for option in overrides:
         command += ["--set", option]
@@ -148,7 +147,9 @@ def _create_folder(plan: Plan, backend: Backend, out: Path, overrides: Sequence[
         seed=profile.simulation.seed if backend.is_simulated else None,
         command=[shlex.join(command)],
     )
-    folder.write_json(EVALUATION, evaluation_as_json(plan.reference.segments, experiment.metrics))
+    folder.write_json(
+        EVALUATION, evaluation_as_json(plan.motion.segments, experiment.metrics, experiment.figures)
+    )
     return folder
 
 
@@ -185,8 +186,7 @@ def _run(
                 rig.arm()
                 energised = True
                 outcome = loop.run(
-                    plan.reference,
-                    _approach,
+                    plan.motion,
                     recorder=recorder,
                     events=events,
                     stop=stop,
@@ -206,21 +206,18 @@ def _run(
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any]:
     loop = plan.profile.loop
+    rig.mechanism.controller = plan.controller
     return Loop(
         clock=rig.clock,
         period=loop.period,
         buses=tuple(rig.buses.values()),
         devices=tuple(rig.devices.values()),
         mechanism=rig.mechanism,
-        controller=rig.make_controller(plan.experiment.controller),
+        controller=plan.controller,
         states=states,
         max_missed=loop.max_missed,
         truth=rig.truth,
     )
-
-
-def _approach(start: Any, end: Any, duration: float, t: float) -> Any:
-    return minimum_jerk(start.position, end.position, duration, t)
 
 
 def _judge(
@@ -249,7 +246,7 @@ def _finish(plan: Plan, folder: RunFolder, status: RunStatus) -> list[Metric]:
         folder.write_timing(summarise_timing(log))
     if status is not RunStatus.OK:
         return []
-    metrics = evaluate(log, plan.reference.segments, plan.experiment.metrics)
+    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics)
     folder.write_metrics(metrics)
     return metrics
 

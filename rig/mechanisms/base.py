@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
+from rig.runtime.motion import Motion
 
 State = TypeVar("State")
 Reference = TypeVar("Reference")
@@ -26,6 +27,40 @@ class Mechanism(Protocol[State, Reference, Command]):
     """
 
     columns: Sequence[Column]
+
+    @classmethod
+    def model_of(cls, settings: Any) -> Any:
+        """Return what the controllers are told of the mechanics, from the profile's settings."""
+        ...
+
+    @classmethod
+    def plan(
+        cls, settings: Any, reference: Any, controller: Any, period: float
+    ) -> Motion[Reference]:
+        """Turn what an experiment asks for into a motion, and refuse it if it cannot be.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        reference : object
+            The settings of the experiment's reference.
+        controller : Controller
+            The one that will follow the motion.
+        period : float
+            The loop's period, s.
+
+        Raises
+        ------
+        ValueError
+            With the instant, the quantity and the bound that make it impossible.
+        """
+        ...
+
+    @classmethod
+    def approach(cls, start: Reference, end: Reference, duration: float, t: float) -> Reference:
+        """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
+        ...
 
     def read(self, now: float) -> State:
         """Assemble one frozen state from the devices' last readings.

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
+from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     ConfigurationError,
     EmergencyStop,
@@ -19,6 +20,7 @@ from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.cylinder_settings import CylinderSettings
 from rig.runtime.columns import Column
 from rig.runtime.limits import VectorLimiter
+from rig.runtime.motion import Motion
 
 _CHANNELS = ("agonist", "antagonist")
 
@@ -152,17 +154,16 @@ class AntagonisticPair:
             settings.encoder_antagonist: "antagonist",
         }
 
-    @property
-    def model(self) -> PairModel:
-        """What the controllers are told of this pair."""
-        settings = self.settings
+    @classmethod
+    def model_of(cls, settings: CylinderSettings) -> PairModel:
+        """Return what the controllers are told of a pair."""
         friction, response = settings.friction, settings.regulator_response
         return PairModel(
             area=settings.area,
             mass=settings.moving_mass,
             base_pressure=settings.base_pressure,
-            pressure_min=self._limits.pressure[0],
-            pressure_max=self._limits.pressure[1],
+            pressure_min=settings.limits.pressure[0],
+            pressure_max=settings.limits.pressure[1],
             regulator_bandwidth=response.bandwidth,
             regulator_damping=response.damping,
             coulomb=friction.coulomb,
@@ -170,6 +171,32 @@ class AntagonisticPair:
             stribeck_velocity=friction.stribeck_velocity,
             viscous=friction.viscous,
         )
+
+    @classmethod
+    def plan(
+        cls, settings: CylinderSettings, reference: Any, controller: Any, period: float
+    ) -> Motion[PairReference]:
+        """Return the reference itself, if it stays within the permitted positions."""
+        motion: Motion[PairReference] = reference
+        if not isinstance(motion.at(0.0), PairReference):
+            raise ValueError("the reference is not one for a pair of cylinders")
+        lower, upper = settings.limits.position
+        for tick in range(int(motion.duration / period) + 1):
+            t = tick * period
+            position = motion.at(t).position
+            if not lower <= position <= upper:
+                raise ValueError(
+                    f"after {t:.3g} s the reference is at {position * 1e3:.4g} mm, outside "
+                    f"limits.position, {lower * 1e3:.4g} … {upper * 1e3:.4g} mm"
+                )
+        return motion
+
+    @classmethod
+    def approach(
+        cls, start: PairReference, end: PairReference, duration: float, t: float
+    ) -> PairReference:
+        """Return the minimum-jerk motion between two positions at `t`."""
+        return PairReference(*minimum_jerk(start.position, end.position, duration, t))
 
     def read(self, now: float) -> PairState:
         """Assemble the pair's state; see `Mechanism.read`."""

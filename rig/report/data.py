@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rig.experiment.metrics import PHASE_RUN, evaluation_from_json
-from rig.experiment.segments import Segment
+from rig.experiment.measures.base import PHASE_RUN
+from rig.experiment.metrics import evaluation_from_json
 from rig.run_folder import EVALUATION, METRICS, RunFolder
 from rig.runtime.log import Log, read_log
+from rig.runtime.motion import Segment
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,6 +36,10 @@ class RunData:
     log: Log
     segments: tuple[Segment, ...]
     metrics: tuple[dict[str, Any], ...]
+
+    def has(self, *names: str) -> bool:
+        """Return whether the log has all of these columns."""
+        return all(name in self.log for name in names)
 
     @property
     def t(self) -> "NDArray[np.float64]":

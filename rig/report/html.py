@@ -8,7 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from rig.report.figures import CAPTIONS
+from rig.report.figures import FIGURES
 from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
 
 _EXPLANATIONS = {
@@ -141,7 +141,7 @@ def _figures(figures: Sequence[Path]) -> str:
         width = round(_SCREEN_SCALE * int.from_bytes(content[16:20], "big"))  # of its IHDR
         name = figure.stem
         vector = f"{figure.parent.name}/{name}.svg"
-        caption = CAPTIONS.get(name, name)
+        caption = FIGURES[name].caption if name in FIGURES else name
         parts.append(
             f'<figure><img alt="{escape(caption)}" width="{width}" '
             f'src="data:image/png;base64,{data}">'

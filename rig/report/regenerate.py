@@ -45,7 +45,8 @@ def write_report(path: str | Path) -> Path:
             folder.write_metrics(metrics)
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
-    figures = [figure for figure in draw_figures(folder.path) if figure.suffix == ".png"]
+    names = folder.read_json(EVALUATION).get("figures") or None
+    figures = [figure for figure in draw_figures(folder.path, names) if figure.suffix == ".png"]
     return write_html(folder, figures, problems)
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rig.experiment.segments import Segment
+    from rig.runtime.motion import Segment
 
 COLUMN = 85.0
 PAGE = 170.0

@@ -11,16 +11,15 @@ import math
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 from time import perf_counter
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol
 
 from controllers.base import Controller
 from rig.hal import Clock, CyclicBus, Device, LoopStalled
 from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
 from rig.runtime.columns import Column
+from rig.runtime.motion import Motion
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
-
-Followed = TypeVar("Followed", covariant=True)
 
 SAFE_CYCLES = 5
 """How many cycles the safe setpoints are repeated: one lost frame must not matter."""
@@ -32,19 +31,6 @@ class Phase(IntEnum):
     APPROACH = 0
     RUN = 1
     STOP = 2
-
-
-class Motion(Protocol[Followed]):
-    """What the loop follows once the rig is at its start."""
-
-    @property
-    def duration(self) -> float:
-        """How long it takes, s."""
-        ...
-
-    def at(self, t: float) -> Followed:
-        """Return the reference at `t` seconds."""
-        ...
 
 
 class Timings(NamedTuple):
@@ -170,7 +156,6 @@ class Loop(Generic[State, Reference, Command]):
     def run(
         self,
         motion: Motion[Reference],
-        approach: Callable[[Reference, Reference, float, float], Reference],
         *,
         recorder: Recorder,
         events: Callable[[float, str, str, dict[str, Any]], None],
@@ -185,8 +170,6 @@ class Loop(Generic[State, Reference, Command]):
         ----------
         motion : Motion
             What to follow.
-        approach : callable
-            ``approach(start, end, duration, t)`` is the reference from rest to rest.
         recorder : Recorder
             Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, `TIMING_COLUMNS`,
             the truth.
@@ -205,7 +188,7 @@ class Loop(Generic[State, Reference, Command]):
             Never raises for what happens on the rig; a `BaseException` that is no `Exception`
             makes safe and passes on.
         """
-        run = _Run(self, motion, approach, timings)
+        run = _Run(self, motion, timings)
         self.states.move(RigState.RUNNING)
         stop.in_loop = True
         fault: Exception | None = None
@@ -223,7 +206,8 @@ class Loop(Generic[State, Reference, Command]):
             self.states.latch_fault(fault)
         for name, hits in self.mechanism.limit_hits().items():
             if hits:
-                events(run.t, "limit", f"{name} limited {hits} times", {"hits": hits})
+                message = f"{name} was limited in {hits} cycles of the run"
+                events(run.t, "limit", message, {"hits": hits})
         return Outcome(run.cycles, run.missed, stop.count, fault)
 
     def make_safe(self) -> None:
@@ -256,6 +240,7 @@ class Loop(Generic[State, Reference, Command]):
         period = self.period
         show_every = max(1, round(progress_every / period))
 
+        limits = _LimitWatch(events)
         start = clock_now()
         tick = 0
         late_in_a_row = 0
@@ -311,9 +296,13 @@ class Loop(Generic[State, Reference, Command]):
             run.cycles += 1
             if fault is not None:
                 raise fault
-            if progress is not None and run.cycles % show_every == 0:
-                margin = mechanism.worst_margin(state, applied, now)
-                progress(Progress(run.phase, run.reference_time, run.duration, margin, run.missed))
+            if run.cycles % show_every == 0:
+                limits.watch(t, mechanism.limit_hits())
+                if progress is not None:
+                    margin = mechanism.worst_margin(state, applied, now)
+                    progress(
+                        Progress(run.phase, run.reference_time, run.duration, margin, run.missed)
+                    )
             if run.finished:
                 return
 
@@ -335,6 +324,26 @@ class Loop(Generic[State, Reference, Command]):
             sleep_until(start + tick * period)
 
 
+class _LimitWatch:
+    """Tells when a limit begins to clip the command; every cycle would be too much."""
+
+    def __init__(self, events: Callable[[float, str, str, dict[str, Any]], None]) -> None:
+        self._events = events
+        self._seen: dict[str, int] = {}
+        self._clipping: set[str] = set()
+
+    def watch(self, t: float, hits: dict[str, int]) -> None:
+        """Compare the counters with those of the last call."""
+        for name, count in hits.items():
+            if count == self._seen.get(name, 0):
+                self._clipping.discard(name)
+                continue
+            if name not in self._clipping:
+                self._clipping.add(name)
+                self._events(t, "limit", f"{name} is limited", {"hits": count})
+            self._seen[name] = count
+
+
 class _Run(Generic[State, Reference, Command]):
     """One run's way through its phases: energise, approach, follow, release."""
 
@@ -342,7 +351,6 @@ class _Run(Generic[State, Reference, Command]):
         self,
         loop: Loop[State, Reference, Command],
         motion: Motion[Reference],
-        approach: Callable[[Reference, Reference, float, float], Reference],
         timings: Timings,
     ) -> None:
         self.phase = Phase.APPROACH
@@ -354,7 +362,6 @@ class _Run(Generic[State, Reference, Command]):
         self.finished = False
         self._loop = loop
         self._motion = motion
-        self._approach = approach
         self._timings = timings
         self._start: State | None = None
         self._controlling = False
@@ -391,7 +398,7 @@ class _Run(Generic[State, Reference, Command]):
         if self.reference_time < 0.0:
             into = t - timings.energise
             start = self._motion.at(0.0)
-            reference = self._approach(self._home, start, timings.approach, into)
+            reference = mechanism.approach(self._home, start, timings.approach, into)
         else:
             self.phase = Phase.RUN
             reference = self._motion.at(self.reference_time)

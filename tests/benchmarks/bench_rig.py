@@ -3,9 +3,9 @@
 import contextlib
 from typing import NamedTuple
 
-from rig.assembly import REGISTRY, build_rig
+from rig.assembly import REGISTRY, build_rig, make_controller
 from rig.config import find_configs, load_profile
-from rig.experiment.references import Sine, SineTone, minimum_jerk
+from rig.experiment.references import Sine, SineTone
 from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Timings
 from rig.runtime.recorder import Recorder
 from rig.runtime.states import RigState, StateMachine
@@ -37,7 +37,8 @@ def columns_of(rig):
 
 def run(rig, log, seconds, *, clock=None):
     """Run the cascade through one slow sine, in so many seconds, recorded to `log`."""
-    controller = rig.make_controller("cascade")
+    controller = make_controller(rig.profile, "cascade")
+    rig.mechanism.controller = controller
     clock = clock or rig.clock
     states = StateMachine()
     states.move(RigState.IDLE)
@@ -58,7 +59,6 @@ def run(rig, log, seconds, *, clock=None):
         start = clock.now()
         outcome = loop.run(
             motion,
-            lambda start, end, duration, t: minimum_jerk(start.position, end.position, duration, t),
             recorder=recorder,
             events=lambda *event: events.append(event),
             stop=StopRequests(),

@@ -18,10 +18,11 @@ from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.pid import Pid, PidSettings
 from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings
 from controllers.cylinder.super_twisting import SuperTwisting, SuperTwistingSettings
-from controllers.cylinder.types import PairModel, PairState
+from controllers.cylinder.types import PairModel, PairReference, PairState
+from controllers.minimum_jerk import minimum_jerk
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.settings import PlantSettings
-from rig.experiment.references import Sine, SineTone, Staircase, Step, minimum_jerk
+from rig.experiment.references import Sine, SineTone, Staircase, Step
 
 RATE = 1000
 LATENCY = 0.3e-3
@@ -141,7 +142,7 @@ def run(controller, plant, reference, rate=RATE):
     for k in range(round((APPROACH + reference.duration) * rate)):
         t, elapsed = (start + 1 + k) * period, k * period - APPROACH
         desired = (
-            minimum_jerk(rest, begin, APPROACH, elapsed + APPROACH)
+            PairReference(*minimum_jerk(rest, begin, APPROACH, elapsed + APPROACH))
             if elapsed < 0.0
             else reference.at(elapsed)
         )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rig.experiment.measures import local_slope
+from rig.experiment.measures.base import local_slope
 from rig.experiment.metrics import (
     MetricError,
     all_passed,
@@ -15,9 +15,9 @@ from rig.experiment.metrics import (
     evaluation_as_json,
     evaluation_from_json,
 )
-from rig.experiment.segments import Segment
 from rig.runtime.columns import Column
 from rig.runtime.log import Log
+from rig.runtime.motion import Segment
 
 PERIOD = 0.002
 
@@ -137,7 +137,7 @@ def test_pressures_and_breakaway() -> None:
     assert value(log, "breakaway_pressure") == pytest.approx(2e4 * 1.02, rel=0.01)
     without = make_log(sine, sine, pressures=False)
     for measure in ("pressure_max", "pressure_min", "breakaway_pressure"):
-        with pytest.raises(MetricError, match=f"{measure}: .*pressures"):
+        with pytest.raises(MetricError, match=f"{measure}: .*reading.pressure_"):
             value(without, measure)
 
 

@@ -12,7 +12,8 @@ from rig.hal import ConfigurationError
 from rig.report.compare import compare_metrics, draw_comparison
 from rig.report.data import load_run
 from rig.report.envelope import envelope
-from rig.report.figures import FIGURES, draw_error, draw_figures
+from rig.report.figures import FIGURES, draw_figures
+from rig.report.figures.pair import draw_error
 from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
 from rig.run_folder import RunFolderError, RunStatus

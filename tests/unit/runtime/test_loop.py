@@ -70,6 +70,7 @@ class FakeMechanism:
     def __init__(self):
         self.written = []
         self.value = 7.0
+        self.hits = {"range": 2, "rate": 0}
 
     def read(self, now):
         return self.value
@@ -92,6 +93,10 @@ class FakeMechanism:
     def start_limiting(self, state):
         pass
 
+    @classmethod
+    def approach(cls, start, end, duration, t):
+        return start + (end - start) * t / duration
+
     def limit(self, command):
         return command
 
@@ -108,7 +113,7 @@ class FakeMechanism:
         return Margin("nothing", 1.0)
 
     def limit_hits(self):
-        return {"range": 2, "rate": 0}
+        return dict(self.hits)
 
 
 class FakeController:
@@ -129,6 +134,7 @@ class FakeController:
 
 class FakeMotion:
     duration = 0.1
+    segments = ()
 
     def at(self, t):
         return 50.0
@@ -161,11 +167,11 @@ class Bench:
         )  # fmt: skip
         return loop.run(
             FakeMotion(),
-            lambda start, end, duration, t: start + (end - start) * t / duration,
             recorder=self.recorder,
             events=lambda *event: self.events.append(event),
             stop=stop or StopRequests(),
             timings=Timings(energise=0.05, approach=0.05, release=0.05),
+            progress_every=2 * PERIOD,
         )
 
 
@@ -180,6 +186,22 @@ def test_a_run_goes_through_its_phases_and_starts_bumplessly():
     assert bench.mechanism.written[-1] == 0.0
     assert bench.controller.resets == [7.0]
     assert any(event[1] == "limit" and "range" in event[2] for event in bench.events)
+
+
+def test_a_limit_is_told_when_it_begins_to_clip():
+    bench = Bench()
+    counts = {5: 1, 6: 2, 7: 3, 20: 4}
+
+    def clip():
+        cycle = len(bench.recorder.rows)
+        bench.mechanism.hits["rate"] = counts.get(cycle, bench.mechanism.hits["rate"])
+
+    bench.recorder.busy = clip
+    bench.run()
+    told = [(t, message) for t, kind, message, _ in bench.events if kind == "limit"]
+    starts = [round(t, 3) for t, message in told if message == "rate is limited"]
+    assert starts == [0.05, 0.19]
+    assert told[-1][1] == "rate was limited in 4 cycles of the run"
 
 
 def test_each_cycle_drains_before_it_sends():

@@ -1,24 +1,21 @@
-"""Numbers that say how well a motion was followed, taken over stretches of a log.
+"""Numbers that say how well an antagonistic pair followed its motion.
 
-Every measure is a pure function of windows, one per segment. The error is the reference minus
-the reading. Measures of spread pool the samples of all windows; the others report the worst
-window.
+The error is the reference minus the reading. Measures of spread pool the samples of all
+windows; the others report the worst window.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from rig.experiment.measures.base import Measure, Window, Windows, pooled, rms
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
 
-SLOPE_SPAN = 0.02
-"""Length of the straight line that a velocity is taken from, s. With an encoder of 1 µm read at
-500 Hz its noise is 14 µm/s; a 20 Hz limit cycle keeps 80 % of its amplitude."""
 STICK_RATIO = 0.1
 """A pair is called stuck while slower than this share of the desired speed."""
 MOVING_RATIO = 0.5
@@ -30,125 +27,37 @@ BREAKAWAY_TRAVEL = 20e-6
 """Travel after which a pair is called moving, m: ten times what noise and quantisation show."""
 
 
-class Window(NamedTuple):
-    """The samples of one segment, shape (n,) each.
-
-    Parameters
-    ----------
-    name : str
-        The segment's.
-    t : ndarray
-        s since the reference started.
-    position, reference : ndarray
-        Measured and desired, m.
-    velocity, reference_velocity : ndarray
-        The slope of the measured position, and the desired velocity, m/s.
-    pressures : ndarray
-        Measured, Pa gauge, shape (n, channels).
-    """
-
-    name: str
-    t: "Array"
-    position: "Array"
-    reference: "Array"
-    velocity: "Array"
-    reference_velocity: "Array"
-    pressures: "Array"
-
-    @property
-    def error(self) -> "Array":
-        """Reference minus reading, m."""
-        return self.reference - self.position
-
-
-Windows = Sequence[Window]
-
-
-class Measure(NamedTuple):
-    """A measure by its name.
-
-    Parameters
-    ----------
-    compute : callable
-        Takes the windows, returns the number in SI. Infinite when what it times never happens.
-    unit : str
-        SI unit, empty for a ratio.
-    description : str
-        For reports.
-
-    Notes
-    -----
-    `compute` raises ValueError when the windows do not hold what it needs.
-    """
-
-    compute: Callable[[Windows], float]
-    unit: str
-    description: str
-
-
-def local_slope(t: "Array", x: "Array", span: float = SLOPE_SPAN) -> "Array":
-    """Differentiate by straight lines fitted to `span` seconds around each sample.
-
-    Parameters
-    ----------
-    t : ndarray
-        s, increasing, not necessarily evenly spaced, shape (n,).
-    x : ndarray
-        Shape (n,).
-
-    Returns
-    -------
-    ndarray
-        Slopes, shape (n,); the first and last half span repeat the nearest whole fit.
-
-    References
-    ----------
-    A. Savitzky, M. J. E. Golay, Anal. Chem. 36(8), 1964 (first order, uneven abscissae).
-    """
-    n = len(t)
-    if n < 2:
-        return np.zeros(n)
-    half = max(1, round(0.5 * span * (n - 1) / float(t[-1] - t[0])))
-    width = min(2 * half + 1, n)
-    times = np.lib.stride_tricks.sliding_window_view(t, width)
-    times = times - times.mean(axis=1, keepdims=True)
-    values = np.lib.stride_tricks.sliding_window_view(x, width)
-    slopes = (times * values).sum(axis=1) / (times * times).sum(axis=1)
-    before = (width - 1) // 2
-    return np.pad(slopes, (before, n - len(slopes) - before), mode="edge")
-
-
 def tracking_rms(windows: Windows) -> float:
     """Return the rms error, m."""
-    return _rms(np.concatenate([window.error for window in windows]))
+    return rms(pooled(windows, _error))
 
 
 def tracking_max(windows: Windows) -> float:
     """Return the greatest absolute error, m."""
-    return max(float(np.abs(window.error).max()) for window in windows)
+    return max(float(np.abs(_error(window)).max()) for window in windows)
 
 
 def hunting(windows: Windows) -> float:
     """Return the greatest peak-to-peak motion of one window, m."""
-    return max(float(np.ptp(window.position)) for window in windows)
+    return max(float(np.ptp(_position(window))) for window in windows)
 
 
 def velocity_ripple(windows: Windows) -> float:
     """Return rms(v - v_ref) / rms(v_ref)."""
-    desired = np.concatenate([window.reference_velocity for window in windows])
-    actual = np.concatenate([window.velocity for window in windows])
-    scale = _rms(desired)
-    return _rms(actual - desired) / scale if scale > 0.0 else math.inf
+    desired = pooled(windows, lambda window: window.column("reference.velocity"))
+    actual = pooled(windows, lambda window: window.slope("reading.position"))
+    scale = rms(desired)
+    return rms(actual - desired) / scale if scale > 0.0 else math.inf
 
 
 def stick_share(windows: Windows) -> float:
     """Return the share of the time in which the pair stands though it should move."""
     stuck = moving = 0
     for window in windows:
-        desired = np.abs(window.reference_velocity)
+        desired = np.abs(window.column("reference.velocity"))
         judged = (desired > 0.0) & (desired >= MOVING_RATIO * desired.max())
         moving += int(np.count_nonzero(judged))
-        slow = np.abs(window.velocity) < STICK_RATIO * desired
+        slow = np.abs(window.slope("reading.position")) < STICK_RATIO * desired
         stuck += int(np.count_nonzero(slow & judged))
     return stuck / moving if moving else 0.0
 
@@ -184,28 +93,29 @@ def settling_time(windows: Windows) -> float:
 
 def pressure_max(windows: Windows) -> float:
     """Return the highest pressure of any chamber, Pa gauge."""
-    return max(float(_pressures(window).max()) for window in windows)
+    return max(float(window.columns("reading.pressure_").max()) for window in windows)
 
 
 def pressure_min(windows: Windows) -> float:
     """Return the lowest pressure of any chamber, Pa gauge."""
-    return min(float(_pressures(window).min()) for window in windows)
+    return min(float(window.columns("reading.pressure_").min()) for window in windows)
 
 
 def breakaway_pressure(windows: Windows) -> float:
     """Return the greatest change of the pressure difference before the pair starts, Pa."""
     changes = []
     for window in windows:
-        if window.pressures.shape[1] != 2:
+        pressures, position = window.columns("reading.pressure_"), _position(window)
+        if pressures.shape[1] != 2:
             raise ValueError("it needs the pressures of two chambers")
-        difference = window.pressures[:, 0] - window.pressures[:, 1]
-        moving = np.abs(window.position - window.position[0]) > BREAKAWAY_TRAVEL
+        difference = pressures[:, 0] - pressures[:, 1]
+        moving = np.abs(position - position[0]) > BREAKAWAY_TRAVEL
         until = int(np.argmax(moving)) + 1 if moving.any() else len(difference)
         changes.append(float(np.abs(difference[:until] - difference[0]).max()))
     return max(changes)
 
 
-MEASURES: dict[str, Measure] = {
+PAIR_MEASURES: dict[str, Measure] = {
     "tracking_rms": Measure(tracking_rms, "m", "rms error"),
     "tracking_max": Measure(tracking_max, "m", "greatest absolute error"),
     "hold_rms": Measure(tracking_rms, "m", "rms error while it holds"),
@@ -224,24 +134,23 @@ MEASURES: dict[str, Measure] = {
 }
 
 
-def _rms(values: "Array") -> float:
-    return math.sqrt(float(np.mean(values * values)))
+def _error(window: Window) -> "Array":
+    return window.error("position")
+
+
+def _position(window: Window) -> "Array":
+    return window.column("reading.position")
 
 
 def _step_response(window: Window) -> "Array":
     """Return the share of the step that is done, 0 at the segment's start."""
-    start = window.position[0]
-    size = float(window.reference[-1] - start)
+    position = _position(window)
+    start = position[0]
+    size = float(window.column("reference.position")[-1] - start)
     if size == 0.0:
-        return np.ones(len(window.position))
-    response: Array = (window.position - start) / size
+        return np.ones(len(position))
+    response: Array = (position - start) / size
     return response
-
-
-def _pressures(window: Window) -> "Array":
-    if window.pressures.size == 0:
-        raise ValueError("the log has no pressures")
-    return window.pressures
 
 
 def _first_time(t: "Array", condition: "NDArray[np.bool_]") -> float:
