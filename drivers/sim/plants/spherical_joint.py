@@ -1,0 +1,185 @@
+"""The wide-angle spherical joint: four pneumatic cylinders turn a ring on a ball by wires."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from drivers.sim.plants.channel import STATE
+from drivers.sim.plants.parameters import scale_seals
+from drivers.sim.plants.pneumatic_plant import (
+    EXTENSION,
+    PRESSURE,
+    SPEED,
+    TENSION,
+    PneumaticPlant,
+)
+from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
+from drivers.sim.plants.spherical_joint_parameters import (
+    WIRES,
+    JointGeometry,
+    check_geometry,
+    draw_joint,
+    draw_marker,
+    draw_wires,
+)
+from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
+
+STICKING_SPEED = 1e-4
+"""A rod sticks while its seals slide more slowly than this, m/s; what they give elastically
+before they slide does not count."""
+
+Vector3 = tuple[float, float, float]
+
+_CHANNELS = ("ch1", "ch2", "ch3", "ch4")
+_BRISTLE = list(STATE.names or ()).index("bristle")
+_SUPPLY, _QW = (list(JOINT_STATE.names or ()).index(name) for name in ("supply", "qw"))
+_RING_TENSION = list(WIRE_STATE.names or ()).index("tension")
+
+
+class _Seal(NamedTuple):
+    """What tells whether a cylinder's seals slide; the names are those of `PARAMETERS`."""
+
+    coulomb: float
+    breakaway: float
+    stribeck_velocity: float
+    pressure_friction: float
+    bristle_stiffness: float
+
+
+class SphericalJointPlant(PneumaticPlant):
+    """Physics of the spherical joint, integrated at 20 kHz.
+
+    The ring turns about the ball's centre with all three rotations and never leaves the ball:
+    its seat is taken as capturing. With the rods at `home` and the ring upright all wires are
+    just taut: there it starts, at rest, vented and with the supply closed. A wire that is
+    pulled in retracts its rod (Kobayashi and Saito, "Postural control of the wide angle
+    spherical joint", eq. (6)): the rod's extension is `home` plus the wire's length less that
+    at home, less the wire's stretch.
+
+    Parameters
+    ----------
+    settings : SphericalJointPlantSettings
+        Nominal parameters.
+    seed : int
+        Of the units' deviations and of the monitors' noise: equal seeds give equal runs.
+    geometry : JointGeometry
+        Nominal dimensions.
+
+    Raises
+    ------
+    ValueError
+        There is no joint of such a geometry.
+    """
+
+    Settings = SphericalJointPlantSettings
+
+    channel_names = _CHANNELS
+
+    known_faults = (*PneumaticPlant.known_faults, "wire_slack", "anchor_slipped")
+    """What `inject` understands; the last two let some wire go (`slack`, `slip`) each time."""
+
+    truth_columns = (
+        *((f"marker_{axis}", "m") for axis in "xyz"),
+        *((f"axis_{axis}", "1") for axis in "xyz"),
+        ("twist", "rad"),
+        *((f"tension_{name}", "N") for name in _CHANNELS),
+        *((f"ring_tension_{name}", "N") for name in _CHANNELS),
+        *((f"extension_{name}", "m") for name in _CHANNELS),
+        *((f"speed_{name}", "m/s") for name in _CHANNELS),
+        *((f"pressure_{name}", "Pa") for name in _CHANNELS),
+        *((f"sticking_{name}", "1") for name in _CHANNELS),
+        ("supply", "Pa"),
+    )
+    """Names and units of `truth`. A wire's tension is that on the cylinder's side of the ball."""
+
+    def __init__(
+        self, settings: SphericalJointPlantSettings, seed: int, geometry: JointGeometry
+    ) -> None:
+        check_geometry(geometry)
+        self.settings = settings
+        units, monitors, shapes = np.random.default_rng(seed).spawn(3)
+        self.joint = np.zeros(1, JOINT_STATE)
+        self.joint["qw"] = 1.0
+        seals = scale_seals(settings.seals, settings.friction_scale)
+        super().__init__(settings, seals, units=units, monitors=monitors, line=self.joint)
+        self.wire_parameters = draw_wires(shapes, settings, geometry)
+        self.joint_parameters = draw_joint(shapes, settings, geometry)
+        self._marker = draw_marker(shapes, settings, geometry)
+        self._free = self.wire_parameters["free"].copy()
+        self.wires = np.zeros(WIRES, WIRE_STATE)
+        self.wires["length"] = self._free + settings.home
+        self._seals = [_Seal(*row) for row in self.parameters[list(_Seal._fields)].tolist()]
+        self._joint_values = self.joint.view(float)
+        self._wire_values = self.wires.view(float).reshape(WIRES, -1)
+
+    def ring_rotation(self) -> tuple[Vector3, Vector3, Vector3]:
+        """Return the rows of the matrix that turns ring coordinates into the ball's."""
+        w, x, y, z = self._joint_values[_QW : _QW + 4].tolist()
+        return (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+            (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+            (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+        )
+
+    def marker_position(self) -> Vector3:
+        """Return where the marker is, m, from the ball's centre in the ball's axes."""
+        mx, my, mz = self._marker
+        x, y, z = (row[0] * mx + row[1] * my + row[2] * mz for row in self.ring_rotation())
+        return x, y, z
+
+    def twist(self) -> float:
+        """Return the ring's rotation about its axis beyond the shortest tilt to there, rad."""
+        w, _, _, z = self._joint_values[_QW : _QW + 4].tolist()
+        return math.remainder(2.0 * math.atan2(z, w), 2.0 * math.pi)
+
+    def truth(self) -> tuple[float, ...]:
+        """Return what no device measures, as `truth_columns` names it."""
+        rows = self._channel_values.tolist()
+        rotation = self.ring_rotation()
+        return (
+            *self.marker_position(),
+            *(row[2] for row in rotation),
+            self.twist(),
+            *(row[TENSION] for row in rows),
+            *(row[_RING_TENSION] for row in self._wire_values.tolist()),
+            *(row[EXTENSION] for row in rows),
+            *(row[SPEED] for row in rows),
+            *(row[PRESSURE] - ATMOSPHERE for row in rows),
+            *(_sticks(row, seal) for row, seal in zip(rows, self._seals, strict=True)),
+            self._joint_values.item(_SUPPLY) - ATMOSPHERE,
+        )
+
+    def _integrate(self, steps: int) -> None:
+        advance_joint(
+            self.channels,
+            self.parameters,
+            self.wires,
+            self.wire_parameters,
+            self.joint,
+            self.joint_parameters,
+            steps,
+            self._dt,
+        )
+
+    def _break_channel(self, fault: str, channel: int) -> None:
+        if fault == "wire_slack":
+            self.wire_parameters[channel]["free"] += self.settings.slack
+        elif fault == "anchor_slipped":
+            self.wire_parameters[channel]["free"] += self.settings.slip
+        else:
+            super()._break_channel(fault, channel)
+
+    def _repair(self) -> None:
+        super()._repair()
+        self.wire_parameters["free"] = self._free
+
+
+def _sticks(state: list[float], seal: _Seal) -> float:
+    """Return 1 while a rod's seals hold, 0 while they slide."""
+    speed, gauge = state[SPEED], max(state[PRESSURE] - ATMOSPHERE, 0.0)
+    fade = math.exp(-((speed / seal.stribeck_velocity) ** 2))
+    limit = seal.coulomb + (seal.breakaway - seal.coulomb) * fade + seal.pressure_friction * gauge
+    sliding = abs(speed * state[_BRISTLE]) * seal.bristle_stiffness
+    return float(sliding < STICKING_SPEED * limit)

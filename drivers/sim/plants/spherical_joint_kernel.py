@@ -1,0 +1,230 @@
+"""Kernel of the spherical joint: four channels and the ring, a whole cycle of substeps per call.
+
+The ball stands at the origin with the ring towards +z. The ring turns about the ball's centre
+with all three degrees of freedom; nothing but wires and friction holds it. A wire's stretch is
+``length - free - extension``: it is pulled in when its rod retracts.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from drivers.sim.plants.channel import Record, step_channel
+from drivers.sim.plants.compiled import cached_kernel, inlined
+from drivers.sim.plants.spherical_joint_friction import capstan_tension, step_seat
+from drivers.sim.plants.spherical_joint_wire import compiled_wire_path
+
+JOINT_STATE = np.dtype(
+    [
+        ("supply", float),  # supply line, Pa absolute
+        ("supply_target", float),  # input: what the line is connected to, Pa absolute
+        ("qw", float),  # orientation of the ring, a unit quaternion from ring to ball
+        ("qx", float),
+        ("qy", float),
+        ("qz", float),
+        ("rate_x", float),  # angular velocity of the ring in the ball's axes, rad/s
+        ("rate_y", float),
+        ("rate_z", float),
+        ("seat_x", float),  # deflection of the seat in the ball's axes, rad
+        ("seat_y", float),
+        ("seat_z", float),
+    ]
+)
+"""State and inputs that belong to no single channel."""
+
+JOINT_PARAMETERS = np.dtype(
+    [
+        (name, float)
+        for name in (
+            "supply_time",
+            "ball_radius",
+            "inertia_tilt",
+            "inertia_spin",
+            "weight",
+            "centre_height",
+            "seat_arm",  # friction torque over load, m
+            "seat_stiffness",
+            "seat_damping",
+            "tilt_stop",
+            "stop_stiffness",
+            "stop_damping",
+        )
+    ]
+)
+"""Parameters of ring, seat and supply line, SI."""
+
+WIRE_STATE = np.dtype(
+    [
+        ("length", float),  # from adjust point to anchor, m
+        ("bristle", float),  # deflection on the ball, m
+        ("tension", float),  # at the ring, N
+    ]
+)
+"""State of a wire on the ball."""
+
+WIRE_PARAMETERS = np.dtype(
+    [
+        (name, float)
+        for name in (
+            "anchor_x",  # in the ring's axes, m
+            "anchor_y",
+            "anchor_z",
+            "adjust_x",  # in the ball's axes, m
+            "adjust_y",
+            "adjust_z",
+            "free",  # length at which the wire is just taut behind a retracted rod, m
+            "friction",  # coefficient on the ball
+            "stiffness",  # of the wire that sticks to the ball, N/m
+            "damping",  # N s/m
+        )
+    ]
+)
+"""Parameters of a wire, SI."""
+
+
+@inlined
+def turn_ring(joint: Record, dt: float) -> None:
+    """Turn the orientation by the angular velocity of this step."""
+    hx, hy, hz = 0.5 * dt * joint.rate_x, 0.5 * dt * joint.rate_y, 0.5 * dt * joint.rate_z
+    w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
+    w, x, y, z = (
+        w - hx * x - hy * y - hz * z,
+        x + hx * w + hy * z - hz * y,
+        y + hy * w + hz * x - hx * z,
+        z + hz * w + hx * y - hy * x,
+    )
+    scale = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    joint.qw, joint.qx, joint.qy, joint.qz = w * scale, x * scale, y * scale, z * scale
+
+
+@inlined
+def stop_torque(joint: Record, q: Record, ux: float, uy: float, uz: float) -> tuple[float, float]:
+    """Return the horizontal torque of the end stop on a ring with axis u; it only pushes back."""
+    across = math.sqrt(ux * ux + uy * uy)
+    beyond = math.atan2(across, uz) - q.tilt_stop
+    if beyond <= 0.0:
+        return 0.0, 0.0
+    tx, ty = -uy / across, ux / across
+    rate = tx * joint.rate_x + ty * joint.rate_y
+    torque = max(q.stop_stiffness * beyond + q.stop_damping * rate, 0.0)
+    return -torque * tx, -torque * ty
+
+
+@inlined
+def accelerate_ring(
+    joint: Record,
+    q: Record,
+    torque: tuple[float, float, float],
+    axis: tuple[float, float, float],
+    dt: float,
+) -> None:
+    """Apply a torque to the ring, a symmetric top about its axis (Euler's equation)."""
+    tx, ty, tz = torque
+    ux, uy, uz = axis
+    wx, wy, wz = joint.rate_x, joint.rate_y, joint.rate_z
+    gyration = (q.inertia_spin - q.inertia_tilt) * (ux * wx + uy * wy + uz * wz)
+    tx -= gyration * (wy * uz - wz * uy)
+    ty -= gyration * (wz * ux - wx * uz)
+    tz -= gyration * (wx * uy - wy * ux)
+    along = (1.0 / q.inertia_spin - 1.0 / q.inertia_tilt) * (ux * tx + uy * ty + uz * tz)
+    joint.rate_x = wx + dt * (tx / q.inertia_tilt + along * ux)
+    joint.rate_y = wy + dt * (ty / q.inertia_tilt + along * uy)
+    joint.rate_z = wz + dt * (tz / q.inertia_tilt + along * uz)
+
+
+def _build(sources: int) -> Callable[..., None]:
+    def advance_joint(
+        channels: Record,
+        parameters: Record,
+        wires: Record,
+        wire_parameters: Record,
+        joints: Record,
+        joint_parameters: Record,
+        steps: int,
+        dt: float,
+    ) -> None:
+        digest = sources  # noqa: F841 - makes the sources part of the cache key
+        joint, q = joints[0], joint_parameters[0]
+        for _ in range(steps):
+            joint.supply += (joint.supply_target - joint.supply) * dt / (q.supply_time + dt)
+            w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
+            wx, wy, wz = joint.rate_x, joint.rate_y, joint.rate_z
+            xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+            yx, yy, yz = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+            zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+
+            tx, ty = stop_torque(joint, q, xz, yz, zz)
+            tx -= q.weight * q.centre_height * yz
+            ty += q.weight * q.centre_height * xz
+            tz = 0.0
+            load = q.weight
+            for k in range(channels.shape[0]):
+                channel, wire, p = channels[k], wires[k], wire_parameters[k]
+                ax, ay, az = p.anchor_x, p.anchor_y, p.anchor_z
+                length, wrap, rx, ry, rz = compiled_wire_path(
+                    xx * ax + xy * ay + xz * az,
+                    yx * ax + yy * ay + yz * az,
+                    zx * ax + zy * ay + zz * az,
+                    p.adjust_x,
+                    p.adjust_y,
+                    p.adjust_z,
+                    q.ball_radius,
+                )
+                inwards = rx * wx + ry * wy + rz * wz
+                stretch = length - p.free - channel.extension
+                step_channel(
+                    channel, parameters[k], joint.supply, stretch, -inwards - channel.speed, dt
+                )
+                tension, wire.bristle = capstan_tension(
+                    channel.tension,
+                    wire.bristle,
+                    inwards,
+                    p.friction * wrap,
+                    p.stiffness,
+                    p.damping,
+                    dt,
+                )
+                wire.length, wire.tension = length, tension
+                tx += tension * rx
+                ty += tension * ry
+                tz += tension * rz
+                load += tension
+
+            sx, sy, sz, slide_x, slide_y, slide_z = step_seat(
+                joint.seat_x,
+                joint.seat_y,
+                joint.seat_z,
+                wx,
+                wy,
+                wz,
+                q.seat_stiffness,
+                q.seat_arm * load,
+                dt,
+            )
+            joint.seat_x, joint.seat_y, joint.seat_z = sx, sy, sz
+            tx -= q.seat_stiffness * sx + q.seat_damping * slide_x
+            ty -= q.seat_stiffness * sy + q.seat_damping * slide_y
+            tz -= q.seat_stiffness * sz + q.seat_damping * slide_z
+            accelerate_ring(joint, q, (tx, ty, tz), (xz, yz, zz), dt)
+            turn_ring(joint, dt)
+
+    return advance_joint
+
+
+advance_joint: Callable[..., None] = cached_kernel(_build)
+"""Integrate a joint over `steps` substeps of `dt` seconds.
+
+Parameters
+----------
+channels, parameters : ndarray, shape (n,)
+    `STATE`, changed in place, and `PARAMETERS` of each channel.
+wires, wire_parameters : ndarray, shape (n,)
+    `WIRE_STATE`, changed in place, and `WIRE_PARAMETERS` of each channel's wire.
+joints, joint_parameters : ndarray, shape (1,)
+    `JOINT_STATE`, changed in place, and `JOINT_PARAMETERS`.
+steps : int
+    Number of substeps.
+dt : float
+    Substep, s.
+"""

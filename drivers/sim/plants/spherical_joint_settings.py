@@ -1,0 +1,129 @@
+"""Parameters of the spherical joint's plant.
+
+Sources of the defaults as in `drivers.sim.plants.settings`: C, a catalogue value from general
+knowledge; E, an estimate. The joint's own dimensions are the profile's geometry.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Le, Lt, Unit
+
+from drivers.sim.plants.settings import ActuatorSettings, RegulatorSettings, WireSettings
+
+
+@dataclass(frozen=True, slots=True)
+class ContactFriction:
+    """Friction coefficients on the ball.
+
+    Parameters
+    ----------
+    ring, wire : float
+        Of the ring in its seat, and of a wire.
+    """
+
+    ring: float
+    wire: float
+
+
+CONTACTS = {
+    "standard": ContactFriction(0.08, 0.10),  # E: greased ABS
+    "low-speed": ContactFriction(0.04, 0.06),  # E: the low-friction rig has better grease, too
+}
+"""What goes with each kind of seals."""
+
+
+@dataclass(frozen=True, slots=True)
+class RingSettings:
+    """The ring with its marker, and how it sits on the ball.
+
+    Parameters
+    ----------
+    mass : float
+        Of ring and marker, kg. E.
+    centre_height : float
+        Of their centre of gravity above the ball's centre, along the ring's axis, m. E.
+    inertia_tilt, inertia_spin : float
+        About the ball's centre, across the ring's axis and along it, kg m². E: 30 g of ring
+        and 5 g of marker 52 mm out; a wire feels 0.048 kg.
+    seat_lever : float
+        Mean lever of the seat's friction over the ball's radius. E.
+    contact_stiffness, contact_damping : float
+        Of what sticks to the ball before it slips (Dahl), ring and wires, N/m and N s/m. E.
+    tilt_stop : float
+        Tilt at which the ring meets its mount, rad.
+    stop_stiffness, stop_damping : float
+        Of that stop, N m/rad and N m s/rad. E.
+    """
+
+    mass: Annotated[float, Unit("kg"), Gt(0)] = 0.035
+    centre_height: Annotated[float, Unit("m")] = 0.020
+    inertia_tilt: Annotated[float, Unit("kg m^2"), Ge(1e-5)] = 3.0e-5
+    inertia_spin: Annotated[float, Unit("kg m^2"), Ge(5e-6)] = 1.3e-5
+    seat_lever: Annotated[float, Gt(0), Le(1)] = 0.75
+    contact_stiffness: Annotated[float, Unit("N/m"), Gt(0), Le(5e5)] = 1.5e5
+    contact_damping: Annotated[float, Unit("N s/m"), Ge(0), Le(100)] = 40.0
+    tilt_stop: Annotated[float, Unit("rad"), Gt(0), Lt(math.pi)] = math.radians(95.0)
+    stop_stiffness: Annotated[float, Unit("N m/rad"), Gt(0), Le(500)] = 100.0
+    stop_damping: Annotated[float, Unit("N m s/rad"), Ge(0), Le(0.2)] = 0.05
+
+    def __post_init__(self) -> None:
+        if not self.inertia_spin <= 2.0 * self.inertia_tilt:
+            raise ValueError(
+                f"inertia_spin ({self.inertia_spin:g} kg m^2) is more than twice inertia_tilt "
+                f"({self.inertia_tilt:g} kg m^2): no body is like that."
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class SphericalJointPlantSettings:
+    """A wide-angle spherical joint on four wires, each pulled by a pneumatic cylinder.
+
+    Parameters
+    ----------
+    seals : str
+        ``standard`` or ``low-speed``.
+    friction_scale : float
+        Factor on all friction: seals, seat and wires.
+    friction_spread : float
+        Bound of the relative deviation of a unit's friction; drawn per unit. E.
+    home : float
+        Rod extension at which all wires are just taut with the ring at home, m.
+    wire_offset : float
+        Bound of a wire's deviation from that, m; drawn per wire: what homing leaves. E.
+    tolerance : float
+        Bound of the deviation of each coordinate of an anchor, an adjust point and the marker,
+        m; drawn for each. E: machined parts.
+    leak : float
+        Sonic conductance of the fault ``leak``, m³/(s Pa). E: the tube is off.
+    slip : float
+        Wire that the fault ``anchor_slipped`` lets through the clamp at the ring, m.
+    slack : float
+        Wire that the fault ``wire_slack`` lets go at the rod, m.
+    substep : float
+        Step of the integration, s.
+    regulator, cylinder, wire, ring
+        Parameters of the parts.
+    """
+
+    seals: Literal["standard", "low-speed"] = "standard"
+    friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
+    home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
+    wire_offset: Annotated[float, Unit("m"), Ge(0), Le(5e-3)] = 20e-6
+    tolerance: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 20e-6
+    leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
+    slip: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 2e-3
+    slack: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 10e-3
+    substep: Annotated[float, Unit("s"), Ge(1e-6), Le(1e-4)] = 50e-6
+    regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
+    cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
+    wire: WireSettings = field(default_factory=WireSettings)
+    ring: RingSettings = field(default_factory=RingSettings)
+
+    def __post_init__(self) -> None:
+        if not self.home < self.cylinder.stroke:
+            raise ValueError(
+                f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
+            )
