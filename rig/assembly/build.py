@@ -19,8 +19,8 @@ def bus_loads(profile: Profile) -> dict[str, Any]:
     from drivers.canopen.load import check_bus_load
 
     return {
-        name: check_bus_load(name, settings, _on_bus(profile, name), profile.loop.rate)
-        for name, settings in profile.buses.items()
+        name: check_bus_load(name, bus.settings, _on_bus(profile, name), profile.loop.rate)
+        for name, bus in profile.buses.items()
     }
 
 
@@ -35,7 +35,7 @@ def check_profile(profile: Profile) -> None:
     """
     bus_loads(profile)
     clock = MonotonicClock()
-    buses = {name: make_bus(name, settings, clock) for name, settings in profile.buses.items()}
+    buses = {name: make_bus(name, bus, clock) for name, bus in profile.buses.items()}
     try:
         make_mechanism(profile, make_devices(profile, buses))
     except ValueError as error:

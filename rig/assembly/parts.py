@@ -5,19 +5,20 @@ from collections.abc import Mapping
 from typing import Any
 
 from rig.assembly.registry import REGISTRY
-from rig.config import Profile
+from rig.config import BusEntry, Profile
 from rig.hal import Clock, ConfigurationError, CyclicBus, Device
 from rig.runtime.motion import Motion
 
 
 def make_bus(
-    name: str, settings: Any, clock: Clock, on: Mapping[str, Any] | None = None
+    name: str, entry: BusEntry, clock: Clock, on: Mapping[str, Any] | None = None
 ) -> CyclicBus:
     """Make a bus, on another interface than the profile's if `on` says so."""
     from drivers.can import open_bus
 
-    settings = dataclasses.replace(settings, **(on or {}))
-    bus: CyclicBus = REGISTRY.load("bus", "can")(name, settings, lambda: open_bus(settings), clock)
+    settings = dataclasses.replace(entry.settings, **(on or {}))
+    kind = REGISTRY.load("bus", entry.protocol)
+    bus: CyclicBus = kind(name, settings, lambda: open_bus(settings), clock)
     return bus
 
 

@@ -21,7 +21,9 @@ class _Class(NamedTuple):
 
 _TABLE: dict[Kind, dict[str, _Class]] = {
     "bus": {
-        "can": _Class("drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings")
+        "canopen": _Class(
+            "drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings"
+        ),
     },
     "driver": {
         "cia401": _Class(

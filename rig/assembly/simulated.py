@@ -1,7 +1,9 @@
 """Rigs without hardware: the only place outside of `drivers.sim` that knows the simulation."""
 
+import contextlib
 import itertools
 import os
+from collections.abc import Iterator
 from typing import Any
 
 from rig.assembly.parts import make_bus, make_devices, make_mechanism
@@ -18,7 +20,10 @@ def _make_plant(profile: Profile) -> Any:
             f"the profile {profile.name} has no plant, so it cannot be simulated"
         )
     plant = REGISTRY.load("plant", profile.plant.model)
-    return plant(profile.plant.settings, profile.simulation.seed)
+    # A plant does its own algebra on the geometry that the controllers are told of.
+    geometry = getattr(profile.mechanism_settings, "geometry", None)
+    extra = () if geometry is None else (geometry,)
+    return plant(profile.plant.settings, profile.simulation.seed, *extra)
 
 
 def _truth_columns(plant: Any) -> tuple[Column, ...]:
@@ -36,7 +41,7 @@ def _wire(profile: Profile, plant: Any, name: str) -> tuple[Any, tuple[int, ...]
         raise ConfigurationError(f"{name}: there is no simulated device for {entry.driver}")
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     wired = mechanism.wiring(profile.mechanism_settings)
-    own = tuple(getattr(entry.settings, "channels", ()))
+    own = tuple(getattr(entry.settings, "channels", getattr(entry.settings, "joints", ())))
     return WIRINGS[entry.driver], plant_channels(name, wired, plant, own)
 
 
@@ -53,7 +58,9 @@ def build_sim(profile: Profile) -> Rig:
         devices[name] = wiring.simulate(name, entry.settings, plant, channels, clock)
     if profile.simulation.faults:
         targets = {**devices, "plant": plant}
-        clock.world = FaultyWorld(plant, _schedule(FaultSchedule, profile, targets))
+        with _checking_faults():
+            schedule = FaultSchedule(profile.simulation.faults, targets)
+        clock.world = FaultyWorld(plant, schedule)
     return Rig(
         profile,
         Backend.SIM,
@@ -92,7 +99,8 @@ def build_virtual(profile: Profile) -> Rig:
         end = can.Bus(interface="virtual", channel=f"{run}-{bus}", ignore_config=True)
         ends.append(end)
         emulated.append(EmulatedBus(bus, end, nodes))  # type: ignore[arg-type]
-    world = _schedule(EmulatedRig, profile, plant, emulated)
+    with _checking_faults():
+        world = EmulatedRig(plant, emulated, profile.simulation, devices={"plant": plant})
     clock = SimClock(world)
     on = {name: {"interface": "virtual", "channel": f"{run}-{name}"} for name in profile.buses}
     buses = {name: make_bus(name, bus, clock, on[name]) for name, bus in profile.buses.items()}
@@ -115,12 +123,10 @@ def build_virtual(profile: Profile) -> Rig:
     )
 
 
-def _schedule(kind: Any, profile: Profile, *parts: Any) -> Any:
-    """Build something with a fault schedule; an impossible fault is a configuration error."""
+@contextlib.contextmanager
+def _checking_faults() -> Iterator[None]:
+    """Turn a scheduled fault that cannot happen into a configuration error."""
     try:
-        if kind.__name__ == "EmulatedRig":
-            plant, buses = parts
-            return kind(plant, buses, profile.simulation, devices={"plant": plant})
-        return kind(profile.simulation.faults, *parts)
+        yield
     except ValueError as error:
         raise ConfigurationError(str(error)) from error

@@ -26,7 +26,7 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
         "mechanism": profile.mechanism,
         "rate": profile.loop.rate,
         "files": [str(path) for path in profile.files],
-        "buses": [_bus(name, bus, loads[name]) for name, bus in profile.buses.items()],
+        "buses": [_bus(name, bus.settings, loads[name]) for name, bus in profile.buses.items()],
         "devices": [_device(name, entry) for name, entry in profile.devices.items()],
         "limits": [] if limits is None else _quantities(limits),
         "controllers": list(profile.controllers),

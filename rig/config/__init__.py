@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from rig.config.diagnostics import Diagnostic, ProfileError
     from rig.config.experiment import EXPERIMENT_KEYS, load_experiment
     from rig.config.models import (
+        BusEntry,
         Calibration,
         DeviceEntry,
         Experiment,
@@ -33,6 +34,7 @@ _HOME = {
     "diagnostics": ("Diagnostic", "ProfileError"),
     "experiment": ("EXPERIMENT_KEYS", "load_experiment"),
     "models": (
+        "BusEntry",
         "Calibration",
         "DeviceEntry",
         "Experiment",
@@ -57,6 +59,7 @@ _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}
 __all__ = [
     "EXPERIMENT_KEYS",
     "PROFILE_KEYS",
+    "BusEntry",
     "Calibration",
     "DeviceEntry",
     "Diagnostic",

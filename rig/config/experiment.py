@@ -20,10 +20,11 @@ from rig.config.registry import Registry
 from rig.config.sections import Sections
 from rig.config.settings import build
 from rig.config.source import Node
+from rig.hal import ConfigurationError
 
 EXPERIMENT_KEYS: Final = (
     "extends", "name", "description", "rig", "controller", "reference", "approach", "metrics",
-    "figures",
+    "figures", "law",
 )  # fmt: skip
 """Top-level keys of an experiment."""
 
@@ -37,7 +38,7 @@ class Head:
     rig : str
         The profile's name.
     controller : str
-        The controller that drives it.
+        The controller that drives it; an arm's or a walker's is a `law`, and may be called so.
     name : str
         Default: the name of the file.
     description : str
@@ -90,7 +91,11 @@ def load_experiment(
     path = find_file(source, "experiments", search)
     problems = Problems()
     document = load_document(path, "experiments", search, problems)
-    root = apply_overrides(document.root, parse_overrides(overrides, problems), problems)
+    options = [
+        option._replace(keys=("controller",)) if option.keys == ("law",) else option
+        for option in parse_overrides(overrides, problems)
+    ]
+    root = apply_overrides(_with_controller(document.root, problems), options, problems)
     sections = Sections(root, EXPERIMENT_KEYS, registry, problems)
     reference_node = sections.take("reference", required=True)
     reference = (
@@ -116,6 +121,28 @@ def load_experiment(
         figures=head.figures,
         files=document.files,
     )
+
+
+def rig_of(source: str | Path, search: Sequence[Path] = ()) -> str | None:
+    """Return the rig that an experiment's file names, however wrong the rest of it is."""
+    try:
+        root = load_document(find_file(source, "experiments", search), "experiments", search,
+                             Problems()).root  # fmt: skip
+    except ConfigurationError:
+        return None
+    rig = root.get("rig")
+    return rig.value if rig is not None and isinstance(rig.value, str) else None
+
+
+def _with_controller(root: Node, problems: Problems) -> Node:
+    """Return the document with its law, if it names one, as its controller."""
+    law = root.get("law")
+    if law is None or not isinstance(root.value, dict):
+        return root
+    if "controller" in root.value:
+        problems.add(law.heading, "law and controller name the same thing", "leave out one")
+    items = {("controller" if key == "law" else key): node for key, node in root.value.items()}
+    return root.with_items(items)
 
 
 def _metric(node: Node, problems: Problems) -> MetricSpec | None:

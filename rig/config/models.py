@@ -167,6 +167,14 @@ class DeviceEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class BusEntry:
+    """A bus: the protocol that is spoken on it, and the settings that go with it."""
+
+    protocol: str
+    settings: Any
+
+
+@dataclass(frozen=True, slots=True)
 class PlantEntry:
     """The simulated physics: a plant's name and its settings."""
 
@@ -189,7 +197,7 @@ class Profile:
     loop : LoopSettings
         The cycle.
     buses, devices, controllers : dict
-        By name: bus settings, devices, controller settings.
+        By name: buses, devices, controller settings.
     plant : PlantEntry or None
         The simulated physics.
     simulation : SimulationSettings
@@ -203,7 +211,7 @@ class Profile:
     mechanism: str
     mechanism_settings: Any
     loop: LoopSettings
-    buses: dict[str, Any]
+    buses: dict[str, BusEntry]
     devices: dict[str, DeviceEntry]
     controllers: dict[str, Any]
     plant: PlantEntry | None

@@ -17,6 +17,7 @@ from rig.config.calibration import (
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import apply_overrides, load_document, parse_overrides
 from rig.config.models import (
+    BusEntry,
     Calibration,
     DeviceEntry,
     LoopSettings,
@@ -35,6 +36,10 @@ PROFILE_KEYS: Final = (
     "plant", "simulation",
 )  # fmt: skip
 """Top-level keys of a profile, besides the one that its mechanism's name makes."""
+
+
+DEFAULT_PROTOCOL: Final = "canopen"
+"""What is spoken on a bus whose entry does not say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,12 +213,7 @@ class _Reader:
         sections = self._sections
         mechanism_settings = self._mechanism()
         bus_nodes = sections.named("buses")
-        bus_settings = self._registry.settings("bus", "can") if bus_nodes else None
-        buses = {
-            bus: build(bus_settings, node, self._problems)
-            for bus, node in bus_nodes.items()
-            if bus_settings is not None
-        }
+        buses = {bus: self._bus(node) for bus, node in bus_nodes.items()}
         device_nodes = sections.named("devices")
         devices = {
             device: self._device(device, node, tuple(bus_nodes))
@@ -235,7 +235,7 @@ class _Reader:
             mechanism=head.mechanism,
             mechanism_settings=mechanism_settings,
             loop=head.loop,
-            buses=buses,
+            buses={name: entry for name, entry in buses.items() if entry is not None},
             devices={name: entry for name, entry in devices.items() if entry is not None},
             controllers=controllers,
             plant=None if plant is None else PlantEntry(*plant),
@@ -265,6 +265,17 @@ class _Reader:
         named = Node(name, node.heading)
         settings = self._sections.settings_of("controller", name, named)
         return None if settings is None else build(settings, node, self._problems)
+
+    def _bus(self, node: Node) -> BusEntry | None:
+        assert isinstance(node.value, dict)
+        items = dict(node.value)
+        written = items.pop("protocol", None)
+        if written is None:
+            settings = self._registry.settings("bus", DEFAULT_PROTOCOL)
+            built = build(settings, node, self._problems, also=("protocol",))
+            return None if built is None else BusEntry(DEFAULT_PROTOCOL, built)
+        chosen = self._sections.chosen("bus", node, "protocol")
+        return None if chosen is None else BusEntry(*chosen)
 
     def _device(self, name: str, node: Node, buses: tuple[str, ...]) -> DeviceEntry | None:
         assert isinstance(node.value, dict)

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import yaml
 
-from rig.config.models import DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
+from rig.config.models import BusEntry, DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
 
 _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*")
 
@@ -67,6 +67,8 @@ def _plain(value: Any) -> Any:
         calibration = False if value.calibration is None else _plain(value.calibration)
         common = {"driver": value.driver, "bus": value.bus, "serial": value.serial}
         return {**common, "calibration": calibration, **own}
+    if isinstance(value, BusEntry):
+        return {"protocol": value.protocol, **_plain(value.settings)}
     if isinstance(value, PlantEntry):
         return {"model": value.model, **_plain(value.settings)}
     if isinstance(value, ReferenceEntry):

@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter
 
 from rig.config.experiment import Head as ExperimentHead
 from rig.config.models import MetricSpec
-from rig.config.profile import DeviceHead
+from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead
 from rig.config.profile import Head as ProfileHead
 from rig.config.registry import Kind, Registry
 from rig.config.settings import annotation, closed_mapping, entries_of
@@ -48,7 +48,7 @@ def profile_schema(registry: Registry) -> dict[str, Any]:
         "extends": NotRequired[_Extends],
         **entries_of(ProfileHead),
         "mechanism": Required[_one_of(mechanisms)],
-        "buses": NotRequired[mapping[str, annotation(registry.settings("bus", "can"))]],
+        "buses": NotRequired[mapping[str, _buses(registry)]],
         "devices": NotRequired[mapping[str, _alternatives(registry, "driver", "driver", device)]],
         "controllers": NotRequired[closed_mapping("Controllers", controllers)],
         "plant": NotRequired[_alternatives(registry, "plant", "model", {})],
@@ -82,6 +82,11 @@ def experiment_schema(registry: Registry) -> dict[str, Any]:
         "metrics": NotRequired[mapping[str, metric]],
     }
     return _finished("Experiment", entries)
+
+
+def _buses(registry: Registry) -> Any:
+    unsaid = closed_mapping("bus", entries_of(registry.settings("bus", DEFAULT_PROTOCOL)))
+    return _alternatives(registry, "bus", "protocol", {}) | unsaid
 
 
 def _one_of(names: tuple[str, ...]) -> Any:

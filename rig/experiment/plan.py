@@ -12,10 +12,12 @@ from rig.config import (
     PROFILE_KEYS,
     Experiment,
     Profile,
+    ProfileError,
     find_configs,
     load_experiment,
     load_profile,
 )
+from rig.config.experiment import rig_of
 from rig.experiment.measures import MEASURES
 from rig.hal import ConfigurationError
 from rig.runtime.motion import Motion
@@ -69,9 +71,27 @@ def load_plan(
     for_experiment, for_profile = split_overrides(overrides)
     if rig is not None:
         for_experiment = [*for_experiment, f"rig={rig}"]
-    loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
+    try:
+        loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
+    except ProfileError as error:
+        raise _with_errors_of_profile(error, rig or rig_of(experiment, search), search) from error
     profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
     return make_plan(loaded, profile)
+
+
+def _with_errors_of_profile(
+    error: ProfileError, rig: str | None, search: Sequence[Path]
+) -> ProfileError:
+    """Return the errors of an experiment and those of its profile as one."""
+    if rig is None:
+        return error
+    try:
+        load_profile(rig, REGISTRY, (), search)
+    except ProfileError as other:
+        return ProfileError([*error.diagnostics, *other.diagnostics])
+    except ConfigurationError:
+        pass  # there is no such rig: said when the experiment itself is in order
+    return error
 
 
 def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:

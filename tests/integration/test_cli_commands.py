@@ -237,3 +237,25 @@ def test_names_are_completed(tmp_path, monkeypatch):
     assert "cylinder-sine" in completed(["check"], "cyl")
     assert completed(["report"], "la") == ["latest"]
     assert len(completed(["export"], "20")) == 1
+
+
+def test_errors_of_an_experiment_and_of_its_profile_are_shown_at_once(tmp_path, capsys):
+    for folder, name, old, new in (
+        ("rigs", "cylinder", "rate: 1 kHz", "rate: 1 kg"),
+        ("experiments", "cylinder-sine", "kind: sine", "kind: sinus"),
+    ):
+        text = (CONFIGS / folder / f"{name}.yaml").read_text()
+        target = tmp_path / folder / f"{name}.yaml"
+        target.parent.mkdir(parents=True)
+        target.write_text(text.replace(old, new))
+    code, _, err = run(capsys, "run", "cylinder-sine", "--configs", tmp_path, "--out", tmp_path)
+    assert code == 2
+    assert "no reference is called 'sinus'" in err and "'1 kg' is not in Hz" in err
+
+
+def test_a_figure_that_there_is_not_is_named(tmp_path, capsys):
+    code, _, err = run(
+        capsys, "run", "cylinder-sine", "--configs", CONFIGS, "--out", tmp_path,
+        "--set", "figures=[tracing]",
+    )  # fmt: skip
+    assert code == 2 and "no figure is called 'tracing'" in err and "'tracking'" in err

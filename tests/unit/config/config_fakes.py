@@ -115,7 +115,7 @@ class FakeRegistry:
     """What assembly would know."""
 
     TABLE: ClassVar = {
-        "bus": {"can": BusSettings},
+        "bus": {"canopen": BusSettings},
         "driver": {"valve-module": ValveSettings, "linear-encoder": EncoderSettings},
         "controller": {"pid": PidSettings, "cascade": CascadeSettings},
         "mechanism": {"cylinder": CylinderSettings, "joint": Friction},

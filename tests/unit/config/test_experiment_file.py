@@ -63,3 +63,15 @@ def test_one_error(configs, old, new, expected):
     with pytest.raises(ProfileError) as caught:
         configs.experiment()
     assert expected in str(caught.value)
+
+
+def test_a_controller_may_be_called_a_law(configs):
+    path = configs.write(
+        "experiments/law.yaml",
+        "name: law\nrig: bench\nlaw: cascade\nreference: {kind: step, height: 5 mm}\n",
+    )
+    assert configs.experiment(path).controller == "cascade"
+    assert configs.experiment("bench-sine", "law=pid").controller == "pid"
+    both = configs.write("experiments/both.yaml", "extends: bench-sine\nlaw: pid\n")
+    with pytest.raises(ProfileError, match="law and controller name the same thing"):
+        configs.experiment(both)

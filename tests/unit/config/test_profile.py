@@ -25,7 +25,7 @@ def test_a_profile_is_plain_data_in_si(configs):
     assert profile.name == "bench"
     assert (profile.loop.rate, profile.loop.priority, profile.loop.cpu) == (500.0, 70, 1)
     assert profile.loop.period == 2e-3
-    assert profile.buses["can0"].bitrate == 1_000_000
+    assert profile.buses["can0"].settings.bitrate == 1_000_000
     valves = profile.devices["valves"]
     assert (valves.driver, valves.bus, valves.serial, valves.calibration) == (
         "valve-module", "can0", None, None,
