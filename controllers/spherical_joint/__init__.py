@@ -1,0 +1,1 @@
+"""The wide-angle spherical joint: kinematics, tensions, pose control and estimation."""
