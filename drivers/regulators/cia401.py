@@ -201,6 +201,11 @@ class Cia401Regulators:
             watch.reset(pressure, now)
         self._armed = True
 
+    def doubt(self, now: float) -> str | None:
+        """Return which channel is furthest off its setpoint, if one is; see `Doubtful`."""
+        doubts = [found for watch in self._following if (found := watch.doubt()) is not None]
+        return f"{self.name}: {max(doubts)[1]}" if doubts else None
+
     def make_safe(self) -> None:
         """Vent every channel and shut the supply, from now until it is armed again."""
         self._armed = False

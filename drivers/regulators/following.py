@@ -27,6 +27,7 @@ class FollowingWatch:
         "_device",
         "_good_at",
         "_node",
+        "_off",
         "_response",
         "_then",
         "_time",
@@ -43,11 +44,13 @@ class FollowingWatch:
         self.expected = 0.0
         self._then = 0.0
         self._good_at = 0.0
+        self._off = 0.0
 
     def reset(self, pressure: float, now: float) -> None:
         """Start from a measured pressure (Pa)."""
         self.expected = pressure
         self._then = self._good_at = now
+        self._off = 0.0
 
     def check(self, setpoint: float, pressure: float, now: float) -> None:
         """Raise if the pressure has been off for too long.
@@ -68,7 +71,7 @@ class FollowingWatch:
         self._then = now
         if step > 0.0:
             self.expected += (setpoint - self.expected) * step / (self._response + step)
-        off = pressure - self.expected
+        off = self._off = pressure - self.expected
         if -self._deviation <= off <= self._deviation:
             self._good_at = now
         elif now - self._good_at > self._time:
@@ -80,3 +83,15 @@ class FollowingWatch:
                 value=f"{off:+.0f} Pa for {now - self._good_at:.2f} s",
                 bound=f"{self._deviation:.0f} Pa for {self._time:g} s",
             )
+
+    def doubt(self) -> tuple[float, str] | None:
+        """Return by how much the pressure is off (Pa) and a sentence; None if it is healthy.
+
+        Half of what would in time be a fault is enough for a doubt.
+        """
+        if abs(self._off) <= 0.5 * self._deviation:
+            return None
+        return abs(self._off), (
+            f"the pressure of {self._channel} is {self._off * 1e-3:+.0f} kPa off what its "
+            "setpoint asks for: its regulator may be stuck"
+        )

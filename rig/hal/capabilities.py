@@ -88,6 +88,14 @@ class Homeable(Protocol):
         ...
 
 
+class Doubtful(Protocol):
+    """A device that may look wrong for a while before it is a fault."""
+
+    def doubt(self, now: float) -> str | None:
+        """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
+        ...
+
+
 class EmergencyStopInput(Protocol):
     """A device that also reads the emergency-stop contact."""
 

@@ -106,9 +106,19 @@ class LimitExceeded(SafetyError):
         The permitted range, SI.
     unit : str
         The SI unit of all three.
+    suspicion : str, optional
+        What else looks wrong, and may be the cause.
     """
 
-    def __init__(self, quantity: str, value: float, lower: float, upper: float, unit: str) -> None:
+    def __init__(
+        self,
+        quantity: str,
+        value: float,
+        lower: float,
+        upper: float,
+        unit: str,
+        suspicion: str | None = None,
+    ) -> None:
         self.quantity = quantity
         self.value = value
         self.lower = lower
@@ -117,6 +127,13 @@ class LimitExceeded(SafetyError):
         super().__init__(
             f"{quantity} is {describe(value, unit)}, "
             f"outside {describe(lower, unit)} … {describe(upper, unit)}"
+            + (f"; {suspicion}" if suspicion else "")
+        )
+
+    def suspecting(self, suspicion: str) -> "LimitExceeded":
+        """Return the same error with a likely cause."""
+        return LimitExceeded(
+            self.quantity, self.value, self.lower, self.upper, self.unit, suspicion
         )
 
 

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Any, Generic, NamedTuple, Protocol
 
 from controllers.base import Controller
-from rig.hal import Clock, CyclicBus, Device, LoopStalled
+from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
 from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
 from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
@@ -261,6 +261,8 @@ class Loop(Generic[State, Reference, Command]):
                 for bus in buses:
                     bus.check(now)
                 mechanism.check(state, now)
+            except LimitExceeded as error:
+                fault = _with_suspicion(error, devices, now)
             except Exception as error:
                 fault = error
             read = perf_counter()
@@ -322,6 +324,13 @@ class Loop(Generic[State, Reference, Command]):
             else:
                 late_in_a_row = 0
             sleep_until(start + tick * period)
+
+
+def _with_suspicion(error: LimitExceeded, devices: Sequence[Any], now: float) -> LimitExceeded:
+    """Return the error with what the devices doubt: it may be why the rig got out of bounds."""
+    doubts = [device.doubt(now) for device in devices if hasattr(device, "doubt")]
+    found = "; ".join(doubt for doubt in doubts if doubt)
+    return error.suspecting(found) if found else error
 
 
 class _LimitWatch:
