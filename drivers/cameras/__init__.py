@@ -1,0 +1,1 @@
+"""Cameras that watch markers: sources of frames, detectors, and the driver."""

@@ -1,0 +1,231 @@
+"""What a camera above the joint would see.
+
+Only the window round the marker is computed for each frame; the rest comes from a few images of
+the scene with noise of their own, drawn once.
+"""
+
+from collections.abc import Sequence
+from functools import lru_cache
+from math import ceil, sqrt
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.cameras.settings import MarkerCameraSettings
+from drivers.sim.camera.kernels import cover_disc, cover_squares, expose, trace_rays
+from drivers.sim.camera.settings import CameraSimulationSettings
+
+Image = NDArray[np.uint8]
+Floats = NDArray[np.float64]
+
+_SCENES: Final = 4
+"""Images of the scene with different noise."""
+
+_DARK_LEVEL: Final = 1.0
+"""What is left of the light under a lens cap, counts."""
+
+_BLACK: Final = 20.0
+"""Level of a marker's black cells, counts."""
+
+_MARGIN: Final = 6
+"""Of the window round the marker beyond its blur, pixels."""
+
+
+class MarkerPose(NamedTuple):
+    """Where a marker is.
+
+    Attributes
+    ----------
+    position : sequence of float, length 3
+        Its centre in the joint's base frame, m.
+    rotation : sequence of sequence of float, shape (3, 3)
+        Its axes as columns, in the base frame; z is its normal.
+    """
+
+    position: Sequence[float]
+    rotation: Sequence[Sequence[float]]
+
+
+class MarkerRenderer:
+    """Renders the frames of a simulated camera.
+
+    Parameters
+    ----------
+    settings : MarkerCameraSettings
+        Lens, pose and marker as the driver knows them.
+    optics : CameraSimulationSettings
+        Blur, noise, levels, and by how much the pose is off.
+    seed : int
+        Of scene and noise.
+    """
+
+    def __init__(
+        self, settings: MarkerCameraSettings, optics: CameraSimulationSettings, seed: int
+    ) -> None:
+        self._optics = optics
+        self._marker = settings.marker
+        self._generator = np.random.default_rng(seed)
+        lens = settings.intrinsics
+        self._focal = np.array([lens.fx, lens.fy])
+        self._blur = sqrt(optics.blur**2 + 1.0 / 12.0)  # a pixel is one wide
+        shape = (settings.height, settings.width)
+        self._rays = np.empty((*shape, 2), np.float32)
+        trace_rays(
+            self._rays,
+            self._focal,
+            np.array([lens.cx, lens.cy]),
+            np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]),
+        )
+        turn = _rotation(settings.rotation_base_from_camera)
+        self._camera_from_base = (turn @ _rotation(optics.rotation_error)).T
+        self._camera = np.array(settings.position_camera_in_base) + optics.position_error
+        self._scene = self._make_scene(shape)
+        self._scenes = [self._with_noise(self._scene) for _ in range(_SCENES)]
+        self._darkness: list[Image] = []
+        self._frames = 0
+        dark = self._marker.kind == "blob" and self._marker.polarity == "dark"
+        self._levels = np.array([_BLACK, _BLACK if dark else optics.marker])
+
+    def render(
+        self,
+        poses: Sequence[MarkerPose],
+        *,
+        diameter: float | None = None,
+        number: int | None = None,
+    ) -> Image:
+        """Return one frame.
+
+        Parameters
+        ----------
+        poses : sequence of MarkerPose
+            At instants spread over the exposure; none: the marker is out of sight.
+        diameter : float, optional
+            Of another disc than that of the settings, m.
+        number : int, optional
+            Of another ArUco marker than the first of the settings.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width)
+        """
+        self._frames += 1
+        image = self._scenes[self._frames % _SCENES].copy()
+        if not poses:
+            return image
+        placed = np.stack([self._to_camera(pose) for pose in poses])
+        squares = self._marker.kind == "aruco"
+        marker = self._marker
+        disc = marker.diameter if diameter is None else diameter
+        cells = marker_cells(marker.dictionary, marker.ids[0] if number is None else number)
+        cell = marker.side / (cells.shape[0] - 2)
+        window = self._window(placed, 0.5 * (cells.shape[0] * cell if squares else disc))
+        if window is None:
+            return image
+        rays = self._rays[window]
+        cover = np.empty(rays.shape[:2], np.float32)
+        light = cover
+        if squares:
+            light = np.empty_like(cover)
+            cover_squares(cover, light, rays, placed, cells, cell, self._focal, self._blur)
+        else:
+            cover_disc(cover, rays, placed, 0.5 * disc, self._focal, self._blur)
+        expose(
+            image[window],
+            self._scene[window],
+            cover,
+            light,
+            self._generator.standard_normal(cover.shape, np.float32),
+            self._levels,
+            self._optics.read_noise**2,
+            self._optics.shot_noise,
+        )
+        return image
+
+    def render_darkness(self) -> Image:
+        """Return a frame with the lens covered."""
+        if not self._darkness:
+            night = np.full_like(self._scene, _DARK_LEVEL)
+            self._darkness = [self._with_noise(night) for _ in range(_SCENES)]
+        self._frames += 1
+        return self._darkness[self._frames % _SCENES].copy()
+
+    def _to_camera(self, pose: MarkerPose) -> Floats:
+        """Return a marker's axes and centre as columns in the camera's frame, shape (3, 4)."""
+        centre = np.asarray(pose.position, float) - self._camera
+        columns = np.column_stack([np.asarray(pose.rotation, float), centre])
+        return np.asarray(self._camera_from_base @ columns)
+
+    def _window(self, placed: Floats, reach: float) -> tuple[slice, slice] | None:
+        """Return the rows and columns that may show the marker, None if it is out of view.
+
+        The rays of the image itself are searched for the directions of the marker's corners
+        (`reach` from its centre along both axes), so that no forward model of the lens is needed.
+        """
+        square = reach * np.array([[1, 1, -1, -1], [1, -1, 1, -1]])
+        corners = placed[:, :, :2] @ square + placed[:, :, 3:]
+        depth = corners[:, 2]
+        if (depth <= 0.0).any():
+            return None
+        x, y = corners[:, 0] / depth, corners[:, 1] / depth
+        rows, columns = self._scene.shape
+        row, column = rows // 2, columns // 2
+        margin = ceil(5.0 * self._blur) + _MARGIN
+        ends = []
+        for goal_x, goal_y in ((x.min(), y.min()), (x.max(), y.max())):
+            for _ in range(4):  # a column's x hardly depends on its row, and the other way round
+                column = int(np.searchsorted(self._rays[min(row, rows - 1), :, 0], goal_x))
+                row = int(np.searchsorted(self._rays[:, min(column, columns - 1), 1], goal_y))
+            ends.append((row, column))
+        (top, left), (bottom, right) = ends
+        if bottom == 0 or right == 0 or top == rows or left == columns:
+            return None
+        return (
+            slice(max(top - margin, 0), bottom + margin),
+            slice(max(left - margin, 0), right + margin),
+        )
+
+    def _make_scene(self, shape: tuple[int, int]) -> NDArray[np.float32]:
+        """Return the scene without marker and noise, counts."""
+        optics = self._optics
+        y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, count) for count in shape), indexing="ij")
+        light = optics.background * (1.0 - optics.vignetting * 0.5 * (x * x + y * y))
+        for _ in range(6):  # a few soft waves: nothing in a lab is evenly lit
+            fx, fy, phase = self._generator.uniform([-6, -6, 0], [6, 6, 6.3])
+            light += optics.texture / sqrt(3.0) * np.sin(fx * x + fy * y + phase)
+        if self._marker.kind == "aruco" or self._marker.polarity == "dark":
+            light += 0.5 * optics.marker  # such markers are seen before a light scene
+        scene: NDArray[np.float32] = np.clip(light, 0.0, 255.0).astype(np.float32)
+        return scene
+
+    def _with_noise(self, scene: NDArray[np.float32]) -> Image:
+        spread = np.sqrt(self._optics.read_noise**2 + self._optics.shot_noise * scene)
+        noisy = scene + spread * self._generator.standard_normal(scene.shape, np.float32)
+        image: Image = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+        return image
+
+
+@lru_cache(maxsize=8)
+def marker_cells(dictionary: str, number: int) -> Image:
+    """Return the cells of an ArUco marker with one white cell all round, 0 black and 1 white."""
+    import cv2
+
+    known = cv2.aruco.getPredefinedDictionary(int(getattr(cv2.aruco, f"DICT_{dictionary.upper()}")))
+    side = known.markerSize + 2
+    printed = cv2.aruco.generateImageMarker(known, number, side)
+    return np.pad((printed > 127).astype(np.uint8), 1, constant_values=1)
+
+
+def _rotation(vector: Sequence[float]) -> Floats:
+    """Return the rotation matrix of a rotation vector (rad), by its exponential series."""
+    x, y, z = vector
+    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # Scaling and squaring: the series of a small rotation needs few terms.
+    small = skew / 256.0
+    term = turn = np.eye(3)
+    for k in range(1, 9):
+        term = term @ small / k
+        turn = turn + term
+    for _ in range(8):
+        turn = turn @ turn
+    return turn
