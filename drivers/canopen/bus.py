@@ -70,6 +70,8 @@ class CanopenBus:
         Opens the interface: ``lambda: drivers.can.open_bus(settings)``, or what a test wants.
     clock : Clock
         The rig's.
+    period : float, optional
+        Of the cycle, and so of SYNC, s; devices that must know it refuse a bus without.
 
     Attributes
     ----------
@@ -80,11 +82,17 @@ class CanopenBus:
     """
 
     def __init__(
-        self, name: str, settings: CanBusSettings, open_bus: Callable[[], CanBus], clock: Clock
+        self,
+        name: str,
+        settings: CanBusSettings,
+        open_bus: Callable[[], CanBus],
+        clock: Clock,
+        period: float | None = None,
     ) -> None:
         self.name = name
         self.settings = settings
         self.clock = clock
+        self.period = period
         self.sync_count = 0
         self.sync_time = -inf
         self._open_bus = open_bus
