@@ -1,0 +1,1 @@
+"""Drivers of Dynamixel servos on a serial bus, Protocol 2.0."""

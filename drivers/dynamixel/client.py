@@ -1,0 +1,178 @@
+"""One servo's registers, read and written with an answer: configuration, outside the cycle."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from drivers.dynamixel.protocol import Status, encode_ping, encode_read, encode_write
+from drivers.dynamixel.registers import ALERT, Register, describe_status_error
+from rig.hal import ConnectionFailed
+
+if TYPE_CHECKING:
+    from drivers.dynamixel.bus import SerialBus
+
+
+class Identity(NamedTuple):
+    """What a servo says of itself.
+
+    Attributes
+    ----------
+    model : int
+        Its model number.
+    firmware : int
+        The version of its firmware.
+    """
+
+    model: int
+    firmware: int
+
+
+class RegisterClient:
+    """Reads and writes one servo's control table; asks again if a packet gets lost.
+
+    Parameters
+    ----------
+    device, joint : str
+        Names, for messages.
+    servo : int
+        Its id.
+    bus : SerialBus
+        The chain.
+    """
+
+    def __init__(self, device: str, joint: str, servo: int, bus: "SerialBus") -> None:
+        self.device = device
+        self.joint = joint
+        self.servo = servo
+        self._bus = bus
+
+    def ping(self) -> Identity:
+        """Ask who it is.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer, not in time, or not alone.
+        """
+        bound = self._bus.settings.max_latency
+        latency = bound
+        for _ in range(2):  # a first answer may be slow because a packet got lost
+            asked = self._bus.clock.now()
+            self._ask(encode_ping(self.servo), 3, "ping")
+            latency = self._bus.clock.now() - asked
+            if latency <= bound:
+                break
+        if latency > bound:
+            raise self.failed(
+                "it answers too slowly for the cycle; set the adapter's latency timer to 1 ms "
+                "and the servos' Return Delay Time (9) to 0",
+                value=f"{latency * 1e3:.1f} ms",
+                bound=f"{bound * 1e3:g} ms",
+            )
+        status = self._ask(encode_ping(self.servo), 3, "ping", alone=True)
+        return Identity(status.data[0] | status.data[1] << 8, status.data[2])
+
+    def read(self, register: Register) -> int:
+        """Read a register.
+
+        Raises
+        ------
+        ConnectionFailed
+            It refuses, or does not answer.
+        """
+        return register.decode(self.read_bytes(register.address, register.size, str(register)))
+
+    def read_bytes(self, address: int, size: int, what: str) -> bytes:
+        """Read registers that stand side by side."""
+        return self._ask(encode_read(self.servo, address, size), size, what).data
+
+    def write(self, register: Register, value: int) -> None:
+        """Write a register, read it back and compare.
+
+        Raises
+        ------
+        ConnectionFailed
+            It refuses, does not answer, or does not keep the value.
+        """
+        self.command(register, value)
+        self._compare(self.read(register), value, str(register))
+
+    def settle(self, register: Register, value: int) -> None:
+        """Have a register hold a value; write only if it does not, as in EEPROM it wears."""
+        if self.read(register) != value:
+            self.write(register, value)
+
+    def command(self, register: Register, value: int) -> None:
+        """Write a register that cannot be compared afterwards."""
+        self._ask(
+            encode_write(self.servo, register.address, register.encode(value)), 0, str(register)
+        )
+
+    def write_bytes(self, address: int, data: bytes, what: str) -> None:
+        """Write registers that stand side by side, read them back and compare."""
+        self._ask(encode_write(self.servo, address, data), 0, what)
+        kept = self.read_bytes(address, len(data), what)
+        if kept != data:
+            self._compare(int.from_bytes(kept, "little"), int.from_bytes(data, "little"), what)
+
+    def failed(
+        self,
+        what: str,
+        *,
+        register: str | None = None,
+        value: str | None = None,
+        bound: str | None = None,
+    ) -> ConnectionFailed:
+        """Return an error that names the servo."""
+        return ConnectionFailed(
+            self.device,
+            f"{self.joint} (id {self.servo}): {what}",
+            node=self.servo,
+            object=register,
+            value=value,
+            bound=bound,
+        )
+
+    def _ask(self, packet: bytes, size: int, what: str, *, alone: bool = False) -> Status:
+        """Return the answer to a packet; with `alone`, listen whether a second one comes."""
+        bus, servo = self._bus, self.servo
+        settings = bus.settings
+        wanted = 2 if alone else 1
+
+        def is_enough(answers: Sequence[Status]) -> bool:
+            return sum(status.id == servo for status in answers) >= wanted
+
+        was_damaged = False
+        for _ in range(settings.attempts):
+            answers, damaged = bus.ask(packet, is_enough, settings.reply_timeout)
+            was_damaged |= damaged
+            mine = [status for status in answers if status.id == servo]
+            if len(mine) > 1:
+                raise self.failed("it answers twice; there are two servos with this id")
+            if not mine:
+                continue
+            status = mine[0]
+            error = status.error & ~ALERT
+            if error:
+                raise self.failed(
+                    f"it refused: {describe_status_error(error)}",
+                    register=what,
+                    value=f"0x{status.error:02X}",
+                )
+            if len(status.data) == size:
+                return status
+            was_damaged = True
+        if was_damaged:
+            raise self.failed(
+                "its answers are garbled; there are two servos with this id, or the cable is bad",
+                register=what,
+            )
+        raise self.failed("it does not answer", register=what)
+
+    def _compare(self, kept: int, expected: int, what: str) -> None:
+        if kept != expected:
+            raise self.failed(
+                "it took a setting but reads back another; it must not be used like this",
+                register=what,
+                value=str(kept),
+                bound=str(expected),
+            )

@@ -1,0 +1,215 @@
+"""What servos say of themselves, and whether they do what they are told."""
+
+from typing import Final, NamedTuple
+
+from drivers.dynamixel import registers as table
+from drivers.dynamixel.settings import DynamixelSettings
+from rig.hal import DeviceFault, Reading, Vector
+
+_CONFIRMED: Final = 3  # samples in a row; one may have been taken while a setting was on its way
+
+
+class Health(NamedTuple):
+    """What one servo says of itself.
+
+    Attributes
+    ----------
+    error : int
+        Bits of Hardware Error Status.
+    watchdog : int
+        Bus Watchdog: 0 off, -1 tripped, else its time in steps of 20 ms.
+    voltage : float
+        At its input, V.
+    temperature : float
+        Inside, K.
+    """
+
+    error: int
+    watchdog: int
+    voltage: float
+    temperature: float
+
+
+class HealthWatch:
+    """Finds the first fault in what the servos of a device say.
+
+    Parameters
+    ----------
+    device : str
+        Its name, for messages.
+    settings : DynamixelSettings
+        Bounds.
+    joints : tuple of str
+        Names.
+    ids : tuple of int
+        Of their servos.
+    watchdog : int
+        What Bus Watchdog holds while it is armed.
+    """
+
+    def __init__(
+        self,
+        device: str,
+        settings: DynamixelSettings,
+        joints: tuple[str, ...],
+        ids: tuple[int, ...],
+        watchdog: int,
+    ) -> None:
+        self._device = device
+        self._joints = joints
+        self._ids = ids
+        self._watchdog = watchdog
+        self._hottest = settings.max_temperature
+        self._lowest, self._highest = settings.voltage
+        self._error = settings.following_error
+        self._time = settings.following_time
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget everything; expect no watchdog yet."""
+        self._trouble: DeviceFault | None = None
+        self._expected = 0
+        self._unguarded = [0] * len(self._ids)
+        self._unfit = [0] * len(self._ids)
+        self._followed_at: list[float] | None = None
+        self._has_torque = True
+
+    def expect_watchdog(self) -> None:
+        """Expect an armed watchdog from the next sample on."""
+        self._expected = self._watchdog
+
+    def follow(self, has_torque: bool) -> None:
+        """Expect the joints to follow, or not: without torque they cannot."""
+        self._has_torque = has_torque
+        self._followed_at = None
+
+    def accept(self, k: int, health: Health) -> bool:
+        """Take what servo `k` says; return whether its motion can be trusted."""
+        if health.error:
+            self.latch(
+                k,
+                f"reports a hardware error: {table.describe_hardware_error(health.error)}",
+                table.HARDWARE_ERROR,
+                f"0x{health.error:02X}",
+            )
+        if health.watchdog != self._expected:
+            return self._miss_watchdog(k, health.watchdog)
+        self._unguarded[k] = 0
+        is_hot = health.temperature > self._hottest
+        if not is_hot and self._lowest <= health.voltage <= self._highest:
+            self._unfit[k] = 0
+            return True
+        self._unfit[k] += 1
+        if self._unfit[k] >= _CONFIRMED:
+            self._latch_unfit(k, health, is_hot=is_hot)
+        return True
+
+    def accept_alert(self, k: int) -> None:
+        """Take that servo `k` has a hardware error of which no more is known."""
+        self.latch(k, "reports a hardware error, which its register tells", table.HARDWARE_ERROR)
+
+    def check(self) -> None:
+        """Raise the first fault.
+
+        Raises
+        ------
+        DeviceFault
+            Hardware error, watchdog tripped or off, too hot, voltage out of range.
+        """
+        if self._trouble is not None:
+            raise self._trouble
+
+    def check_following(self, setpoints: Vector, reading: Reading[Vector]) -> None:
+        """Raise if a joint stays off its setpoint.
+
+        Parameters
+        ----------
+        setpoints : tuple of float
+            rad.
+        reading : Reading
+            The positions, rad.
+
+        Raises
+        ------
+        DeviceFault
+            One has been farther off than it may for longer than it may.
+        """
+        positions, t = reading
+        since = self._followed_at
+        if since is None:
+            since = self._followed_at = [t] * len(positions)
+        if not self._has_torque:
+            return
+        bound = self._error
+        for k, (setpoint, position) in enumerate(zip(setpoints, positions, strict=True)):
+            if -bound <= setpoint - position <= bound:
+                since[k] = t
+            elif t - since[k] > self._time:
+                self.latch(
+                    k,
+                    "does not follow its setpoint; it is blocked, overloaded or without torque",
+                    table.PRESENT_POSITION,
+                    f"{position - setpoint:+.3g} rad for {t - since[k]:.2f} s",
+                    f"{bound:g} rad for {self._time:g} s",
+                )
+                self.check()
+
+    def latch(
+        self,
+        k: int,
+        what: str,
+        register: table.Register,
+        value: str | None = None,
+        bound: str | None = None,
+    ) -> None:
+        """Keep a fault of servo `k`; the first one stays."""
+        if self._trouble is None:
+            self._trouble = DeviceFault(
+                self._device,
+                f"{self._joints[k]} (id {self._ids[k]}) {what}",
+                node=self._ids[k],
+                object=str(register),
+                value=value,
+                bound=bound,
+            )
+
+    def _miss_watchdog(self, k: int, found: int) -> bool:
+        if found == table.WATCHDOG_TRIPPED:
+            self.latch(
+                k,
+                "has stopped by itself: its bus watchdog tripped, because nothing reached it "
+                "for too long; it takes no setpoints until it is connected and armed again",
+                table.BUS_WATCHDOG,
+                "-1",
+                f"{self._watchdog} (of 20 ms)",
+            )
+            return False
+        self._unguarded[k] += 1
+        if self._unguarded[k] >= _CONFIRMED:
+            self.latch(
+                k,
+                "has lost its settings: its bus watchdog is not what was written. It rebooted, "
+                "perhaps for want of power",
+                table.BUS_WATCHDOG,
+                str(found),
+                str(self._expected),
+            )
+        return False
+
+    def _latch_unfit(self, k: int, health: Health, *, is_hot: bool) -> None:
+        if is_hot:
+            self.latch(
+                k,
+                "is too hot",
+                table.TEMPERATURE,
+                f"{health.temperature - table.CELSIUS:.0f} °C",
+                f"{self._hottest - table.CELSIUS:.0f} °C",
+            )
+        else:
+            self.latch(
+                k,
+                "has not the voltage that it needs",
+                table.INPUT_VOLTAGE,
+                f"{health.voltage:.1f} V",
+                f"{self._lowest:g} … {self._highest:g} V",
+            )

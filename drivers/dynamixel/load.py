@@ -1,0 +1,123 @@
+"""How much of a serial bus's time a chain of servos needs, before anything is opened.
+
+References
+----------
+A byte on the wire is 10 bits: start, 8 data, stop. ROBOTIS e-Manual, "DYNAMIXEL Protocol
+2.0": a packet has 10 bytes beside its parameters.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, Protocol
+
+from drivers.canopen.load import BusLoad, FrameLoad
+from drivers.dynamixel.protocol import compute_fast_length
+from rig.hal import ConfigurationError
+
+_BITS_PER_BYTE: Final = 10
+_SYNC_OVERHEAD: Final = 14  # of a sync packet: header, id, length, instruction, range, CRC
+_STATUS_OVERHEAD: Final = 11
+_GOAL_SIZE: Final = 4
+
+
+class SerialTraffic(Protocol):
+    """What the load needs to know of a bus's settings."""
+
+    @property
+    def baudrate(self) -> int:
+        """Of the bus, bit/s."""
+        ...
+
+    @property
+    def fast_sync(self) -> bool:
+        """Whether all answer in one packet."""
+        ...
+
+    @property
+    def turnaround(self) -> float:
+        """What an answer costs beside its bytes, s."""
+        ...
+
+    @property
+    def max_load(self) -> float:
+        """The greatest permitted load, 0 … 1."""
+        ...
+
+
+class ServoChain(Protocol):
+    """What the load needs to know of a device's settings."""
+
+    @property
+    def joints(self) -> Mapping[str, object]:
+        """Its servos."""
+        ...
+
+    @property
+    def block_size(self) -> int:
+        """Bytes that each servo sends in every cycle."""
+        ...
+
+
+def compute_serial_load(
+    bus: SerialTraffic, devices: Iterable[tuple[str, ServoChain]], rate: float
+) -> BusLoad:
+    """Compute the load of a serial bus.
+
+    Stuffed bytes are not counted: what they add to a packet is below one in a hundred.
+
+    Parameters
+    ----------
+    bus : SerialTraffic
+        Settings of the bus.
+    devices : iterable of (str, ServoChain)
+        Name and settings of each device on it.
+    rate : float
+        Of the loop, Hz.
+    """
+    packets: list[tuple[str, int, float]] = []
+    servos = 0
+    block = 0
+    for name, device in devices:
+        count = len(device.joints)
+        servos += count
+        block = device.block_size
+        packets.append((f"{name} setpoints", _SYNC_OVERHEAD + count * (1 + _GOAL_SIZE), 0.0))
+    if servos:
+        packets.append(("request", _SYNC_OVERHEAD + servos, 0.0))
+        if bus.fast_sync:
+            packets.append(("answer of all", compute_fast_length(block, servos), bus.turnaround))
+        else:
+            size = servos * (_STATUS_OVERHEAD + block)
+            packets.append(("answers", size, servos * bus.turnaround))
+    loads = [
+        FrameLoad(name, size, rate, (size * _BITS_PER_BYTE / bus.baudrate + delay) * rate)
+        for name, size, delay in packets
+    ]
+    loads.sort(key=lambda packet: -packet.load)
+    return BusLoad(sum(packet.load for packet in loads), tuple(loads))
+
+
+def check_serial_load(
+    name: str, bus: SerialTraffic, devices: Sequence[tuple[str, ServoChain]], rate: float
+) -> BusLoad:
+    """Compute the load of a serial bus and refuse it if it is too high.
+
+    Parameters
+    ----------
+    name : str
+        The bus's name in the profile.
+    bus, devices, rate
+        See `compute_serial_load`.
+
+    Raises
+    ------
+    ConfigurationError
+        The load is above the bus's `max_load`; the message lists what fills it.
+    """
+    load = compute_serial_load(bus, devices, rate)
+    if load.total > bus.max_load:
+        raise ConfigurationError(
+            f"bus {name}: the load at {rate:g} Hz and {bus.baudrate:g} bit/s is "
+            f"{100.0 * load.total:.1f} %, at most {100.0 * bus.max_load:g} % is allowed. Raise "
+            f"the baud rate, lower the loop's rate, or use a second bus:\n{load.table()}"
+        )
+    return load

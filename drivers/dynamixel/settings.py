@@ -1,0 +1,250 @@
+"""What a profile says of a serial bus and of the Dynamixel servos on it."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Interval, MinLen, Unit
+
+from drivers.dynamixel.registers import (
+    COUNT_AT_ZERO,
+    COUNTS_PER_TURN,
+    HEALTH,
+    MODELS,
+    MOTION,
+    POSITION_STEP,
+    Mode,
+    Model,
+    ModelName,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SerialBusSettings:
+    """One serial adapter with a chain of servos, half duplex, 8 data bits, no parity.
+
+    Parameters
+    ----------
+    port : str
+        What the system calls the adapter; a name below ``/dev/serial/by-id`` stays the same
+        when adapters are plugged in another order.
+    baudrate : int
+        Of every servo on the chain (their register 8), bit/s.
+    fast_sync : bool
+        Have the servos answer in one common packet (Fast Sync Read); False for firmware
+        before version 45 or so, which does not know it.
+    low_latency : bool
+        Ask the adapter's driver to hand over bytes at once instead of every 16 ms.
+    max_latency : float
+        The slowest answer that is accepted while connecting, s. The answer to a cycle's
+        request must be there when the next cycle starts.
+    reply_timeout : float
+        How long configuration waits for an answer, s.
+    attempts : int
+        How often configuration asks; a packet may get lost.
+    turnaround : float
+        What a reading costs beside its bytes, for the load: the adapter's and the servos'
+        change of direction, s.
+    max_load : float
+        Highest share of the bus's time that the cycle may need.
+    fault_after : int
+        Answers of a servo missed, damaged or doubled in a row that are a fault.
+    max_refused : int
+        Cycles in a row in which the port may refuse bytes before this is a fault.
+    """
+
+    port: Annotated[str, MinLen(1)]
+    baudrate: Annotated[int, Unit("bit/s"), Interval(ge=9_600, le=4_500_000)] = 1_000_000
+    fast_sync: bool = True
+    low_latency: bool = True
+    max_latency: Annotated[float, Unit("s"), Gt(0)] = 4e-3
+    reply_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] = 0.02
+    attempts: Annotated[int, Interval(ge=1, le=10)] = 3
+    turnaround: Annotated[float, Unit("s"), Interval(ge=0, le=5e-3)] = 100e-6
+    max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
+    fault_after: Annotated[int, Interval(ge=1, le=3)] = 3
+    max_refused: Annotated[int, Ge(0)] = 2
+
+
+@dataclass(frozen=True, slots=True)
+class DynamixelJoint:
+    """One servo and the joint that it turns.
+
+    The joint's angle is ``direction · (servo's angle - zero)``; the servo's angle is 0 at
+    count 2048 and grows counter-clockwise, looking at its horn.
+
+    Parameters
+    ----------
+    id : int
+        The servo's, 0 … 252.
+    direction : int
+        1, or -1 if the joint's positive sense is the servo's negative one.
+    zero : float
+        The servo's angle at which the joint is at its zero, rad.
+    lower, upper : float, optional
+        The joint's range, rad. Setpoints beyond are refused; in position mode the servo is
+        given the range too. None: what the servo can do.
+    model : str, optional
+        If it is another than the device's.
+    homing_offset : int
+        What its register 20 must hold, counts: somebody who set another has moved the zero.
+    """
+
+    id: Annotated[int, Interval(ge=0, le=252)]
+    direction: Literal[1, -1] = 1
+    zero: Annotated[float, Unit("rad"), Interval(ge=-math.pi, le=math.pi)] = 0.0
+    lower: Annotated[float, Unit("rad")] | None = None
+    upper: Annotated[float, Unit("rad")] | None = None
+    model: ModelName | None = None
+    homing_offset: int = 0
+
+    def __post_init__(self) -> None:
+        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
+            raise ValueError(
+                f"lower ({self.lower:g} rad) of servo {self.id} is not below its upper "
+                f"({self.upper:g} rad)."
+            )
+
+    def servo_range(self) -> tuple[float, float]:
+        """Return what `lower` and `upper` are on the servo, counts; infinite if not given."""
+        ends = [
+            COUNT_AT_ZERO + (self.zero + self.direction * end) / POSITION_STEP
+            for end in (
+                -math.inf if self.lower is None else self.lower,
+                math.inf if self.upper is None else self.upper,
+            )
+        ]
+        return min(ends), max(ends)
+
+
+@dataclass(frozen=True, slots=True)
+class DynamixelGains:
+    """Gains of the servo's own controllers, as its registers count them.
+
+    What is None is left as the servo has it, which after power-on is the maker's default.
+
+    Parameters
+    ----------
+    position_p, position_i, position_d : int, optional
+        Registers 84, 82, 80.
+    velocity_p, velocity_i : int, optional
+        Registers 78, 76.
+    feedforward_1, feedforward_2 : int, optional
+        Of the goal's velocity and acceleration: registers 90, 88.
+    """
+
+    position_p: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    position_i: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    position_d: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    velocity_p: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    velocity_i: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    feedforward_1: Annotated[int, Interval(ge=0, le=16383)] | None = None
+    feedforward_2: Annotated[int, Interval(ge=0, le=16383)] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DynamixelSettings:
+    """A chain of X-series servos, one per joint.
+
+    Parameters
+    ----------
+    joints : dict of str to DynamixelJoint
+        By the joint's name, in the order of the vectors.
+    model : str
+        Of the servos, which must report it.
+    mode : str
+        ``position`` (within one turn), ``extended_position`` (many turns),
+        ``current_based_position`` (with `goal_current` as a limit) or ``velocity``.
+    goal_current : float, optional
+        Limit of the current in ``current_based_position``, A.
+    current_limit : float, optional
+        Register 38, A. None: as the servo has it.
+    profile_velocity, profile_acceleration : float
+        Of the servo's own trajectory towards a setpoint, rad/s and rad/s². 0: none, which
+        is right for setpoints that come every cycle.
+    gains : DynamixelGains
+        Of the servo's controllers.
+    watchdog : float
+        After this silence the servo stops by itself, s; in steps of 20 ms. It is armed with
+        the first cycle.
+    stop : str
+        What the safe state is: ``hold`` the last setpoint under torque (also after the
+        program has ended), or ``release`` the torque.
+    health : bool
+        Read hardware error, bus watchdog, voltage and temperature of every servo in every
+        cycle (15 bytes instead of 10). False for chains whose time does not allow it; a
+        hardware error then shows only as such, a tripped watchdog as a joint that does not
+        follow.
+    max_temperature : float
+        Above it is a fault, K.
+    voltage : tuple of float
+        Input voltages outside are a fault, V.
+    following_error, following_time : float
+        A joint farther off its setpoint than this (rad) for longer than this (s) is a fault.
+    """
+
+    joints: Annotated[dict[str, DynamixelJoint], MinLen(1)]
+    model: ModelName = "xm430-w350"
+    mode: Mode = "position"
+    goal_current: Annotated[float, Unit("A"), Gt(0)] | None = None
+    current_limit: Annotated[float, Unit("A"), Gt(0)] | None = None
+    profile_velocity: Annotated[float, Unit("rad/s"), Ge(0)] = 0.0
+    profile_acceleration: Annotated[float, Unit("rad/s^2"), Ge(0)] = 0.0
+    gains: DynamixelGains = field(default_factory=DynamixelGains)
+    watchdog: Annotated[float, Unit("s"), Interval(ge=0.02, le=2.54)] = 0.06
+    stop: Literal["hold", "release"] = "hold"
+    health: bool = True
+    max_temperature: Annotated[float, Unit("K"), Interval(ge=293.15, le=373.15)] = 343.15
+    voltage: tuple[Annotated[float, Unit("V"), Ge(0)], Annotated[float, Unit("V"), Ge(0)]] = (
+        4.5,
+        16.0,
+    )
+    following_error: Annotated[float, Unit("rad"), Gt(0)] = 0.35
+    following_time: Annotated[float, Unit("s"), Gt(0)] = 0.5
+
+    def __post_init__(self) -> None:
+        ids: dict[int, str] = {}
+        for name, joint in self.joints.items():
+            if joint.id in ids:
+                raise ValueError(f"{ids[joint.id]} and {name} have the same id, {joint.id}.")
+            ids[joint.id] = name
+            self._check_range(name, joint)
+        if len({self.model_of(joint).indirect_data for joint in self.joints.values()}) > 1:
+            raise ValueError(
+                "the joints' models have their indirect data at different addresses, so they "
+                "cannot be read at once; put them into two devices on two buses."
+            )
+        if not self.voltage[0] < self.voltage[1]:
+            raise ValueError("voltage is not a rising pair of numbers.")
+        if (self.goal_current is None) == (self.mode == "current_based_position"):
+            raise ValueError("goal_current belongs to mode current_based_position, which needs it.")
+        for name, value in (
+            ("goal_current", self.goal_current),
+            ("current_limit", self.current_limit),
+        ):
+            if value is not None and any(
+                not self.model_of(joint).current_step for joint in self.joints.values()
+            ):
+                raise ValueError(f"{name}: there are servos that do not measure their current.")
+
+    def _check_range(self, name: str, joint: DynamixelJoint) -> None:
+        low, high = joint.servo_range()
+        if self.mode != "position":
+            return
+        for end in (low, high):
+            if math.isfinite(end) and not -0.5 <= end < COUNTS_PER_TURN - 0.5:
+                raise ValueError(
+                    f"{name}: a limit is {end:.0f} counts on servo {joint.id}, outside its "
+                    f"0 … {COUNTS_PER_TURN - 1} in mode position; change zero, the limits or "
+                    "the mode."
+                )
+
+    def model_of(self, joint: DynamixelJoint) -> Model:
+        """Return what is known of a joint's model."""
+        return MODELS[joint.model or self.model]
+
+    @property
+    def block_size(self) -> int:
+        """Return the bytes that each servo sends in every cycle."""
+        registers = (*MOTION, *HEALTH) if self.health else MOTION
+        return sum(register.size for register in registers)
