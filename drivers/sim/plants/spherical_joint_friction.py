@@ -57,6 +57,8 @@ def capstan_tension(
     bristle : float
         After the step, m.
     """
+    if tension <= 0.0:
+        return 0.0, 0.0
     grip = math.exp(angle)
     inwards, outwards = tension * (1.0 - 1.0 / grip), tension * (grip - 1.0)
     held = min(max(bristle, -outwards / stiffness), inwards / stiffness)
