@@ -9,9 +9,12 @@ import math
 
 from controllers.spherical_joint.exact_wire import ExactWires
 from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
-from controllers.spherical_joint.poses import Rotation, Vector
+from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
 
 _NO_LOAD = (0.0, 0.0, 0.0)
+_BESIDE = (4e-4, 9e-4, 0.0)
+"""How far beside a pose its shares are taken if they are not unique there, rad: not along any of
+the anchors' azimuths. They move by less than 1e-4 over this."""
 
 
 class SlackWire(ValueError):
@@ -30,6 +33,7 @@ class TensionDistribution:
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         self._wires = ExactWires(geometry)
         self._half_angle = geometry.ring_half_angle
+        self._vanishing = 1e-9 * geometry.ball_radius**3
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum.
@@ -46,7 +50,14 @@ class TensionDistribution:
         b = -_triple(first, third, fourth)
         c = _triple(first, second, fourth)
         d = -_triple(first, second, third)
-        scale = 1.0 / (a + b + c + d)
+        total = a + b + c + d
+        if abs(total) < self._vanishing:
+            # No wire spins the ring where it tilts towards a wire: any two pairs are in balance.
+            # The shares beside such a pose tend to a limit, which is the one without a jump.
+            x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
+            beside = move_axis((x, y, z), _BESIDE, _NO_LOAD, 1.0)
+            return self.shares(natural_rotation(beside))
+        scale = 1.0 / total
         return (scale * a, scale * b, scale * c, scale * d)
 
     def hold(
@@ -67,7 +78,9 @@ class TensionDistribution:
         total : float
             Nor all together, N: co-contraction.
         load : tuple of float
-            Torque on the ring beside that of the wires, in the base, N m.
+            Torque on the ring beside that of the wires, in the base, N m. Its part about the
+            ring's own axis is left to the seat: where the ring tilts towards a wire no tensions
+            could hold it.
 
         Raises
         ------
@@ -108,15 +121,28 @@ class TensionDistribution:
         return self._half_angle - math.atan2(across, along)
 
     def _balance(self, rotation: Rotation, load: Vector) -> Quadruple:
-        """Return tensions of both signs that balance a load, the fourth being 0."""
-        first, second, third, _ = self._wires.jacobian(rotation)
-        scale = 1.0 / _triple(first, second, third)
-        return (
-            scale * _triple(load, second, third),
-            scale * _triple(first, load, third),
-            scale * _triple(first, second, load),
-            0.0,
+        """Return tensions of sum 0 that balance the tilting part of a load, N."""
+        rows = self._wires.jacobian(rotation)
+        arms = [
+            tuple(0.5 * (a - b) for a, b in zip(rows[one], rows[other], strict=True))
+            for one, other in PAIRS
+        ]
+        ring_x, ring_y, _ = zip(*rotation, strict=True)
+        (a, b), (c, d), (x, y) = (
+            (
+                sum(p * q for p, q in zip(vector, ring_x, strict=True)),
+                sum(p * q for p, q in zip(vector, ring_y, strict=True)),
+            )
+            for vector in (*arms, load)
         )
+        determinant = a * d - b * c
+        tensions = [0.0, 0.0, 0.0, 0.0]
+        differences = ((x * d - y * c) / determinant, (a * y - b * x) / determinant)
+        for (one, other), difference in zip(PAIRS, differences, strict=True):
+            tensions[one] = 0.5 * difference
+            tensions[other] = -0.5 * difference
+        first, second, third, fourth = tensions
+        return first, second, third, fourth
 
 
 def pair_pressures(
