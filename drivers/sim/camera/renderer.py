@@ -77,8 +77,8 @@ class MarkerRenderer:
             np.array([lens.cx, lens.cy]),
             np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]),
         )
-        turn = _rotation(settings.rotation_base_from_camera)
-        self._camera_from_base = (turn @ _rotation(optics.rotation_error)).T
+        turn = rotation_matrix(settings.rotation_base_from_camera)
+        self._camera_from_base = (turn @ rotation_matrix(optics.rotation_error)).T
         self._camera = np.array(settings.position_camera_in_base) + optics.position_error
         self._scene = self._make_scene(shape)
         self._scenes = [self._with_noise(self._scene) for _ in range(_SCENES)]
@@ -216,7 +216,7 @@ def marker_cells(dictionary: str, number: int) -> Image:
     return np.pad((printed > 127).astype(np.uint8), 1, constant_values=1)
 
 
-def _rotation(vector: Sequence[float]) -> Floats:
+def rotation_matrix(vector: Sequence[float]) -> Floats:
     """Return the rotation matrix of a rotation vector (rad), by its exponential series."""
     x, y, z = vector
     skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

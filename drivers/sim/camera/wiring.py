@@ -1,0 +1,80 @@
+"""From a driver's settings to the simulated camera on its other side."""
+
+import zlib
+
+from drivers.cameras.settings import MarkerCameraSettings
+from drivers.sim.camera.emulated import EmulatedCamera
+from drivers.sim.camera.ports import MarkerPort
+from drivers.sim.camera.settings import CameraSimulationSettings
+from drivers.sim.camera.simulated import SimulatedMarkerCamera
+from rig.hal import Clock
+
+
+def emulate_marker_camera(
+    name: str,
+    settings: MarkerCameraSettings,
+    plant: MarkerPort,
+    seed: int,
+    *,
+    serial: int | None = None,
+    optics: CameraSimulationSettings | None = None,
+) -> EmulatedCamera:
+    """Return a camera for `--on virtual`: the link of the production driver.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    settings : MarkerCameraSettings
+        The driver's.
+    plant : MarkerPort
+        The physics.
+    seed : int
+        Of the simulation; each camera draws its own from it and its name.
+    serial : int, optional
+        The serial number of the profile, which the camera then has.
+    optics : CameraSimulationSettings, optional
+        What the camera is really like.
+    """
+    return EmulatedCamera(
+        name,
+        settings,
+        optics or CameraSimulationSettings(),
+        plant,
+        _own_seed(name, seed),
+        serial=settings.calibrated_serial if serial is None else str(serial),
+    )
+
+
+def simulate_marker_camera(
+    name: str,
+    settings: MarkerCameraSettings,
+    plant: MarkerPort,
+    clock: Clock,
+    seed: int,
+    *,
+    serial: int | None = None,
+    optics: CameraSimulationSettings | None = None,
+) -> SimulatedMarkerCamera:
+    """Return a camera for `--on sim`: positions straight from the plant.
+
+    Parameters
+    ----------
+    name, settings, plant, seed, serial, optics
+        As for `emulate_marker_camera`.
+    clock : Clock
+        The rig's.
+    """
+    return SimulatedMarkerCamera(
+        name,
+        settings,
+        optics or CameraSimulationSettings(),
+        plant,
+        clock,
+        _own_seed(name, seed),
+        serial=serial,
+    )
+
+
+def _own_seed(name: str, seed: int) -> int:
+    return zlib.crc32(f"{seed}/{name}".encode())
