@@ -1,0 +1,1 @@
+"""Servo drives, n joints per device: each driver satisfies `rig.hal.ServoBus`."""
