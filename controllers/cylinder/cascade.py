@@ -89,7 +89,9 @@ class CascadeSettings:
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
     differential_limit: Annotated[float, Unit("Pa"), Gt(0)] | None = None
-    feedforward: FeedforwardSettings = field(default_factory=FeedforwardSettings)
+    feedforward: FeedforwardSettings = field(
+        default_factory=lambda: FeedforwardSettings(error_rate=2.0)
+    )
 
 
 class Cascade:

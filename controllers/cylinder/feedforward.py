@@ -35,8 +35,10 @@ class FeedforwardSettings:
         while the pair slides, 1/s: after a reversal it is then on the right side at once,
         whatever the unit's friction is. 0 keeps the model's friction.
     error_rate : float
-        Weight of the position error in the velocity that friction is computed for, rad/s: it
-        helps to break loose towards the reference.
+        Weight of the position error in the velocity that friction is computed for, rad/s. A pair
+        that sticks short of its reference is then loaded towards it within some 10 ms; the
+        integral alone takes a second to reverse the friction after a slip past the reference,
+        and slips once more while the pair should hold.
     """
 
     friction: Literal["smooth", "stribeck", "presliding"] = "presliding"
