@@ -50,9 +50,8 @@ def test_a_wire_to_and_fro_only_takes_energy():
 
 
 def test_a_slack_wire_has_no_friction():
-    behind, bristle = capstan_tension(0.0, 1e-5, 5e-3, 0.08, STIFFNESS, DAMPING, DT)
-    assert behind == 0.0
-    assert abs(bristle) < 1e-9
+    for speed in (5e-3, -5e-3):
+        assert capstan_tension(0.0, 1e-5, speed, 0.08, STIFFNESS, DAMPING, DT) == (0.0, 0.0)
 
 
 def slide_ring(rates, limit=0.1, stiffness=94.0):
