@@ -1,0 +1,1 @@
+"""Statically balanced walking on two six-joint legs whose knees pass the straight position."""

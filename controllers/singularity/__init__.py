@@ -1,0 +1,1 @@
+"""The singularity-consistent method: motion along a path without the Jacobian's inverse."""

@@ -1,0 +1,164 @@
+"""One leg: forward and inverse kinematics, the Jacobian and what its determinant is made of."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.kinematics import (
+    determinant_factors,
+    hip_from_ankle,
+    inverse,
+    jacobian,
+    waist_from_foot,
+)
+from controllers.gait.leg_ray import leg_ray, upright_ray
+from controllers.motion import InfeasibleMotion
+from controllers.singularity.ray import adjugate
+
+GEOMETRY = LegGeometry(thigh=0.105, shank=0.095)
+
+HIP_ON_ANKLE_AXIS = math.atan2(0.095 + 0.105 * math.cos(0.5), 0.105 * math.sin(0.5))
+"""Ankle pitch that lays the hip level with the ankle at a knee of 0.5 rad."""
+
+angles = st.tuples(
+    *(
+        st.floats(low, high)
+        for low, high in (
+            (-1.0, 1.0),
+            (-0.6, 0.6),
+            (-1.2, 1.2),
+            (0.0, 2.0),
+            (-1.0, 1.0),
+            (-0.4, 0.4),
+        )
+    )
+)
+vectors = st.tuples(*(st.floats(-1.0, 1.0),) * 3)
+legs = st.sampled_from((0, 1))
+
+
+@settings(max_examples=50, deadline=None)
+@given(angles, legs)
+def test_jacobian_is_the_derivative_of_the_waist_pose(q, leg):
+    J = jacobian(GEOMETRY, leg, q)
+    step = 1e-6
+    _, R = waist_from_foot(GEOMETRY, leg, q)
+    for joint in range(6):
+        poses = []
+        for sign in (1, -1):
+            moved = list(q)
+            moved[joint] += sign * step
+            poses.append(waist_from_foot(GEOMETRY, leg, tuple(moved)))
+        (p_1, R_1), (p_0, R_0) = poses
+        velocity = (np.array(p_1) - np.array(p_0)) / (2 * step)
+        spin = (np.array(R_1) - np.array(R_0)) / (2 * step) @ np.array(R).T
+        np.testing.assert_allclose(J[:3, joint], velocity, atol=1e-9)
+        np.testing.assert_allclose(J[3:, joint], (spin[2, 1], spin[0, 2], spin[1, 0]), atol=1e-9)
+
+
+@settings(max_examples=50, deadline=None)
+@given(angles, legs)
+def test_determinant_is_the_product_of_its_factors(q, leg):
+    factors = determinant_factors(GEOMETRY, q)
+    expected = np.linalg.det(jacobian(GEOMETRY, leg, q))
+    assert factors.determinant == pytest.approx(expected, rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("q", "factor"),
+    [
+        ((0.1, 0.2, -0.3, 0.0, 0.2, 0.1), "knee"),
+        ((0.1, math.pi / 2, -0.3, 0.5, 0.2, 0.1), "gimbal"),
+        ((0.1, 0.2, -0.3, 0.5, HIP_ON_ANKLE_AXIS, 0.1), "height"),
+    ],
+)
+def test_each_factor_vanishes_at_its_singularity(q, factor):
+    assert getattr(determinant_factors(GEOMETRY, q), factor) == pytest.approx(0.0, abs=1e-15)
+    singular = np.linalg.svd(jacobian(GEOMETRY, 0, q), compute_uv=False)
+    assert singular[-1] < 1e-12 < 1e-4 < singular[-2]
+
+
+@settings(max_examples=100, deadline=None)
+@given(angles, legs)
+def test_inverse_undoes_forward(q, leg):
+    assume(determinant_factors(GEOMETRY, q).height > 0.01)  # below the ankle is another branch
+    _, R = waist_from_foot(GEOMETRY, leg, q)
+    found = inverse(GEOMETRY, hip_from_ankle(GEOMETRY, q), R)
+    # 1e-16 of the squared distance is 1e-8 rad of an almost straight knee.
+    np.testing.assert_allclose(found, q, atol=1e-12 if q[3] > 1e-2 else 1e-6)
+
+
+def test_one_degree_of_knee_is_a_few_micrometres_of_reach():
+    geometry = LegGeometry()
+    assert geometry.reach - geometry.distance(math.radians(1.0)) == pytest.approx(7.6e-6, rel=0.01)
+    assert geometry.reach - geometry.distance(math.radians(8.0)) == pytest.approx(0.5e-3, rel=0.03)
+
+
+def test_inverse_reaches_the_straight_knee_and_no_further():
+    q = inverse(GEOMETRY, (0.0, 0.0, GEOMETRY.reach))
+    assert q == (0.0, -0.0, 0.0, 0.0, 0.0, 0.0)
+    with pytest.raises(InfeasibleMotion, match=r"200\.0100 mm from the ankle; .* 200 mm"):
+        inverse(GEOMETRY, (0.0, 0.0, GEOMETRY.reach + 1e-5))
+
+
+@settings(max_examples=100, deadline=None)
+@given(angles, legs, vectors, vectors)
+def test_leg_ray_is_the_adjugate(q, leg, velocity, spin):
+    J = jacobian(GEOMETRY, leg, q)
+    ray = leg_ray(GEOMETRY, leg, q, velocity, spin)
+    np.testing.assert_allclose(
+        ray.joints, adjugate(J) @ np.array((*velocity, *spin)), rtol=1e-10, atol=1e-14
+    )
+    assert ray.path == pytest.approx(determinant_factors(GEOMETRY, q).determinant, abs=1e-17)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(0.0, 2.0), st.floats(-1.0, 1.0), st.floats(-0.4, 0.4), vectors)
+def test_upright_ray_is_the_same_direction(knee, ankle_pitch, ankle_roll, velocity):
+    q = (0.0, -ankle_roll, -knee - ankle_pitch, knee, ankle_pitch, ankle_roll)
+    ray = leg_ray(GEOMETRY, 0, q, velocity)
+    factors = determinant_factors(GEOMETRY, q)
+    short = upright_ray(GEOMETRY.thigh, GEOMETRY.shank, knee, ankle_pitch, ankle_roll, velocity)
+    scale = factors.height * factors.gimbal
+    long = (0.0, -short.ankle_roll, -short.knee - short.ankle_pitch, *short[:3], short.path)
+    np.testing.assert_allclose(
+        (*ray.joints, ray.path), [scale * value for value in long], atol=1e-15
+    )
+
+
+def test_straight_leg_has_a_ray_where_it_has_no_inverse():
+    q = (0.0, -0.1, -0.2, 0.0, 0.2, 0.1)
+    ray = leg_ray(GEOMETRY, 1, q, (0.02, 0.0, -0.01))
+    assert ray.path == 0.0
+    assert abs(ray.joints[3]) > 1e-6
+
+
+def test_limits_of_the_right_leg_mirror_the_left():
+    limits = dict(zip(JOINT_NAMES, LegGeometry().limits, strict=True))
+    assert limits["left_hip_yaw"] == tuple(map(math.radians, (-30.0, 90.0)))
+    assert limits["right_hip_yaw"] == tuple(map(math.radians, (-90.0, 30.0)))
+    assert limits["right_ankle_roll"] == pytest.approx(tuple(map(math.radians, (-24.0, 24.0))))
+    assert limits["right_knee"] == limits["left_knee"] == (0.0, math.radians(129.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"axes": ("z", "y", "x", "y", "y", "x")}, "made for z x y y y x"),
+        ({"min_angle": (0.0, 0.0, 0.0, -0.1, 0.0, 0.0)}, "bends backwards"),
+        ({"min_angle": (2.0, 0.0, 0.0, 0.0, 0.0, 0.0)}, r"hip_yaw: min_angle \(114.6 deg\)"),
+    ],
+)
+def test_impossible_geometry_is_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        LegGeometry(**change)
+
+
+def test_masses_add_up_to_the_robot():
+    masses = LegGeometry().masses
+    assert masses.leg == pytest.approx(1.265)
+    assert masses.total == pytest.approx(6.0)
