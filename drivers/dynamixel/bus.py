@@ -62,11 +62,15 @@ class SerialBus:
         simulation wants.
     clock : Clock
         The rig's.
+    period : float, optional
+        Of the cycle, s: an answer that takes longer comes too late.
 
     Attributes
     ----------
     read : CyclicRead
         The cyclic reading; devices join it.
+    max_latency : float
+        The slowest answer that is accepted while connecting, s.
     request_time : float
         When the last reading was asked for, which is when the servos sampled, s.
     """
@@ -77,10 +81,12 @@ class SerialBus:
         settings: SerialBusSettings,
         open_port: Callable[[], SerialPort],
         clock: Clock,
+        period: float | None = None,
     ) -> None:
         self.name = name
         self.settings = settings
         self.clock = clock
+        self.max_latency = min(settings.max_latency, period or settings.max_latency)
         self.read = CyclicRead(fast=settings.fast_sync, fault_after=settings.fault_after)
         self.request_time = -inf
         self._open_port = open_port

@@ -53,7 +53,7 @@ class RegisterClient:
         ConnectionFailed
             It does not answer, not in time, or not alone.
         """
-        bound = self._bus.settings.max_latency
+        bound = self._bus.max_latency
         latency = bound
         for _ in range(2):  # a first answer may be slow because a packet got lost
             asked = self._bus.clock.now()

@@ -1,7 +1,7 @@
 """Find one servo, make sure that it is the right one, and set it up; torque stays off."""
 
 import struct
-from math import ceil, isfinite
+from math import ceil
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.client import RegisterClient
@@ -84,8 +84,8 @@ def _limit(client: RegisterClient, settings: DynamixelSettings, joint: Dynamixel
     if settings.mode == "position":
         low, high = joint.servo_range()
         last = table.COUNTS_PER_TURN - 1
-        client.settle(table.MIN_POSITION, max(round(low), 0) if isfinite(low) else 0)
-        client.settle(table.MAX_POSITION, min(round(high), last) if isfinite(high) else last)
+        client.settle(table.MIN_POSITION, max(round(low), 0))
+        client.settle(table.MAX_POSITION, min(round(high), last))
     if settings.current_limit is not None:
         step = settings.model_of(joint).current_step
         client.settle(table.CURRENT_LIMIT, round(settings.current_limit / step))

@@ -1,12 +1,13 @@
 """What servos say of themselves, and whether they do what they are told."""
 
+from math import ceil
 from typing import Final, NamedTuple
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.settings import DynamixelSettings
 from rig.hal import DeviceFault, Reading, Vector
 
-_CONFIRMED: Final = 3  # samples in a row; one may have been taken while a setting was on its way
+_CONFIRMED: Final = 2  # samples in a row; one may have been taken while a setting was on its way
 
 
 class Health(NamedTuple):
@@ -28,6 +29,11 @@ class Health(NamedTuple):
     watchdog: int
     voltage: float
     temperature: float
+
+
+def decode_health(error: int, watchdog: int, voltage: int, temperature: int) -> Health:
+    """Return what a servo says of itself, from counts."""
+    return Health(error, watchdog, voltage * table.VOLTAGE_STEP, temperature + table.CELSIUS)
 
 
 class HealthWatch:
@@ -60,7 +66,12 @@ class HealthWatch:
         self._ids = ids
         self._watchdog = watchdog
         self._hottest = settings.max_temperature
-        self._lowest, self._highest = settings.voltage
+        self._voltage = settings.voltage
+        # Compared as they come, in counts: this is done for every servo in every cycle.
+        self._max_temperature = int(settings.max_temperature - table.CELSIUS + 1e-9)
+        low, high = settings.voltage
+        self._min_voltage = ceil(low / table.VOLTAGE_STEP - 1e-9)
+        self._max_voltage = int(high / table.VOLTAGE_STEP + 1e-9)
         self._error = settings.following_error
         self._time = settings.following_time
         self.restart()
@@ -83,25 +94,25 @@ class HealthWatch:
         self._has_torque = has_torque
         self._followed_at = None
 
-    def accept(self, k: int, health: Health) -> bool:
-        """Take what servo `k` says; return whether its motion can be trusted."""
-        if health.error:
+    def accept(self, k: int, error: int, watchdog: int, voltage: int, temperature: int) -> bool:
+        """Take what servo `k` says, in counts; return whether its motion can be trusted."""
+        if error:
             self.latch(
                 k,
-                f"reports a hardware error: {table.describe_hardware_error(health.error)}",
+                f"reports a hardware error: {table.describe_hardware_error(error)}",
                 table.HARDWARE_ERROR,
-                f"0x{health.error:02X}",
+                f"0x{error:02X}",
             )
-        if health.watchdog != self._expected:
-            return self._miss_watchdog(k, health.watchdog)
+        if watchdog != self._expected:
+            return self._miss_watchdog(k, watchdog)
         self._unguarded[k] = 0
-        is_hot = health.temperature > self._hottest
-        if not is_hot and self._lowest <= health.voltage <= self._highest:
+        is_hot = temperature > self._max_temperature
+        if not is_hot and self._min_voltage <= voltage <= self._max_voltage:
             self._unfit[k] = 0
             return True
         self._unfit[k] += 1
         if self._unfit[k] >= _CONFIRMED:
-            self._latch_unfit(k, health, is_hot=is_hot)
+            self._latch_unfit(k, voltage, temperature, is_hot=is_hot)
         return True
 
     def accept_alert(self, k: int) -> None:
@@ -196,20 +207,20 @@ class HealthWatch:
             )
         return False
 
-    def _latch_unfit(self, k: int, health: Health, *, is_hot: bool) -> None:
+    def _latch_unfit(self, k: int, voltage: int, temperature: int, *, is_hot: bool) -> None:
         if is_hot:
             self.latch(
                 k,
                 "is too hot",
                 table.TEMPERATURE,
-                f"{health.temperature - table.CELSIUS:.0f} °C",
-                f"{self._hottest - table.CELSIUS:.0f} °C",
+                f"{temperature} °C",
+                f"{self._hottest - table.CELSIUS:g} °C",
             )
         else:
             self.latch(
                 k,
                 "has not the voltage that it needs",
                 table.INPUT_VOLTAGE,
-                f"{health.voltage:.1f} V",
-                f"{self._lowest:g} … {self._highest:g} V",
+                f"{voltage * table.VOLTAGE_STEP:.1f} V",
+                f"{self._voltage[0]:g} … {self._voltage[1]:g} V",
             )

@@ -12,7 +12,7 @@ from typing import Final, Literal, NamedTuple
 
 COUNTS_PER_TURN: Final = 4096
 COUNT_AT_ZERO: Final = 2048
-POSITION_STEP: Final = math.tau / COUNTS_PER_TURN  # rad
+MULTI_TURN_REACH: Final = 1_048_575  # of 116 in the modes with many turns, counts
 VELOCITY_STEP: Final = 0.229 * math.tau / 60.0  # of 44, 104, 112, 128: 0.229 rpm in rad/s
 ACCELERATION_STEP: Final = 214.577 * math.tau / 3600.0  # of 108: 214.577 rev/min² in rad/s²
 VOLTAGE_STEP: Final = 0.1  # V

@@ -1,9 +1,14 @@
 """Codec of one joint: counts of its servo ↔ radians of the joint."""
 
-from math import inf
+from math import tau
 from typing import NamedTuple
 
-from drivers.dynamixel.registers import COUNT_AT_ZERO, POSITION_STEP, VELOCITY_STEP
+from drivers.dynamixel.registers import (
+    COUNT_AT_ZERO,
+    COUNTS_PER_TURN,
+    MULTI_TURN_REACH,
+    VELOCITY_STEP,
+)
 from drivers.dynamixel.settings import DynamixelJoint
 
 
@@ -20,6 +25,8 @@ class JointScale(NamedTuple):
         ``current = current_step · counts``, A, in the joint's sense.
     lower, upper : float
         The joint's range, rad.
+    first, last : int
+        The counts that the servo takes.
     """
 
     step: float
@@ -28,6 +35,8 @@ class JointScale(NamedTuple):
     current_step: float
     lower: float
     upper: float
+    first: int
+    last: int
 
 
 def joint_scale(joint: DynamixelJoint, current_step: float, *, one_turn: bool) -> JointScale:
@@ -40,26 +49,28 @@ def joint_scale(joint: DynamixelJoint, current_step: float, *, one_turn: bool) -
     current_step : float
         Of the servo's model, A.
     one_turn : bool
-        Whether the servo stays within one turn, which then bounds the joint.
+        Whether the servo stays within one turn.
     """
-    sign = float(joint.direction)
-    step = sign * POSITION_STEP
-    origin = COUNT_AT_ZERO + joint.zero / POSITION_STEP
-    ends = sorted((step * (0 - origin), step * (2 * COUNT_AT_ZERO - 1 - origin)))
-    lowest, highest = ends if one_turn else (-inf, inf)
+    turns = joint.turns_per_radian
+    sign = -1.0 if turns < 0.0 else 1.0
+    step = 1.0 / (turns * COUNTS_PER_TURN)
+    lower, upper = joint.limits
+    reach = MULTI_TURN_REACH
     return JointScale(
         step,
-        origin,
-        sign * VELOCITY_STEP,
+        COUNT_AT_ZERO - joint.offset / step,
+        VELOCITY_STEP / (turns * tau),
         sign * current_step,
-        lowest if joint.lower is None else joint.lower,
-        highest if joint.upper is None else joint.upper,
+        lower,
+        upper,
+        *((0, COUNTS_PER_TURN - 1) if one_turn else (-reach, reach)),
     )
 
 
 def encode_position(scale: JointScale, angle: float) -> int:
-    """Return the counts for an angle, rad, rounded half to even."""
-    return round(angle / scale.step + scale.origin)
+    """Return the counts for an angle, rad, rounded half to even and saturated."""
+    counts = round(angle / scale.step + scale.origin)
+    return scale.first if counts < scale.first else min(counts, scale.last)
 
 
 def decode_position(scale: JointScale, counts: int) -> float:

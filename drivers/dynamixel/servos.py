@@ -9,16 +9,16 @@ Present Current … Present Position (126 … 135).
 
 import struct
 from collections.abc import Iterable
-from math import inf, isfinite
+from math import inf
 from typing import Final
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.bus import SerialBus, SyncWrite
 from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.configure import configure_servo, watchdog_units
-from drivers.dynamixel.health import Health, HealthWatch
+from drivers.dynamixel.health import Health, HealthWatch, decode_health
 from drivers.dynamixel.protocol import encode_sync_write
-from drivers.dynamixel.scaling import joint_scale
+from drivers.dynamixel.scaling import encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
 from rig.hal import ConfigurationError, LimitExceeded, Reading, Vector
 
@@ -69,6 +69,7 @@ class DynamixelServos:
             RegisterClient(name, label, joint.id, bus) for label, joint in settings.joints.items()
         )
         self._ids = tuple(joint.id for joint in joints)
+        self._max_speeds = tuple(joint.max_speed for joint in joints)
 
         block = (*table.MOTION, *table.HEALTH) if settings.health else table.MOTION
         self._block = struct.Struct("<" + "".join(register.code for register in block))
@@ -92,7 +93,7 @@ class DynamixelServos:
 
         nothing: Reading[Vector] = Reading((0.0,) * len(joints), -inf)
         self._positions = self._velocities = self._currents = nothing
-        self._health: Reading[tuple[Health, ...]] = Reading((), -inf)
+        self._samples: list[tuple[int, ...]] = []
         self._watch = HealthWatch(name, settings, self.joint_names, self._ids, self._watchdog)
         self._setpoint: Vector = nothing.value
         self._armed = False
@@ -172,7 +173,10 @@ class DynamixelServos:
 
     def health(self) -> Reading[tuple[Health, ...]]:
         """Return what every servo says of itself; empty without `health`."""
-        return self._health
+        if not self.settings.health:
+            return Reading((), -inf)
+        states = tuple(decode_health(*sample[-len(table.HEALTH) :]) for sample in self._samples)
+        return Reading(states, self._positions.t)
 
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,); ignored unless armed.
@@ -190,10 +194,11 @@ class DynamixelServos:
             return
         goals = []
         for scale, position in zip(self._scales, positions, strict=True):
-            step, origin, _, _, lower, upper = scale
-            if not lower - _ROUNDING <= position <= upper + _ROUNDING or not isfinite(position):
+            step, origin, _, _, lower, upper, first, last = scale
+            if not lower - _ROUNDING <= position <= upper + _ROUNDING:  # nor is a NaN
                 self._refuse(positions)
-            goals.append(round(position / step + origin))
+            counts = round(position / step + origin)
+            goals.append(first if counts < first else min(counts, last))
         self._goals.payload = self._packer.pack(*self._with_ids(goals))
         self._setpoint = positions
 
@@ -206,16 +211,18 @@ class DynamixelServos:
         Raises
         ------
         LimitExceeded
-            A setpoint is not a number. All stay as they were.
+            A setpoint is beyond its joint's `max_speed` or not a number. All stay as they were.
         """
-        for name, velocity in zip(self.joint_names, velocities, strict=True):
-            if not isfinite(velocity):
+        for name, velocity, bound in zip(
+            self.joint_names, velocities, self._max_speeds, strict=True
+        ):
+            if not -bound <= velocity <= bound:
                 raise LimitExceeded(
-                    f"{self.name}: velocity setpoint of {name}", velocity, -inf, inf, "rad/s"
+                    f"{self.name}: velocity setpoint of {name}", velocity, -bound, bound, "rad/s"
                 )
         if self._armed and self._is_velocity:
             goals = [
-                round(velocity / scale.velocity_step)
+                encode_velocity(scale, velocity)
                 for scale, velocity in zip(self._scales, velocities, strict=True)
             ]
             self._goals.payload = self._packer.pack(*self._with_ids(goals))
@@ -257,41 +264,37 @@ class DynamixelServos:
 
     def _take(self, t: float) -> None:
         """Decode the answers to the reading of time `t`; a whole one, or the last is held."""
-        links = self._links
-        for link in links:
+        samples = []
+        unpack = self._block.unpack
+        for link in self._links:
             if not link.fresh:
                 return
-        positions, velocities, currents = [], [], []
-        health: list[Health] = []
-        unpack, watch = self._block.unpack, self._watch
-        has_health, trusted = self.settings.health, True
-        for k, (link, scale) in enumerate(zip(links, self._scales, strict=True)):
-            step, origin, velocity_step, current_step, _, _ = scale
-            if has_health:
-                current, velocity, position, error, watchdog, voltage, temperature = unpack(
-                    link.data
-                )
-                state = Health(
-                    error,
-                    watchdog,
-                    voltage * table.VOLTAGE_STEP,
-                    temperature + table.CELSIUS,
-                )
-                trusted &= watch.accept(k, state)
-                health.append(state)
-            else:
-                current, velocity, position = unpack(link.data)
-                if link.alert:
-                    watch.accept_alert(k)
-            positions.append(step * (position - origin))
-            velocities.append(velocity_step * velocity)
-            currents.append(current_step * current)
-        if not trusted:
+            samples.append(unpack(link.data))
+        if not self._are_trusted(samples):
             return
+        positions, velocities, currents = [], [], []
+        for sample, (step, origin, velocity_step, current_step, *_) in zip(
+            samples, self._scales, strict=True
+        ):
+            currents.append(current_step * sample[0])
+            velocities.append(velocity_step * sample[1])
+            positions.append(step * (sample[2] - origin))
         self._positions = Reading(tuple(positions), t)
         self._velocities = Reading(tuple(velocities), t)
         self._currents = Reading(tuple(currents), t)
-        self._health = Reading(tuple(health), t)
+        self._samples = samples
+
+    def _are_trusted(self, samples: list[tuple[int, ...]]) -> bool:
+        """Look at what the servos say of themselves; return whether they are what they were."""
+        accept, trusted = self._watch.accept, True
+        if not self.settings.health:
+            for k, link in enumerate(self._links):
+                if link.alert:
+                    self._watch.accept_alert(k)
+            return True
+        for k, (_, _, _, error, watchdog, voltage, temperature) in enumerate(samples):
+            trusted &= accept(k, error, watchdog, voltage, temperature)
+        return trusted
 
     def _start_reading(self) -> None:
         """Have the servos asked every cycle, and take first readings."""
@@ -317,7 +320,7 @@ class DynamixelServos:
             return
         positions = self._positions.value
         goals = [
-            round(position / scale.step + scale.origin)
+            encode_position(scale, position)
             for scale, position in zip(self._scales, positions, strict=True)
         ]
         self._goals.payload = self._packer.pack(*self._with_ids(goals))
@@ -335,7 +338,7 @@ class DynamixelServos:
                     value=f"{position:.4g} rad",
                     bound=f"{lower:.4g} … {upper:.4g} rad",
                 )
-            client.write(self._goal, round(position / scale.step + scale.origin))
+            client.write(self._goal, encode_position(scale, position))
         client.write(table.TORQUE_ENABLE, 1)
 
     def _rest(self) -> None:
@@ -352,7 +355,7 @@ class DynamixelServos:
     def _refuse(self, positions: Vector) -> None:
         for name, scale, position in zip(self.joint_names, self._scales, positions, strict=True):
             lower, upper = scale.lower, scale.upper
-            if lower - _ROUNDING <= position <= upper + _ROUNDING and isfinite(position):
+            if lower - _ROUNDING <= position <= upper + _ROUNDING:
                 continue
             raise LimitExceeded(
                 f"{self.name}: position setpoint of {name}", position, lower, upper, "rad"

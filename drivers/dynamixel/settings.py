@@ -1,22 +1,22 @@
 """What a profile says of a serial bus and of the Dynamixel servos on it."""
 
-import math
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.dynamixel.protocol import MAX_ID
 from drivers.dynamixel.registers import (
     COUNT_AT_ZERO,
     COUNTS_PER_TURN,
     HEALTH,
     MODELS,
     MOTION,
-    POSITION_STEP,
     Mode,
     Model,
     ModelName,
 )
+from drivers.servos.joint_settings import JointSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,8 @@ class SerialBusSettings:
     max_load : float
         Highest share of the bus's time that the cycle may need.
     fault_after : int
-        Answers of a servo missed, damaged or doubled in a row that are a fault.
+        Answers of a servo missed, damaged or doubled in a row that are a fault. With 2 it is
+        found within three cycles, wherever in a cycle it happens.
     max_refused : int
         Cycles in a row in which the port may refuse bytes before this is a fault.
     """
@@ -62,59 +63,38 @@ class SerialBusSettings:
     attempts: Annotated[int, Interval(ge=1, le=10)] = 3
     turnaround: Annotated[float, Unit("s"), Interval(ge=0, le=5e-3)] = 100e-6
     max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
-    fault_after: Annotated[int, Interval(ge=1, le=3)] = 3
+    fault_after: Annotated[int, Interval(ge=1, le=10)] = 2
     max_refused: Annotated[int, Ge(0)] = 2
 
 
-@dataclass(frozen=True, slots=True)
-class DynamixelJoint:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DynamixelJoint(JointSettings):
     """One servo and the joint that it turns.
 
-    The joint's angle is ``direction · (servo's angle - zero)``; the servo's angle is 0 at
-    count 2048 and grows counter-clockwise, looking at its horn.
+    What counts 0 on other drives is count 2048 here, the middle of the servo's turn: there
+    the joint's angle is `offset`. Counts grow counter-clockwise, looking at the horn.
 
     Parameters
     ----------
     id : int
         The servo's, 0 … 252.
-    direction : int
-        1, or -1 if the joint's positive sense is the servo's negative one.
-    zero : float
-        The servo's angle at which the joint is at its zero, rad.
-    lower, upper : float, optional
-        The joint's range, rad. Setpoints beyond are refused; in position mode the servo is
-        given the range too. None: what the servo can do.
     model : str, optional
         If it is another than the device's.
     homing_offset : int
         What its register 20 must hold, counts: somebody who set another has moved the zero.
     """
 
-    id: Annotated[int, Interval(ge=0, le=252)]
-    direction: Literal[1, -1] = 1
-    zero: Annotated[float, Unit("rad"), Interval(ge=-math.pi, le=math.pi)] = 0.0
-    lower: Annotated[float, Unit("rad")] | None = None
-    upper: Annotated[float, Unit("rad")] | None = None
+    id: Annotated[int, Interval(ge=0, le=MAX_ID)]
     model: ModelName | None = None
     homing_offset: int = 0
 
-    def __post_init__(self) -> None:
-        if self.lower is not None and self.upper is not None and self.lower >= self.upper:
-            raise ValueError(
-                f"lower ({self.lower:g} rad) of servo {self.id} is not below its upper "
-                f"({self.upper:g} rad)."
-            )
-
     def servo_range(self) -> tuple[float, float]:
-        """Return what `lower` and `upper` are on the servo, counts; infinite if not given."""
-        ends = [
-            COUNT_AT_ZERO + (self.zero + self.direction * end) / POSITION_STEP
-            for end in (
-                -math.inf if self.lower is None else self.lower,
-                math.inf if self.upper is None else self.upper,
-            )
-        ]
-        return min(ends), max(ends)
+        """Return the joint's limits on the servo, counts, the lower first."""
+        low, high = sorted(
+            COUNT_AT_ZERO + (end - self.offset) * self.turns_per_radian * COUNTS_PER_TURN
+            for end in self.limits
+        )
+        return low, high
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,16 +208,15 @@ class DynamixelSettings:
                 raise ValueError(f"{name}: there are servos that do not measure their current.")
 
     def _check_range(self, name: str, joint: DynamixelJoint) -> None:
-        low, high = joint.servo_range()
         if self.mode != "position":
             return
-        for end in (low, high):
-            if math.isfinite(end) and not -0.5 <= end < COUNTS_PER_TURN - 0.5:
-                raise ValueError(
-                    f"{name}: a limit is {end:.0f} counts on servo {joint.id}, outside its "
-                    f"0 … {COUNTS_PER_TURN - 1} in mode position; change zero, the limits or "
-                    "the mode."
-                )
+        low, high = joint.servo_range()
+        # The full turn of the default limits ends one count beyond the last.
+        if low < -1.0 or high > COUNTS_PER_TURN + 0.5:
+            raise ValueError(
+                f"{name}: its limits are {low:.0f} … {high:.0f} counts on servo {joint.id}, which "
+                f"has 0 … {COUNTS_PER_TURN - 1} in mode position; change offset, limits or mode."
+            )
 
     def model_of(self, joint: DynamixelJoint) -> Model:
         """Return what is known of a joint's model."""
