@@ -54,9 +54,7 @@ class TensionDistribution:
         if abs(total) < self._vanishing:
             # No wire spins the ring where it tilts towards a wire: any two pairs are in balance.
             # The shares beside such a pose tend to a limit, which is the one without a jump.
-            x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
-            beside = move_axis((x, y, z), _BESIDE, _NO_LOAD, 1.0)
-            return self.shares(natural_rotation(beside))
+            return self._limit_of_shares(rotation)
         scale = 1.0 / total
         return (scale * a, scale * b, scale * c, scale * d)
 
@@ -119,6 +117,20 @@ class TensionDistribution:
         along = -(u_x * x + u_y * y + u_z * z)
         across = math.hypot(u_y * z - u_z * y, u_z * x - u_x * z, u_x * y - u_y * x)
         return self._half_angle - math.atan2(across, along)
+
+    def _limit_of_shares(self, rotation: Rotation) -> Quadruple:
+        """Return the shares of a pose beside, corrected so that they do not tilt the ring."""
+        axis = (rotation[0][2], rotation[1][2], rotation[2][2])
+        beside = self.shares(natural_rotation(move_axis(axis, _BESIDE, _NO_LOAD, 1.0)))
+        x, y, z = (
+            -sum(share * arm for share, arm in zip(beside, column, strict=True))
+            for column in zip(*self._wires.jacobian(rotation), strict=True)
+        )
+        first, second, third, fourth = (
+            share + correction
+            for share, correction in zip(beside, self._balance(rotation, (x, y, z)), strict=True)
+        )
+        return first, second, third, fourth
 
     def _balance(self, rotation: Rotation, load: Vector) -> Quadruple:
         """Return tensions of sum 0 that balance the tilting part of a load, N."""

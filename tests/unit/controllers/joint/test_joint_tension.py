@@ -1,0 +1,149 @@
+"""Tensions that hold a pose, against equilibrium written out and linear programming."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from joint_axes import around, axes
+
+from controllers.spherical_joint.exact_wire import ExactWires
+from controllers.spherical_joint.geometry import SphericalJointGeometry
+from controllers.spherical_joint.poses import (
+    axis_from_tilt,
+    natural_rotation,
+    paper_rotation,
+    rotate,
+)
+from controllers.spherical_joint.tension import SlackWire, TensionDistribution, pair_pressures
+
+GEOMETRY = SphericalJointGeometry()
+WIRES = ExactWires(GEOMETRY)
+TENSIONS = TensionDistribution(GEOMETRY)
+
+
+def torque_of(rotation, tensions):
+    """Return the wires' torque on the ring: anchor x pull, summed."""
+    return sum(
+        tension * np.cross(rotate(rotation, anchor), direction)
+        for tension, anchor, direction in zip(
+            tensions, GEOMETRY.anchors, WIRES.directions(rotation), strict=True
+        )
+    )
+
+
+@given(axes(most=70.0))
+def test_shares_turn_the_ring_nowhere(axis):
+    rotation = natural_rotation(axis)
+    shares = TENSIONS.shares(rotation)
+    assert sum(shares) == pytest.approx(1.0)
+    assert min(shares) > 0.0
+    across = torque_of(rotation, shares) @ np.array(rotation)
+    assert across[:2] == pytest.approx(0.0, abs=1e-10)
+    # Where the ring tilts towards a wire the shares are those that spin a ring beside nowhere.
+    assert across[2] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("tilt", "least"), [(0, 0.25), (20, 0.206), (40, 0.145), (60, 0.073), (70, 0.027)]
+)
+def test_smallest_share_round_a_circle(tilt, least):
+    found = min(min(TENSIONS.shares(natural_rotation(axis))) for axis in around(tilt))
+    assert found == pytest.approx(least, abs=6e-4)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-7, 1e-4, 0.1, 0.35, 1.0])
+def test_shares_do_not_jump_where_they_are_not_unique(tilt):
+    on = TENSIONS.shares(natural_rotation(axis_from_tilt(tilt, 0.0)))
+    beside = TENSIONS.shares(natural_rotation(axis_from_tilt(tilt, 2e-3)))
+    assert on == pytest.approx(beside, abs=3e-3)
+
+
+def test_no_tensions_hold_the_papers_poses_off_the_axes():
+    """All four wires untwist the same way: some would have to push."""
+    rotation = paper_rotation(axis_from_tilt(math.radians(20.0), math.radians(45.0)))
+    assert min(TENSIONS.shares(rotation)) < -1.0
+    with pytest.raises(SlackWire, match=r"wire \d would have to push"):
+        TENSIONS.hold(rotation, 5.0)
+
+
+@given(
+    axes(most=70.0),
+    st.floats(1.0, 20.0),
+    st.floats(0.0, 150.0),
+    st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)),
+)
+def test_hold_balances_a_load_with_every_wire_taut(axis, least, total, load):
+    rotation = natural_rotation(axis)
+    torque = rotate(rotation, (load[0], load[1], 0.0))
+    tensions = TENSIONS.hold(rotation, least, total, torque)
+    assert min(tensions) >= least - 1e-9
+    assert sum(tensions) >= total - 1e-9
+    assert min(tensions) == pytest.approx(least) or sum(tensions) == pytest.approx(total)
+    left = torque_of(rotation, tensions) + np.array(torque)
+    across = np.array(rotation).T @ left
+    assert across[:2] == pytest.approx(0.0, abs=1e-9 * sum(tensions))
+
+
+def test_hold_takes_no_more_than_linear_programming():
+    from scipy.optimize import linprog
+
+    for axis in [axis_from_tilt(0.9, 0.1 + 0.7 * k) for k in range(9)]:
+        rotation = natural_rotation(axis)
+        rows = np.array(WIRES.jacobian(rotation)).T
+        best = linprog(np.ones(4), A_eq=rows, b_eq=np.zeros(3), bounds=[(7.0, None)] * 4)
+        assert sum(TENSIONS.hold(rotation, 7.0)) == pytest.approx(best.fun, rel=1e-6)
+
+
+@pytest.mark.parametrize(("ring", "closed"), [(18.0, 65), (20.0, 75), (22.0, 88), (23.5, 79)])
+def test_force_closure_ends_at(ring, closed):
+    """In degrees of tilt at the worst azimuth, to the degree above."""
+    tensions = TensionDistribution(replace(GEOMETRY, ring_radius=ring * 1e-3))
+
+    def holds(tilt):
+        return all(min(tensions.shares(natural_rotation(axis))) > 0 for axis in around(tilt, 3))
+
+    assert holds(closed - 1.2)
+    assert not holds(closed + 0.2)
+
+
+@pytest.mark.parametrize(("ring", "seated"), [(20.0, 73.9), (23.5, 73.4)])
+def test_ring_stays_seated_up_to(ring, seated):
+    geometry = replace(GEOMETRY, ring_radius=ring * 1e-3)
+    tensions = TensionDistribution(geometry)
+
+    def sits(tilt):
+        for axis in around(tilt, 3):
+            rotation = natural_rotation(axis)
+            shares = tensions.shares(rotation)
+            if min(shares) <= 0.0 or tensions.seating_margin(rotation, shares) <= 0.0:
+                return False
+        return True
+
+    assert sits(seated)
+    assert not sits(seated + 0.3)
+
+
+@given(axes(most=85.0), st.lists(st.floats(1.0, 40.0), min_size=4, max_size=4))
+def test_ring_sits_where_contacts_that_only_push_balance_the_wires(axis, tensions):
+    from scipy.optimize import nnls
+
+    geometry = replace(GEOMETRY, ring_radius=23.5e-3)
+    wires, distribution = ExactWires(geometry), TensionDistribution(geometry)
+    rotation = natural_rotation(axis)
+    pull = np.array(tensions) @ np.array(wires.directions(rotation))
+    lean, turn = geometry.ring_half_angle, np.linspace(0.0, 2 * np.pi, 361)
+    circle = [np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn), np.cos(lean) + 0 * turn]
+    _, missing = nnls(np.array(rotation) @ np.array(circle), -pull)
+    margin = distribution.seating_margin(rotation, tuple(tensions))
+    if abs(margin) > 1e-3:
+        assert (missing < 1e-6 * np.linalg.norm(pull)) == (margin > 0.0)
+
+
+def test_pressures_of_tensions():
+    area = 181.5e-6
+    first, second = pair_pressures((20.0, 21.0, 22.0, 25.0), area)
+    assert first == pytest.approx((21.0 / area, -2.0 / area))
+    assert second == pytest.approx((23.0 / area, 4.0 / area))
