@@ -49,6 +49,15 @@ def test_a_wire_to_and_fro_only_takes_energy():
     assert total > 1e-3
 
 
+def test_a_wire_that_slackens_keeps_no_more_friction_than_its_tension_holds():
+    for speed, grip in ((5e-3, -0.08), (-5e-3, 0.08)):
+        _, bristle, _ = slide_wire(0.0, speed, 0.1, tension=40.0)
+        behind, bristle, _ = slide_wire(bristle, 0.0, DT, tension=5.0)
+        assert behind == pytest.approx(5.0 * math.exp(grip), rel=1e-6)
+        kept = slide_wire(bristle, 0.0, DT, tension=40.0)[0]
+        assert 40.0 - kept == pytest.approx(5.0 - behind, rel=1e-6)  # it slipped for good
+
+
 def test_a_slack_wire_has_no_friction():
     for speed in (5e-3, -5e-3):
         assert capstan_tension(0.0, 1e-5, speed, 0.08, STIFFNESS, DAMPING, DT) == (0.0, 0.0)
