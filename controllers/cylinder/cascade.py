@@ -23,6 +23,10 @@ turns round does not."""
 _STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
 """A pair that moves less than this (m) in this time (s) sticks. On its bristles it may creep."""
 
+_CREEP_SPEED = 3e-3
+"""Slower than this (m/s) a pair may stick short of its reference; one that still slides towards
+it needs no push, and would overshoot with one."""
+
 
 @dataclass(frozen=True, slots=True)
 class CascadeSettings:
@@ -162,7 +166,9 @@ class Cascade:
         error = reference.position - position
         disturbance = observer.disturbance + trusted - force
         rests = abs(reference.velocity) + _REST_TIME * abs(reference.acceleration) < _REST_SPEED
-        feedforward = self._feedforward.update(reference, error)
+        feedforward = self._feedforward.update(
+            reference, error if abs(velocity) < _CREEP_SPEED else 0.0
+        )
         direct = feedforward + self._velocity_gain * (
             reference.velocity - velocity + settings.position_rate * error
         )

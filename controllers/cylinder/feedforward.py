@@ -10,6 +10,9 @@ from controllers.friction import PreslidingFriction, SmoothFriction
 
 _LEAST_SPEED = 0.5e-3
 """Below this desired speed (m/s) a pair may stick, and the integral says nothing of sliding."""
+_NEAR = 0.5e-3
+"""Within this distance of its reference (m) a pair is loaded towards it; from afar, as after a
+step, friction that is fed forward would only make it overshoot."""
 _LEAST_SCALE, _MOST_SCALE = 0.25, 3.0
 """Bounds of the learnt friction over the model's."""
 
@@ -97,7 +100,9 @@ class Feedforward:
 
     def update(self, reference: PairReference, error: float) -> float:
         """Return the force (N) for a reference, given the position error (m)."""
-        velocity = reference.velocity + self._error_rate * error
+        velocity = reference.velocity
+        if -_NEAR < error < _NEAR:
+            velocity += self._error_rate * error
         self._speed = abs(reference.velocity)
         self._nominal = self._friction(velocity)
         return self._mass * reference.acceleration + self.scale * self._nominal
