@@ -23,6 +23,7 @@ from drivers.sim.plants.spherical_joint_parameters import (
     draw_joint,
     draw_marker,
     draw_wires,
+    home_lengths,
 )
 from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
 
@@ -109,7 +110,7 @@ class SphericalJointPlant(PneumaticPlant):
         self._marker = draw_marker(shapes, settings, geometry)
         self._free = self.wire_parameters["free"].copy()
         self.wires = np.zeros(WIRES, WIRE_STATE)
-        self.wires["length"] = self._free + settings.home
+        self.wires["length"] = home_lengths(self.wire_parameters, geometry.ball_radius)
         self._seals = [_Seal(*row) for row in self.parameters[list(_Seal._fields)].tolist()]
         self._joint_values = self.joint.view(float)
         self._wire_values = self.wires.view(float).reshape(WIRES, -1)

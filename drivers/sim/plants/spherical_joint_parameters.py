@@ -92,14 +92,23 @@ def draw_wires(
             geometry.adjust_radius * math.sin(angle) + settings.tolerance * shift[1],
             -geometry.adjust_depth + settings.tolerance * shift[2],
         )
-        length = wire_path(*anchor, *adjust, ball)[0]
         wire["anchor_x"], wire["anchor_y"], wire["anchor_z"] = anchor
         wire["adjust_x"], wire["adjust_y"], wire["adjust_z"] = adjust
-        wire["free"] = length - settings.home + settings.wire_offset * offset
+        wire["free"] = settings.wire_offset * offset - settings.home
         wire["friction"] = friction * (1.0 + settings.friction_spread * unit)
         wire["stiffness"] = settings.ring.contact_stiffness
         wire["damping"] = settings.ring.contact_damping
+    wires["free"] += home_lengths(wires, ball)
     return wires
+
+
+def home_lengths(wires: NDArray[Any], ball_radius: float) -> list[float]:
+    """Return how long each wire is with the ring at home, m."""
+    ends = ("anchor_x", "anchor_y", "anchor_z", "adjust_x", "adjust_y", "adjust_z")
+    return [
+        wire_path(ax, ay, az, bx, by, bz, ball_radius)[0]
+        for ax, ay, az, bx, by, bz in wires[list(ends)].tolist()
+    ]
 
 
 def draw_joint(
