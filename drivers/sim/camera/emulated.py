@@ -5,7 +5,6 @@ production driver takes it as its link. The world of the simulation drives it as
 bus: it halts at `due`, brings the plant there, and calls `tick`.
 """
 
-from collections import deque
 from collections.abc import Sequence
 from math import inf
 
@@ -64,7 +63,6 @@ class EmulatedCamera:
             settings.exposure * (k + 0.5) / optics.sub_exposures
             for k in range(optics.sub_exposures)
         )
-        self._events: deque[tuple[float, Event]] = deque()
         self._poses: list[MarkerPose] = []
         self._frame = 0
         self._start = inf
@@ -107,24 +105,21 @@ class EmulatedCamera:
         self.close()
         self.tell(now)
         if self._faults.has("unplugged"):
-            self._events.append((now, UNPLUGGED))
+            self._delivery.send(UNPLUGGED, now)
             return
         self._start = now
-        self._events.append((now, Ready(self._serial)))
+        self._delivery.send(Ready(self._serial), now)
 
     def poll(self, now: float) -> Sequence[Event]:
         """Return what has arrived by `now` (s) and was not fetched yet."""
-        events: list[Event] = []
-        while self._events and self._events[0][0] <= now:
-            events.append(self._events.popleft()[1])
-        return events
+        return self._delivery.fetch(now)
 
     def close(self) -> None:
         """Stop exposing; frames under way are lost. Idempotent."""
         self._start = inf
         self._frame = 0
         self._poses.clear()
-        self._events.clear()
+        self._delivery.lose()
 
     # Inside ---------------------------------------------------------------------------
 
@@ -139,13 +134,11 @@ class EmulatedCamera:
         self._poses.clear()
         self._frame += 1
         if faults.has("unplugged"):
-            self._events.append((faults.now, UNPLUGGED))
-            self._start = inf
+            self.close()
+            self._delivery.send(UNPLUGGED, faults.now)
         elif not self._delivery.is_dropped() and not faults.has("stalled"):
             sighting = self._detector.detect(self._expose(poses), frame, stamp)
-            if self._events:  # frames of one camera do not overtake each other
-                arrival = max(arrival, self._events[-1][0])
-            self._events.append((arrival + faults.delay, sighting))
+            self._delivery.send(sighting, arrival + faults.delay)
 
     def _expose(self, poses: tuple[MarkerPose, ...]) -> Image:
         faults, renderer, marker = self._faults, self._renderer, self._settings.marker

@@ -1,9 +1,11 @@
-"""What cameras need of a plant, and the time at which a frame arrives."""
+"""What cameras need of a plant, and how their frames travel."""
 
 import random
+from collections import deque
 from collections.abc import Sequence
 from typing import Protocol
 
+from drivers.cameras.link import Event
 from drivers.cameras.settings import MarkerCameraSettings
 from drivers.sim.camera.settings import CameraSimulationSettings
 
@@ -21,7 +23,7 @@ class MarkerPort(Protocol):
 
 
 class Delivery:
-    """How long frames travel and which get lost, drawn from a seed.
+    """Frames on their way to the driver: how long they take and which get lost, from a seed.
 
     Parameters
     ----------
@@ -41,6 +43,7 @@ class Delivery:
         self._jitter = optics.latency_jitter
         self._drop_rate = optics.drop_rate
         self._random = random.Random(seed)
+        self._under_way: deque[tuple[float, Event]] = deque()
 
     def is_dropped(self) -> bool:
         """Return whether the next frame is lost."""
@@ -57,3 +60,20 @@ class Delivery:
         took = max(self._latency + self._random.gauss(0.0, self._jitter), 0.0)
         # The driver subtracts the latency that it was told from when the frame came.
         return middle + took - self._believed, middle + took
+
+    def send(self, event: Event, arrival: float) -> None:
+        """Have an event arrive at a time (s), but not before what was sent earlier."""
+        if self._under_way:
+            arrival = max(arrival, self._under_way[-1][0])
+        self._under_way.append((arrival, event))
+
+    def fetch(self, now: float) -> Sequence[Event]:
+        """Return what has arrived by `now` (s) and was not fetched yet."""
+        events: list[Event] = []
+        while self._under_way and self._under_way[0][0] <= now:
+            events.append(self._under_way.popleft()[1])
+        return events
+
+    def lose(self) -> None:
+        """Lose everything that is under way."""
+        self._under_way.clear()

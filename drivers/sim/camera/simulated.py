@@ -1,7 +1,6 @@
 """A camera without images, for `--on sim`: the plant's true marker with noise, late."""
 
 import math
-from collections import deque
 from collections.abc import Sequence
 from math import inf, nan
 
@@ -40,7 +39,6 @@ class _ImagelessLink:
         self._noise = optics.noise
         self._generator = np.random.default_rng(seed)
         self._delivery = Delivery(settings, optics, seed)
-        self._events: deque[tuple[float, Event]] = deque()
         self._axis_x = rotation_matrix(settings.rotation_base_from_camera)[:, 0]
         self._camera = np.array(settings.position_camera_in_base)
         self._start = inf
@@ -52,10 +50,10 @@ class _ImagelessLink:
         """Begin to see frames."""
         self.close()
         if self._faults.has("unplugged"):
-            self._events.append((now, UNPLUGGED))
+            self._delivery.send(UNPLUGGED, now)
             return
         self._start = now
-        self._events.append((now, Ready(self._serial)))
+        self._delivery.send(Ready(self._serial), now)
 
     def poll(self, now: float) -> Sequence[Event]:
         """Look at the plant if a frame is due, and return what has arrived."""
@@ -64,31 +62,26 @@ class _ImagelessLink:
             if frame > self._frame:
                 self._frame = frame
                 self._look(frame, now)
-        events: list[Event] = []
-        while self._events and self._events[0][0] <= now:
-            events.append(self._events.popleft()[1])
-        return events
+        return self._delivery.fetch(now)
 
     def close(self) -> None:
         """Stop. Idempotent."""
         self._start = inf
         self._frame = -1
-        self._events.clear()
+        self._delivery.lose()
 
     def _look(self, frame: int, now: float) -> None:
         faults = self._faults
         if faults.has("unplugged"):
-            self._events.append((now, UNPLUGGED))
-            self._start = inf
+            self.close()
+            self._delivery.send(UNPLUGGED, now)
             return
         stamp, arrival = self._delivery.times(now)
         if self._delivery.is_dropped() or faults.has("stalled"):
             return
         sighting = self._see()._replace(frame=frame, t=stamp)
         self._last = sighting
-        if self._events:
-            arrival = max(arrival, self._events[-1][0])
-        self._events.append((arrival + faults.delay, sighting))
+        self._delivery.send(sighting, arrival + faults.delay)
 
     def _see(self) -> Sighting:
         """Return what the detector would say of this instant, its number and time left open."""
