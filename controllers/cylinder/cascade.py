@@ -140,6 +140,8 @@ class Cascade:
         self._started = False
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity at the time of use, and the disturbance of the observer."""
+        self.correction = 0.0
+        """Force of the last update that came from errors and not from the reference, N."""
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
@@ -155,8 +157,16 @@ class Cascade:
         self._started = False
         self.estimate = PairEstimate(0.0, -force)
 
-    def update(self, state: PairState, reference: PairReference) -> PairCommand:
-        """Return the setpoints for this period."""
+    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
+        """Return the setpoints for this period.
+
+        Parameters
+        ----------
+        state, reference : PairState, PairReference
+            What is, and what should be.
+        load : float
+            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
+        """
         settings, lead, observer = self._settings, self._lead, self._observer
         force = self._area * (state.agonist - state.antagonist)
         trusted = settings.force_trust * force
@@ -169,6 +179,7 @@ class Cascade:
         feedforward = self._feedforward.update(
             reference, error if abs(velocity) < _CREEP_SPEED else 0.0
         )
+        feedforward += load
         direct = feedforward + self._velocity_gain * (
             reference.velocity - velocity + settings.position_rate * error
         )
@@ -180,7 +191,9 @@ class Cascade:
         if not self._started:
             self._started = True
             self._integral -= direct
-        setpoint = lead.update(self._per_area * (direct + self._integral)) + self._trim
+        wish = direct + self._integral
+        self.correction = wish - feedforward
+        setpoint = lead.update(self._per_area * wish) + self._trim
         if lead.saturation * error <= 0.0:
             holding = sticks and rests
             self._integral += (self._holding_step if holding else self._moving_step) * error

@@ -64,6 +64,7 @@ class Pid:
     def __init__(self, settings: PidSettings, model: PairModel, period: float) -> None:
         self._settings = settings
         self._area = model.area
+        self._per_area = 1.0 / model.area
         self._range = DifferentialRange(model, settings.pressure_floor)
         self._integral_step = settings.integral * period
         self._per_period = 1.0 / period
@@ -74,6 +75,8 @@ class Pid:
         self._started = False
         self.estimate = PairEstimate(0.0, 0.0)
         """Filtered velocity, and the force that the integral holds against."""
+        self.correction = 0.0
+        """Force of the last update that came from errors and not from the reference, N."""
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
@@ -83,20 +86,32 @@ class Pid:
         self._started = False
         self.estimate = PairEstimate(0.0, -self._area * self._integral)
 
-    def update(self, state: PairState, reference: PairReference) -> PairCommand:
-        """Return the setpoints for this period."""
+    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
+        """Return the setpoints for this period.
+
+        Parameters
+        ----------
+        state, reference : PairState, PairReference
+            What is, and what should be.
+        load : float
+            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
+        """
         settings = self._settings
         slope = (state.position - self._position) * self._per_period
         self._position = state.position
         self._velocity += self._share * (slope - self._velocity)
         error = reference.position - state.position
-        direct = settings.proportional * error + settings.derivative * (
-            reference.velocity - self._velocity
+        feedforward = self._per_area * load
+        direct = (
+            settings.proportional * error
+            + settings.derivative * (reference.velocity - self._velocity)
+            + feedforward
         )
         if not self._started:
             self._started = True
             self._integral = self._range.clip(self._integral) - direct
         differential = direct + self._integral
+        self.correction = self._area * (differential - feedforward)
         applied = self._range.clip(differential)
         if (differential - applied) * error <= 0.0:
             self._integral += self._integral_step * error

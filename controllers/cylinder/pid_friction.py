@@ -102,6 +102,8 @@ class PidFriction:
         self._started = False
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity, and the force that the integral holds against."""
+        self.correction = 0.0
+        """Force of the last update that came from errors and not from the reference, N."""
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
@@ -113,21 +115,32 @@ class PidFriction:
         self._started = False
         self.estimate = PairEstimate(0.0, -self._area * self._integral)
 
-    def update(self, state: PairState, reference: PairReference) -> PairCommand:
-        """Return the setpoints for this period."""
+    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
+        """Return the setpoints for this period.
+
+        Parameters
+        ----------
+        state, reference : PairState, PairReference
+            What is, and what should be.
+        load : float
+            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
+        """
         settings, lead = self._settings, self._lead
         self._motion.update(state.position)
         position, velocity = self._motion.predict(self._period)
         error = reference.position - position
+        feedforward = self._per_area * (self._feedforward.update(reference, error) + load)
         direct = (
             settings.proportional * error
             + settings.derivative * (reference.velocity - velocity)
-            + self._per_area * self._feedforward.update(reference, error)
+            + feedforward
         )
         if not self._started:
             self._started = True
             self._integral -= direct
-        setpoint = lead.update(direct + self._integral)
+        wish = direct + self._integral
+        self.correction = self._area * (wish - feedforward)
+        setpoint = lead.update(wish)
         if lead.saturation * error <= 0.0:
             self._integral += self._integral_step * error
         self._integral -= self._per_area * self._feedforward.learn(self._area * self._integral)

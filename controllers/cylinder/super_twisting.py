@@ -103,6 +103,8 @@ class SuperTwisting:
         self._started = False
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity at the time of use, and the disturbance of the estimator."""
+        self.correction = 0.0
+        """Force of the last update that came from errors and not from the reference, N."""
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
@@ -114,8 +116,16 @@ class SuperTwisting:
         self._started = False
         self.estimate = PairEstimate(0.0, -force)
 
-    def update(self, state: PairState, reference: PairReference) -> PairCommand:
-        """Return the setpoints for this period."""
+    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
+        """Return the setpoints for this period.
+
+        Parameters
+        ----------
+        state, reference : PairState, PairReference
+            What is, and what should be.
+        load : float
+            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
+        """
         settings, lead, observer = self._settings, self._lead, self._observer
         observer.update(state.position, self._area * (state.agonist - state.antagonist))
         position, velocity = observer.predict(self._period)
@@ -131,11 +141,14 @@ class SuperTwisting:
             self._mass * (reference.acceleration + settings.surface_rate * slip)
             + self._viscous * reference.velocity
             + self._root_gain * root
+            + load
         )
         if not self._started:
             self._started = True
             self._integral -= direct
-        setpoint = lead.update(self._per_area * (direct + self._integral))
+        wish = direct + self._integral
+        self.correction = wish - load - self._viscous * reference.velocity
+        setpoint = lead.update(self._per_area * wish)
         if lead.saturation * sign <= 0.0:
             self._integral += self._integral_step * sign
         self.estimate = PairEstimate(velocity, observer.disturbance)
