@@ -6,7 +6,7 @@ from typing import Any
 
 from rig.assembly.registry import REGISTRY
 from rig.config import BusEntry, Profile
-from rig.hal import Clock, ConfigurationError, CyclicBus, Device
+from rig.hal import Clock, ConfigurationError, CyclicBus, Device, MotionRefused
 from rig.runtime.motion import Motion
 
 
@@ -61,7 +61,7 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
 
     Raises
     ------
-    ConfigurationError
+    MotionRefused
         The rig cannot or must not move so.
     """
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
@@ -70,5 +70,5 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
             profile.mechanism_settings, reference, controller, profile.loop.period
         )
     except ValueError as error:
-        raise ConfigurationError(str(error)) from error
+        raise MotionRefused(str(error)) from error
     return motion

@@ -1,4 +1,4 @@
-"""`rig compare`: one experiment under several controllers, side by side."""
+"""`rig compare`: one experiment under several controllers or settings, side by side."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 class _Job(NamedTuple):
     """One run of a comparison, as it can be handed to another process."""
 
+    label: str
     experiment: str
     options: tuple[str, ...]
     rig: str | None
@@ -32,7 +33,13 @@ class _Job(NamedTuple):
 @click.option(
     "--controllers",
     metavar="A,B,…",
-    help="Which controllers; default: all that the rig's profile has settings for.",
+    help="Which controllers; default: all that the rig's profile has settings for, or with "
+    "--vary the experiment's.",
+)
+@click.option(
+    "--vary",
+    metavar="A.B=C,D,…",
+    help="A setting and the values that it takes in turn.",
 )
 @click.option(
     "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
@@ -53,6 +60,7 @@ class _Job(NamedTuple):
 def compare(
     experiment: str,
     controllers: str | None,
+    vary: str | None,
     backend: str,
     rig_name: str | None,
     overrides: tuple[str, ...],
@@ -61,10 +69,10 @@ def compare(
     configs: Path | None,
     as_json: bool,
 ) -> int:
-    """Run EXPERIMENT once under each controller; one table, one figure.
+    """Run EXPERIMENT once under each controller or setting; one table, one figure.
 
-    Simulated runs go on at the same time, one per processor; a physical rig takes them one
-    after the other.
+    A controller that refuses the motion is told and left out. Simulated runs go on at the same
+    time, one per processor; a physical rig takes them one after the other.
     """
     from rig.experiment.plan import load_plan
     from rig.report.compare import compare_metrics, draw_comparison
@@ -73,23 +81,25 @@ def compare(
     if seed is not None:
         options.append(f"simulation.seed={seed}")
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
-    names = _chosen(controllers, tuple(plan.profile.controllers))
-    jobs = [
-        _Job(experiment, (*options, f"controller={name}"), rig_name, configs, backend, out)
-        for name in names
-    ]
-    for job in jobs:  # all of it is valid before any of it moves
-        load_plan(experiment, job.options, rig=rig_name, configs=configs)
-    results = _run_all(jobs, names, backend)
+    names: tuple[str, ...] = (plan.experiment.controller,)
+    if controllers is not None or vary is None:
+        names = _chosen(controllers, tuple(plan.profile.controllers))
+    jobs = _permitted(
+        [
+            _Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
+            for label, own in _variants(names, vary)
+        ]
+    )
+    results = _run_all(jobs, backend)
     finished = [
-        (name, result) for name, result in zip(names, results, strict=True) if result.metrics
+        (job.label, result) for job, result in zip(jobs, results, strict=True) if result.metrics
     ]
-    for name, result in zip(names, results, strict=True):
+    for job, result in zip(jobs, results, strict=True):
         if result.message is not None:
-            click.echo(f"{name}: {result.status}: {result.message}", err=True)
+            click.echo(f"{job.label}: {result.status}: {result.message}", err=True)
     if finished:
         paths = [result.path for _, result in finished]
-        labels = [name for name, _ in finished]
+        labels = [label for label, _ in finished]
         folder = _comparison_folder(out, plan.experiment.name, backend)
         rows = compare_metrics(paths, labels)
         content = {"labels": labels, "runs": [str(path) for path in paths], "metrics": rows}
@@ -122,7 +132,60 @@ def _chosen(text: str | None, known: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def _run_all(jobs: Sequence[_Job], names: Sequence[str], backend: str) -> list[Result]:
+def _variants(names: Sequence[str], vary: str | None) -> list[tuple[str, tuple[str, ...]]]:
+    """Return label and options of each run: every controller with every value."""
+    from rig.hal import ConfigurationError
+
+    if vary is None:
+        return [(name, (f"controller={name}",)) for name in names]
+    key, equals, text = vary.partition("=")
+    values = [value.strip() for value in text.split(",") if value.strip()]
+    if not equals or not key.strip() or len(values) < 2:
+        raise ConfigurationError(
+            f"--vary {vary}: expected a setting and at least two values, "
+            "as in plant.seals=standard,low-speed"
+        )
+    short = key.strip().rpartition(".")[2]
+    return [
+        (
+            f"{name}, {short} {value}" if len(names) > 1 else f"{short} {value}",
+            (f"controller={name}", f"{key.strip()}={value}"),
+        )
+        for name in names
+        for value in values
+    ]
+
+
+def _permitted(jobs: Sequence[_Job]) -> list[_Job]:
+    """Return the jobs whose motion is possible, before any of them moves.
+
+    Raises
+    ------
+    ConfigurationError
+        A file or option is wrong, or no job is possible.
+    """
+    from rig.config import ProfileError
+    from rig.experiment.plan import load_plan
+    from rig.hal import MotionRefused
+
+    permitted = []
+    refused: MotionRefused | None = None
+    for job in jobs:
+        try:
+            load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
+        except ProfileError:
+            raise
+        except MotionRefused as error:
+            refused = error
+            click.echo(f"{job.label}: refused: {error}", err=True)
+        else:
+            permitted.append(job)
+    if not permitted and refused is not None:
+        raise refused
+    return permitted
+
+
+def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
     if backend not in ("sim", "virtual"):
         return [_run(job, watched=True) for job in jobs]
     import os
@@ -133,9 +196,9 @@ def _run_all(jobs: Sequence[_Job], names: Sequence[str], backend: str) -> list[R
     results: list[Result] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(_run, job) for job in jobs]
-        for name, future in zip(names, futures, strict=True):
+        for job, future in zip(jobs, futures, strict=True):
             results.append(future.result())
-            click.echo(f"{name}: {results[-1].path}", err=True)
+            click.echo(f"{job.label}: {results[-1].path}", err=True)
     return results
 
 
@@ -149,7 +212,7 @@ def _run(job: _Job, *, watched: bool = False) -> Result:
     backend = Backend(job.backend)
     if not watched:
         return run_experiment(plan, backend, job.out, overrides=job.options)
-    with ProgressLine(plan.experiment.controller, job.backend) as line:
+    with ProgressLine(job.label, job.backend) as line:
         return run_experiment(plan, backend, job.out, overrides=job.options, watcher=line)
 
 

@@ -133,7 +133,7 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         _check_metrics(experiment, motion)
         _check_figures(experiment)
     except ConfigurationError as error:
-        raise ConfigurationError(f"{experiment.name}: {error}") from error
+        raise type(error)(f"{experiment.name}: {error}") from error
     return Plan(experiment, profile, controller, motion)
 
 

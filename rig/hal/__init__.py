@@ -3,6 +3,7 @@
 from rig.hal.bus import Buses, CanBus, CyclicBus, Frame
 from rig.hal.capabilities import (
     Device,
+    Doubtful,
     EmergencyStopInput,
     Homeable,
     LinearEncoder,
@@ -21,6 +22,7 @@ from rig.hal.errors import (
     EmergencyStop,
     LimitExceeded,
     LoopStalled,
+    MotionRefused,
     RigError,
     SafetyError,
     StaleReading,
@@ -37,6 +39,7 @@ __all__ = [
     "Device",
     "DeviceError",
     "DeviceFault",
+    "Doubtful",
     "EmergencyStop",
     "EmergencyStopInput",
     "Frame",
@@ -47,6 +50,7 @@ __all__ = [
     "MarkerCamera",
     "Markers",
     "MonotonicClock",
+    "MotionRefused",
     "PressureRegulator",
     "Reading",
     "RigError",

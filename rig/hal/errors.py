@@ -31,6 +31,10 @@ class ConfigurationError(RigError):
     """A profile, experiment, calibration or option cannot be used as it is."""
 
 
+class MotionRefused(ConfigurationError):
+    """The rig cannot, or must not, move as it is asked to; found before it moved."""
+
+
 class DeviceError(RigError):
     """A device or its bus is not as it should be.
 

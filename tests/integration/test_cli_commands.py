@@ -259,3 +259,35 @@ def test_a_figure_that_there_is_not_is_named(tmp_path, capsys):
         "--set", "figures=[tracing]",
     )  # fmt: skip
     assert code == 2 and "no figure is called 'tracing'" in err and "'tracking'" in err
+
+
+SHORT = "reference.tones=[{frequency: 1 Hz, periods: 2}]"
+
+
+def compare(capsys, out, *options):
+    return run(
+        capsys, "compare", "cylinder-sine", "--on", "sim", "--configs", CONFIGS, "--out", out,
+        "--set", SHORT, "--set", "metrics={tracking_rms: {}}", "--json", *options,
+    )  # fmt: skip
+
+
+def test_compare_runs_controllers_side_by_side(tmp_path, capsys):
+    code, out, err = compare(capsys, tmp_path, "--controllers", "pid,cascade")
+    content = json.loads(out)
+    assert code == 0 and content["labels"] == ["pid", "cascade"]
+    (row,) = content["metrics"]
+    assert row["values"][0] > row["values"][1] > 0.0
+    figure = Path(err.rpartition("figure: ")[2].strip())
+    assert figure.stat().st_size > 10_000
+
+
+def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsys):
+    amplitudes = "reference.amplitude=5 mm,8 mm,25 mm"
+    code, out, err = compare(capsys, tmp_path, "--vary", amplitudes)
+    assert code == 0
+    assert json.loads(out)["labels"] == ["amplitude 5 mm", "amplitude 8 mm"]
+    assert "amplitude 25 mm: refused" in err and "limits.position" in err
+    code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude=25 mm,26 mm")
+    assert code == 2 and "at 26 mm" in err
+    code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude")
+    assert code == 2 and "two values" in err

@@ -199,7 +199,13 @@ def test_cascade_holds_harder_once_the_pair_sticks(model):
     rates = []
     for hold in (1e5, 4e5):
         controller = build(
-            Cascade, model, integral=1e5, hold_integral=hold, trim_rate=0.0, disturbance_gain=0.0
+            Cascade,
+            model,
+            integral=1e5,
+            hold_integral=hold,
+            trim_rate=0.0,
+            disturbance_gain=0.0,
+            feedforward=FeedforwardSettings(gain=0.0),
         )
         stuck = PairState(0.0, 0.0, 0.12e6, 0.12e6)
         controller.reset(stuck)
@@ -209,6 +215,24 @@ def test_cascade_holds_harder_once_the_pair_sticks(model):
             forces.append((command.agonist - command.antagonist) * model.area)
         rates.append((forces[-1] - forces[-101]) / (100 * PERIOD))
     assert rates == pytest.approx([1.0, 4.0], rel=0.01)
+
+
+def test_cascade_loads_a_pair_that_sticks_towards_its_reference(model):
+    """Friction is fed forward within 20 ms, whichever way the pair came; not for a far step."""
+    for error in (0.1e-3, -0.1e-3):
+        controller = build(Cascade, model, integral=0.0, hold_integral=0.0, trim_rate=0.0,
+                           disturbance_gain=0.0, position_rate=0.0,
+                           feedforward=FeedforwardSettings(error_rate=2.0))  # fmt: skip
+        stuck = PairState(0.0, 0.0, 0.12e6, 0.12e6)
+        controller.reset(stuck)
+        for _ in range(150):
+            command = controller.update(stuck, PairReference(error, 0.0, 0.0))
+        force = (command.agonist - command.antagonist) * model.area
+        assert force == pytest.approx(math.copysign(model.coulomb, error), rel=0.1)
+        controller.reset(stuck)
+        for _ in range(150):
+            command = controller.update(stuck, PairReference(50 * error, 0.0, 0.0))
+        assert command.agonist == pytest.approx(command.antagonist, abs=100.0)
 
 
 def test_dither_has_its_amplitude_and_frequency(model):
