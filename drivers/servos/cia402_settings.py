@@ -146,6 +146,11 @@ class Cia402Settings:
             )
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The joints' names, in order."""
+        return tuple(self.joints)
+
+    @property
     def receive_layout(self) -> Layout:
         """What each drive receives in its one PDO."""
         return (Entry(0x6040, 0, "u16"), _TARGETS[self.mode], Entry(0x6060, 0, "i8"))

@@ -1,0 +1,381 @@
+"""An emulated servo drive after CiA 402 with one joint of the plant on its shaft.
+
+References
+----------
+IEC 61800-7-201 (CiA 402-2): objects, option codes and modes csp and csv. Device type
+0x0002_0192: profile 402 in the low word, type 2 "servo drive" in the high word.
+"""
+
+from fractions import Fraction
+from math import copysign, inf, pi, sqrt
+
+from drivers.sim.nodes.base import EmulatedNode
+from drivers.sim.nodes.drive_objects import DriveObjects
+from drivers.sim.nodes.drive_states import POWERED, DriveStateMachine, State
+from drivers.sim.nodes.faults import whole_number
+from drivers.sim.nodes.motion_reference import MotionReference
+from drivers.sim.servo_port import ServoPort
+
+DEVICE_TYPE = 0x0002_0192
+
+CSP, CSV = 8, 9
+_FOLLOWING_ERROR = 0x8611
+_HEARTBEAT_LOST = 0x8130
+_OVER_CURRENT = 0x2310
+
+# Status bits beside those of the state.
+_VOLTAGE, _REMOTE, _LIMIT, _FOLLOWS, _BEHIND = 1 << 4, 1 << 9, 1 << 11, 1 << 12, 1 << 13
+
+_IDLE_PERIOD = 10e-3  # how often a drive at rest looks at its following error, s
+_I32 = 0x7FFF_FFFF
+
+
+class EmulatedCia402(EmulatedNode):
+    """A servo drive: state machine, csp and csv, limits, following error, option codes.
+
+    It interpolates setpoints over the period in 0x60C2 and hands the reference to the plant,
+    which closes the servo loop. Faults of its own, beside those of `FaultInjection`:
+
+    ``drive_fault`` (value: error code, default 0x2310)
+        The drive detects a fault and reacts as 0x605E says.
+    ``stuck``
+        The motor does not get the reference any more: a following error results.
+    ``encoder_jump`` (value: rad at the joint, default 0.5)
+        From now on every position is off by this much.
+    ``safe_torque_off``
+        The input for it is open: no torque, SWITCH ON DISABLED, until repaired.
+    ``wrong_mode`` (value: mode, default 1)
+        Changes its mode of operation although nobody asked for it.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    node_id : int
+        1 … 127.
+    port : ServoPort
+        The plant.
+    channel : int
+        The plant's joint on its shaft.
+    counts_per_turn : float
+        Position units for one turn of the shaft.
+    gear : float
+        Turns of the shaft for one turn of the joint; negative if they turn against each other.
+    zero : float
+        The joint's angle where the encoder counts 0, rad.
+    velocity_units, acceleration_units : float, optional
+        Units for one turn per second (squared); None: position units.
+    rated_torque : float
+        Of the motor, N m.
+    servo_period : float
+        Of the drive's own loop, s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        node_id: int,
+        port: ServoPort,
+        channel: int,
+        *,
+        counts_per_turn: float,
+        gear: float = 1.0,
+        zero: float = 0.0,
+        velocity_units: float | None = None,
+        acceleration_units: float | None = None,
+        rated_torque: float = 1.0,
+        servo_period: float = 1e-3,
+        serial: int = 0,
+    ) -> None:
+        super().__init__(name, node_id, device_type=DEVICE_TYPE, product_code=402, serial=serial)
+        self._port = port
+        self._channel = channel
+        self._zero = zero
+        self._counts = counts_per_turn * gear / (2.0 * pi)  # per radian of the joint
+        self._velocity_scale = (velocity_units or counts_per_turn) / counts_per_turn
+        self._acceleration_scale = (acceleration_units or counts_per_turn) / counts_per_turn
+        self._gear = gear
+        self._rated_torque = rated_torque
+        self._servo_period = servo_period
+        self._motion = MotionReference()
+        self._motion_due = -inf
+        self._mode = 0
+        self._jump = 0.0
+        self._stuck = False
+        self._torque_off = False
+        self._limited = False
+        self._good_at = 0.0
+        self._shown_status = 0
+        self.machine = DriveStateMachine(
+            self._slow_down, self._state_entered, lambda: not self._torque_off
+        )
+        turn = Fraction(counts_per_turn).limit_denominator(1000)
+        self.objects = DriveObjects(
+            self.dictionary,
+            turn=(turn.numerator, turn.denominator),
+            rated_torque=round(rated_torque * 1e3),
+            modes=(CSP, CSV),
+            sample=lambda: self.sample_inputs(self.now),
+            command=lambda: self.apply_outputs(self.now),
+        )
+        self.add_pdos(
+            receive=((0x6040_0010,), (0x6040_0010, 0x607A_0020), (0x6040_0010, 0x60FF_0020)),
+            transmit=((0x6041_0010,), (0x6041_0010, 0x6064_0020), (0x6041_0010, 0x606C_0020)),
+        )
+        self.add_fault("drive_fault", self._inject_fault)
+        self.add_fault("stuck", lambda _: self._set_stuck(True), lambda: self._set_stuck(False))
+        self.add_fault("encoder_jump", self._inject_jump, self._end_jump)
+        self.add_fault("safe_torque_off", lambda _: self._open_torque_off(), self._close_torque_off)
+        self.add_fault("wrong_mode", self._inject_mode)
+        self.power_on()
+
+    # Time -----------------------------------------------------------------------------
+
+    def tick(self, now: float) -> None:
+        """Run the drive's own loop, then what every node has to do."""
+        if now >= self._motion_due:
+            self.now = now
+            self._serve(now)
+        super().tick(now)
+
+    def _plan(self) -> None:
+        super()._plan()
+        self.due = min(self.due, self._motion_due)
+
+    def _serve(self, now: float) -> None:
+        """Bring reference, following error and ramps up to date; tell the plant."""
+        machine, motion = self.machine, self._motion
+        if machine.state is State.NOT_READY:
+            machine.enter(State.DISABLED)  # transition 1: the drive has tested itself
+        motion.advance(now)
+        if machine.ending is not None and not motion.is_moving:
+            machine.finish_ramp()
+        powered = machine.state in POWERED
+        if powered:
+            if self._mode == CSV and machine.ending is None and machine.state is State.ENABLED:
+                self._limit_velocity(now)
+            self._watch_following(now)
+            self._pass_on(powered=True)
+        period = self._servo_period if motion.is_moving else _IDLE_PERIOD
+        self._motion_due = now + period if machine.state in POWERED else inf
+        self.due = min(self.due, self._motion_due)
+
+    def _pass_on(self, *, powered: bool) -> None:
+        if self._stuck and powered:
+            return
+        motion = self._motion
+        position = motion.position if powered else self._measured()
+        velocity = motion.velocity if powered else 0.0
+        self._port.command_joint(
+            self._channel,
+            (position - self._jump) / self._counts + self._zero,
+            velocity / self._counts,
+            powered,
+        )
+
+    def _measured(self) -> float:
+        """Return the position at the encoder, counts."""
+        angle = self._port.joint_position(self._channel) - self._zero
+        return round(angle * self._counts + self._jump)
+
+    # Setpoints ------------------------------------------------------------------------
+
+    def apply_outputs(self, now: float) -> None:
+        """Obey mode, control word and target, which an RPDO or an SDO has just written."""
+        self._motion.advance(now)
+        objects = self.objects
+        self._mode = objects.mode.integer
+        self.machine.command(objects.control_word.integer)
+        if self.machine.state is State.ENABLED and self.machine.ending is None:
+            if objects.control_word.integer & 0x0100:
+                self._slow_down("halt")
+            elif self._mode == CSP:
+                self._take_position(now)
+            elif self._mode == CSV:
+                self._limit_velocity(now)
+        self._serve(now)
+        self.wake()
+
+    def _take_position(self, now: float) -> None:
+        objects = self.objects
+        wanted = objects.target_position.integer + objects.position_offset.integer
+        low, high = (limit.integer for limit in objects.position_limits)
+        target = min(max(wanted, low), high) if low < high else wanted
+        self._limited = target != wanted
+        steps, exponent = (part.integer for part in objects.interpolation)
+        self._motion.interpolate(target, max(steps, 1) * 10.0**exponent, now)
+
+    def _limit_velocity(self, now: float) -> None:
+        """Follow the velocity, as far as a stop before the software limit permits."""
+        objects = self.objects
+        wanted = (
+            objects.target_velocity.integer + objects.velocity_offset.integer
+        ) / self._velocity_scale
+        low, high = (limit.integer for limit in objects.position_limits)
+        velocity = wanted
+        if low < high and wanted:
+            room = high - self._motion.position if wanted > 0.0 else self._motion.position - low
+            fastest = sqrt(2.0 * self._ramp(objects.quick_stop_ramp.integer) * max(room, 0.0))
+            velocity = copysign(min(abs(wanted), fastest), wanted)
+        self._limited = velocity != wanted
+        if velocity != self._motion.velocity:
+            self._motion.run(velocity, now)
+
+    def _watch_following(self, now: float) -> None:
+        objects = self.objects
+        error = abs(self._motion.position - self._measured())
+        window = objects.following_window.integer
+        if self._mode != CSP or error <= window or window == 0xFFFF_FFFF:
+            self._good_at = now
+        elif now - self._good_at > objects.following_time.integer * 1e-3:
+            self._detect_fault(_FOLLOWING_ERROR)
+
+    # State machine --------------------------------------------------------------------
+
+    def _state_entered(self, state: State) -> None:
+        now = self.now
+        if state is State.ENABLED:
+            self._motion.restart(self._measured(), now)
+            self._good_at = now
+        elif state not in POWERED:
+            self._motion.restart(self._measured(), now)
+            self._limited = False
+            self._pass_on(powered=False)
+        if state in (State.DISABLED, State.NOT_READY) and self.objects.error_code.integer:
+            self.objects.error_code.value = 0
+            self.emergency.clear_error("drive")
+        self._motion_due = now
+        self.wake()
+
+    def _slow_down(self, reason: str) -> State | None:
+        """Start the ramp that the option code for `reason` asks for; return what follows it."""
+        objects = self.objects
+        slow, quick = objects.slow_down_ramp.integer, objects.quick_stop_ramp.integer
+        option = objects.options[reason].integer
+        if reason == "quick stop":
+            follows = {5: None, 6: None}.get(option, State.DISABLED)
+            ramp = {0: 0, 1: slow, 5: slow}.get(option, quick)
+        elif reason == "fault":
+            follows, ramp = State.FAULT, (0, slow, quick)[option]
+        elif reason == "halt":
+            follows, ramp = None, quick if option == 2 else slow
+        else:
+            follows = State.READY if reason == "shutdown" else State.SWITCHED_ON
+            ramp = slow if option else 0
+        # Without a ramp the torque goes at once, and the motor runs out.
+        self._motion.slow_down(self._ramp(ramp), self.now)
+        self._motion_due = self.now
+        self.wake()
+        return follows
+
+    def _ramp(self, units: int) -> float:
+        """Return a deceleration in counts/s²."""
+        return units / self._acceleration_scale
+
+    def _detect_fault(self, code: int) -> None:
+        if self.machine.state in (State.FAULT, State.FAULT_REACTION):
+            return
+        self.objects.error_code.value = code
+        self.emergency.raise_error("drive", code, _register(code))
+        self.machine.fault()
+        self._serve(self.now)
+        self.wake()
+
+    def leave_operational(self, now: float) -> None:
+        """React to the loss of the master as 0x6007 says."""
+        option = self.objects.options["abort connection"].integer
+        if option == 1:
+            self._detect_fault(_HEARTBEAT_LOST)
+        elif option == 2:
+            self.machine.disable_voltage()
+        elif option == 3:
+            self.machine.stop_quickly()
+
+    def _heartbeat_lost(self, node: int) -> None:
+        super()._heartbeat_lost(node)
+        self.leave_operational(self.now)  # even where 0x1029 changes no state
+
+    def restore_process(self) -> None:
+        """Power-on: no torque, not ready, no mode."""
+        self.machine.power_on()
+        self._mode = 0
+        self._torque_off = self._limited = False
+        self._motion.restart(0.0, self.now)
+        self._motion_due = self.now
+        self._pass_on(powered=False)
+
+    # Inputs ---------------------------------------------------------------------------
+
+    def sample_inputs(self, now: float) -> None:
+        """Measure, and compose the status word."""
+        self._serve(now)
+        objects, port, channel = self.objects, self._port, self._channel
+        counts = self._measured()
+        objects.position.value = int(min(max(counts, -_I32 - 1), _I32))
+        velocity = port.joint_velocity(channel) * self._counts * self._velocity_scale
+        objects.velocity.value = round(min(max(velocity, -_I32), _I32))
+        share = port.joint_torque(channel) / self._gear / self._rated_torque
+        objects.torque.value = round(min(max(1e3 * share, -0x7FFF), 0x7FFF))
+        objects.following_error.value = (
+            round(self._motion.position - counts) if self.machine.state in POWERED else 0
+        )
+        objects.mode_display.value = self._mode
+        objects.status_word.value = self._status()
+
+    def watch_inputs(self, now: float) -> None:
+        """Mark the event-driven PDOs with the status word when it has changed."""
+        status = self._status()
+        if status == self._shown_status:
+            return
+        self._shown_status = status
+        for pdo in self.pdos.transmit:
+            if pdo.can_id and pdo.event_driven and self.objects.status_word in pdo.variables:
+                pdo.note_change()
+
+    def _status(self) -> int:
+        machine = self.machine
+        status = machine.state.value | _REMOTE
+        if not self._torque_off:
+            status |= _VOLTAGE
+        if machine.state not in (State.QUICK_STOP, State.FAULT_REACTION):
+            status |= 1 << 5  # no quick stop
+        if self._limited:
+            status |= _LIMIT
+        if machine.state is State.ENABLED and machine.ending is None and self._mode in (CSP, CSV):
+            status |= _FOLLOWS
+        if self.objects.error_code.integer == _FOLLOWING_ERROR:
+            status |= _BEHIND
+        return status
+
+    # Faults ---------------------------------------------------------------------------
+
+    def _inject_fault(self, value: float | None) -> None:
+        self._detect_fault(whole_number(self.name, "drive_fault", value, _OVER_CURRENT, 0xFFFF))
+
+    def _inject_jump(self, value: float | None) -> None:
+        self._jump += (0.5 if value is None else value) * self._counts
+
+    def _end_jump(self) -> None:
+        self._jump = 0.0
+
+    def _inject_mode(self, value: float | None) -> None:
+        mode = whole_number(self.name, "wrong_mode", value, 1, 10)
+        self._mode = self.objects.mode.value = mode
+
+    def _set_stuck(self, stuck: bool) -> None:
+        self._stuck = stuck
+
+    def _open_torque_off(self) -> None:
+        self._torque_off = True
+        self.machine.disable_voltage()
+
+    def _close_torque_off(self) -> None:
+        self._torque_off = False
+
+
+def _register(code: int) -> int:
+    """Return the bit of 0x1001 for an error code."""
+    groups: dict[int, int] = {0x2: 0x02, 0x3: 0x04, 0x4: 0x08}
+    if code >> 8 in (0x81, 0x82):
+        return 0x10
+    return groups.get(code >> 12, 0x20)

@@ -1,0 +1,160 @@
+"""Joints that follow with a lag, and the rigs around them on which servo drivers are tested."""
+
+import math
+from types import SimpleNamespace
+
+from drivers.can.frame import CanFrame
+from drivers.sim.clock import SimClock
+from drivers.sim.emulated_bus import EmulatedBus
+from drivers.sim.emulation import EmulatedRig
+
+PERIOD = 0.005
+
+
+class LaggedJoints:
+    """A plant: each joint follows its reference with a time constant, and falls without torque."""
+
+    def __init__(self, count, *, lag=0.01, fall=0.0, start=0.0):
+        self.time = 0.0
+        self.lag = lag
+        self.fall = fall
+        self.angles = [start] * count
+        self.speeds = [0.0] * count
+        self.references = [[start, 0.0] for _ in range(count)]
+        self.powered = [False] * count
+        self.blocked = set()
+        self.commands = [0] * count
+        self.peak_decelerations = [0.0] * count
+        self.channel_names = tuple(f"q{k + 1}" for k in range(count))
+
+    def advance(self, t):
+        dt = t - self.time
+        assert dt >= 0.0, f"time ran backwards from {self.time} to {t}"
+        self.time = t
+        if dt == 0.0:
+            return
+        share = 1.0 - math.exp(-dt / self.lag)
+        for k, reference in enumerate(self.references):
+            before = self.angles[k]
+            if k in self.blocked:
+                pass
+            elif self.powered[k]:
+                reference[0] += reference[1] * dt
+                # lags behind a ramp by nothing: the velocity is fed forward
+                self.angles[k] += reference[1] * dt
+                self.angles[k] += (reference[0] - self.angles[k]) * share
+            else:
+                self.angles[k] -= self.fall * dt
+            self.speeds[k] = (self.angles[k] - before) / dt
+
+    def command_joint(self, channel, position, velocity, torque_on):
+        assert math.isfinite(position) and math.isfinite(velocity)
+        self.commands[channel] += 1
+        self.references[channel] = [position, velocity]
+        self.powered[channel] = torque_on
+
+    def joint_position(self, channel):
+        return self.angles[channel]
+
+    def joint_velocity(self, channel):
+        return self.speeds[channel]
+
+    def joint_torque(self, channel):
+        return 0.5 if self.powered[channel] else 0.0
+
+
+class Wire:
+    """Both ends of a bus, as lists: what the master sends waits for the nodes, and back."""
+
+    def __init__(self):
+        self.to_nodes = []
+        self.to_master = []
+        self.log = []
+
+    # the master's interface
+    def send_data(self, can_id, data):
+        self.to_nodes.append(CanFrame(can_id, bytes(data)))
+
+    def send_remote(self, can_id):
+        self.to_nodes.append(CanFrame(can_id, b"", is_remote_frame=True))
+
+    def drain(self, limit=256):
+        frames, self.to_master[:] = self.to_master[:limit], self.to_master[limit:]
+        return frames
+
+    def shutdown(self):
+        pass
+
+    # the nodes' side
+    def recv(self, timeout=None):
+        return self.to_nodes.pop(0) if self.to_nodes else None
+
+    def send(self, message, timeout=None):
+        can_id = message.arbitration_id
+        if message.is_remote_frame:
+            can_id |= 0x4000_0000
+        if message.is_extended_id:
+            can_id |= 0x8000_0000
+        self.to_master.append((can_id, bytes(message.data)))
+
+
+class ServoRig:
+    """One bus with emulated drives, its production driver, and a loop of 200 Hz."""
+
+    def __init__(self, plant, make_bus, make_driver, nodes, *, faults=(), latency=3e-4, loss=0.0):
+        self.plant = plant
+        self.wire = Wire()
+        self.side = EmulatedBus("can0", self.wire, nodes)
+        self.frames = []
+        self.side.monitor = lambda t, can_id, data: self.frames.append((t, can_id, data))
+        settings = SimpleNamespace(seed=1, bus_latency=latency, frame_loss=loss, faults=faults)
+        self.rig = EmulatedRig(plant, [self.side], settings)
+        self.clock = SimClock(self.rig)
+        self.bus = make_bus(lambda: self.wire, self.clock)
+        self.driver = make_driver(self.bus)
+        self.command = None
+
+    def open(self):
+        self.bus.open()
+        self.driver.connect()
+
+    def start(self, cycles=40):
+        """Connect, arm, and cycle until the joints follow."""
+        self.open()
+        self.driver.arm()
+        for _ in range(cycles):
+            self.cycle()
+            if self.driver.is_enabled:
+                return
+        raise AssertionError("the joints were never enabled")
+
+    def cycle(self, command=None):
+        """Run one cycle of the loop; `command` is called where a mechanism would write."""
+        now = self.clock.now()
+        self.bus.receive(now)
+        self.driver.check(now)
+        self.bus.check(now)
+        if command is not None:
+            command()
+        self.bus.transmit(now)
+        self.clock.sleep_until(now + PERIOD)
+
+    def run(self, cycles, command=None):
+        for k in range(cycles):
+            self.cycle(None if command is None else lambda k=k: command(k))
+
+    def safe_cycles(self, cycles):
+        """What the loop does after a fault: safe setpoints, and no checks."""
+        for _ in range(cycles):
+            self.driver.make_safe()
+            now = self.clock.now()
+            self.bus.receive(now)
+            self.bus.transmit(now)
+            self.clock.sleep_until(now + PERIOD)
+
+    def inject(self, device, fault, value=None):
+        self.rig.inject(device, fault, value)
+
+    def sent(self, can_id):
+        """Return the data of the frames with an identifier so far."""
+        return [data for _, found, data in self.frames if found == can_id]
