@@ -59,6 +59,8 @@ def _identify(client: RegisterClient, settings: DynamixelSettings, joint: Dynami
             value=table.describe_model(identity.model),
             bound=table.describe_model(expected.number),
         )
+    # Two of a kind say the same of themselves, at the same time; they stand somewhere else.
+    client.read(table.PRESENT_POSITION)
     error = client.read(table.HARDWARE_ERROR)
     if error:
         raise client.failed(
