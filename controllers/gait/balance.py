@@ -1,0 +1,164 @@
+"""Centre of mass and zero-moment point against the edge of what the feet stand on."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.gait.geometry import LegGeometry
+from controllers.gait.postures import leg_posture
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.80665
+"""m/s²."""
+
+
+class LinkCentres(NamedTuple):
+    """Where the masses are.
+
+    Parameters
+    ----------
+    masses : ndarray, shape (k,)
+        kg.
+    positions : ndarray, shape (n, k, 3)
+        At each of n instants, m.
+    """
+
+    masses: Array
+    positions: Array
+
+    @property
+    def centre(self) -> Array:
+        """The centre of mass at each instant, shape (n, 3), m."""
+        total: Array = np.einsum("k,nki->ni", self.masses, self.positions) / np.sum(self.masses)
+        return total
+
+
+def link_centres(geometry: LegGeometry, q: Array, waist: Array) -> LinkCentres:
+    """Return the links' centres under an upright waist.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        Lengths and masses.
+    q : ndarray, shape (n, 12)
+        Joint angles, rad.
+    waist : ndarray, shape (n, 3)
+        Its position in the ground's frame, m.
+    """
+    m = geometry.masses
+    body = waist + np.array((m.upper_body_forward, 0.0, m.upper_body_height))
+    masses, positions = [m.upper_body], [body]
+    for leg in (0, 1):
+        at = leg_posture(geometry, leg, q)
+        masses += [m.hip_yaw + m.hip_roll, m.thigh, m.shank, m.ankle, m.foot]
+        positions += [
+            waist + at.hip,
+            waist + at.hip + m.thigh_centre * geometry.thigh * at.thigh,
+            waist + at.knee + m.shank_centre * geometry.shank * at.shank,
+            waist + at.ankle,
+            waist + at.ankle - m.foot_depth * at.foot[..., 2],
+        ]
+    return LinkCentres(np.array(masses), np.stack(positions, axis=1))
+
+
+def zero_moment_point(links: LinkCentres, period: float, response_time: float) -> Array:
+    """Return the point of the ground about which the robot's weight and inertia have no moment.
+
+    The links are point masses. Accelerations are central differences over the response time.
+
+    Parameters
+    ----------
+    links : LinkCentres
+        At instants one period apart; the robot rests before the first and after the last.
+    period : float
+        s.
+    response_time : float
+        s.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        m.
+
+    References
+    ----------
+    M. Vukobratović, B. Borovac, "Zero-moment point - thirty five years of its life",
+    International Journal of Humanoid Robotics 1(1), 2004.
+    """
+    wide = max(1, round(0.5 * response_time / period))
+    padded = np.pad(links.positions, ((wide, wide), (0, 0), (0, 0)), mode="edge")
+    middle = padded[wide:-wide]
+    acceleration = (padded[2 * wide :] - 2.0 * middle + padded[: -2 * wide]) / (wide * period) ** 2
+    lift = links.masses[:, None] * (acceleration[..., 2:] + GRAVITY)
+    moment = lift * middle[..., :2] - (
+        links.masses[:, None] * middle[..., 2:] * acceleration[..., :2]
+    )
+    point: Array = np.sum(moment, axis=1) / np.sum(lift, axis=1)
+    return point
+
+
+def support_polygon(
+    geometry: LegGeometry, feet: tuple[tuple[float, ...], ...], standing: tuple[bool, bool]
+) -> Array:
+    """Return the corners of what the robot stands on, anticlockwise.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        For the soles.
+    feet : tuple of tuple of float
+        Where right and left sole are, under the ankle, m; the soles point ahead.
+    standing : tuple of bool
+        Which of them bear.
+
+    Returns
+    -------
+    ndarray, shape (k, 2)
+        The convex hull, m.
+    """
+    sole = geometry.sole
+    corners = [
+        (foot[0] + along, foot[1] + across)
+        for foot, stands in zip(feet, standing, strict=True)
+        if stands
+        for along in (-sole.back, sole.front)
+        for across in (-sole.half_width, sole.half_width)
+    ]
+    return _hull(corners)
+
+
+def margin(polygon: Array, points: Array) -> Array:
+    """Return how far inside a polygon points are, m; negative outside.
+
+    Parameters
+    ----------
+    polygon : ndarray, shape (k, 2)
+        Corners, anticlockwise.
+    points : ndarray, shape (n, 2)
+        m.
+    """
+    edges = np.roll(polygon, -1, axis=0) - polygon
+    inward = np.column_stack((-edges[:, 1], edges[:, 0]))
+    inward /= np.linalg.norm(edges, axis=1)[:, None]
+    distances = points @ inward.T - np.sum(polygon * inward, axis=1)
+    nearest: Array = np.min(distances, axis=1)
+    return nearest
+
+
+def _hull(points: list[tuple[float, float]]) -> Array:
+    """Return the convex hull, anticlockwise (Andrew's monotone chain)."""
+    ordered = sorted(set(points))
+    half: list[list[tuple[float, float]]] = []
+    for sequence in (ordered, ordered[::-1]):
+        chain: list[tuple[float, float]] = []
+        for x, y in sequence:
+            while len(chain) >= 2:
+                (ax, ay), (bx, by) = chain[-2], chain[-1]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                    break
+                chain.pop()
+            chain.append((x, y))
+        half.append(chain[:-1])
+    return np.array(half[0] + half[1])

@@ -1,0 +1,281 @@
+"""What the laws of the legs have in common: a plan offline, and the same motion online.
+
+`prepare` steps through the whole motion with the very code that `update` then runs, so both give
+the same.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import ClassVar, Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from controllers.gait.arcs import Arcs, measure
+from controllers.gait.curve import PhaseCurve, check_limits
+from controllers.gait.geometry import LegGeometry
+from controllers.gait.motions import LegsMotion
+from controllers.gait.paces import LimitedNormPace, Pace, TrapezoidNormPace
+from controllers.gait.phases import Phase
+from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
+from controllers.gait.types import (
+    GaitEstimate,
+    GaitModel,
+    Joints,
+    LegsCommand,
+    LegsReference,
+    LegsState,
+)
+from controllers.motion import InfeasibleMotion
+
+Chosen = TypeVar("Chosen")
+
+
+class TimedPhase(NamedTuple):
+    """A phase on the grid of periods.
+
+    Parameters
+    ----------
+    phase : Phase
+        The path.
+    arcs : Arcs
+        Its lengths.
+    first, last : int
+        Cycles of its start and end.
+    """
+
+    phase: Phase
+    arcs: Arcs
+    first: int
+    last: int
+
+    @property
+    def cycles(self) -> int:
+        """How many periods it takes."""
+        return self.last - self.first
+
+
+class _Leg(NamedTuple):
+    curve: PhaseCurve
+    pace: Pace
+    cycles: int
+
+
+PaceMaker = Callable[[TimedPhase], Pace]
+"""Gives each phase its time law; raises `InfeasibleMotion` with the reason."""
+
+
+class GaitLaw(ABC, Generic[Chosen]):
+    """What the laws have in common: phases in their order, one period per update.
+
+    The path parameter belongs to the law, not to the clock: an update moves on by exactly one
+    period, so a late cycle holds the motion and loses no distance.
+
+    Parameters
+    ----------
+    settings : dataclass
+        Of the law.
+    model : GaitModel
+        The robot.
+    period : float
+        The loop's, s.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
+        self.settings = settings
+        self.model = model
+        self.period = period
+        self.estimate = GaitEstimate(0, 0.0)
+        """Phase and path parameter of the last command."""
+        self._schedule: tuple[_Leg, ...] = ()
+        self._number = 0
+        self._cycle = 0
+        self._positions: Joints = ()
+        self._rest: Joints = (0.0,) * 12
+        self._started = False
+
+    @abstractmethod
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        """Return what gives each phase of a motion at this speed its time law."""
+
+    def prepare(self, motion: LegsMotion) -> GaitPlan:
+        """Work out a whole motion and check it; nothing moves.
+
+        Parameters
+        ----------
+        motion : WalkSettings or SquatSettings
+            What to do.
+
+        Raises
+        ------
+        InfeasibleMotion
+            A leg does not reach, a joint would pass a limit, the time does not suffice, or the
+            robot would be out of balance; with phase, instant, number and bound.
+        """
+        geometry = self.model.geometry
+        timed = _on_grid(geometry, motion.phases(geometry), self.period)
+        make = self._pace_maker(timed, motion.speed)
+        paces = [_make_pace(make, entry) for entry in timed]
+        self._schedule = tuple(
+            _Leg(PhaseCurve(geometry, entry.phase), pace, entry.cycles)
+            for entry, pace in zip(timed, paces, strict=True)
+        )
+        plan = self._sample(timed, paces)
+        self._check(plan)
+        self._restart()
+        return plan
+
+    def reset(self, state: LegsState) -> None:
+        """Go back to the start of the prepared motion."""
+        if self._schedule:
+            self._restart()
+
+    def update(self, state: LegsState, reference: LegsReference) -> LegsCommand:
+        """Return the joints' positions and rates for this period.
+
+        Raises
+        ------
+        RuntimeError
+            The motion is to run and none was prepared.
+        """
+        if not reference.follow:
+            return LegsCommand(reference.positions, reference.velocities)
+        if not self._schedule:
+            raise RuntimeError(f"the law {self.name} was asked to run before it prepared a motion")
+        if not self._started:
+            self._started = True
+            return LegsCommand(self._positions, self._rest)
+        before = self._positions
+        if not self._advance():
+            return LegsCommand(before, self._rest)
+        after = self._positions
+        rate = 1.0 / self.period
+        return LegsCommand(after, tuple([rate * (b - a) for a, b in zip(before, after)]))  # noqa: B905
+
+    def _restart(self) -> None:
+        self._number = self._cycle = 0
+        self._started = False
+        self._schedule[0].curve.begin()
+        self._positions = self._schedule[0].curve.joints
+        self.estimate = GaitEstimate(0, 0.0)
+
+    def _advance(self) -> bool:
+        """Move on by one period; return whether anything was left to do."""
+        curve, pace, cycles = self._schedule[self._number]
+        if self._cycle == cycles:
+            if self._number == len(self._schedule) - 1:
+                return False
+            self._number += 1
+            self._cycle = 0
+            curve, pace, cycles = self._schedule[self._number]
+            curve.begin()
+        pace.advance(curve, self._cycle)
+        self._cycle += 1
+        self._positions = curve.joints
+        self.estimate = GaitEstimate(self._number, curve.path)
+        return True
+
+    def _sample(self, timed: Sequence[TimedPhase], paces: Sequence[Pace]) -> GaitPlan:
+        self._restart()
+        joints, numbers, path = [self._positions], [0], [0.0]
+        while self._advance():
+            joints.append(self._positions)
+            number, xi = self.estimate
+            numbers.append(number)
+            path.append(xi)
+        q = np.array(joints)
+        walked = [timed[number].phase for number in numbers]
+        waist = np.array([phase.waist_at(xi) for phase, xi in zip(walked, path, strict=True)])
+        feet = np.array(
+            [
+                (phase.foot_at(0, xi), phase.foot_at(1, xi))
+                for phase, xi in zip(walked, path, strict=True)
+            ]
+        )
+        planned = tuple(
+            _report(entry, pace, self.period) for entry, pace in zip(timed, paces, strict=True)
+        )
+        return GaitPlan(
+            geometry=self.model.geometry,
+            law=self.name,
+            period=self.period,
+            phases=planned,
+            t=np.arange(len(q)) * np.float64(self.period),
+            q=q,
+            q_dot=np.diff(q, axis=0, prepend=q[:1]) / self.period,
+            path=np.array(path),
+            phase_number=np.array(numbers),
+            waist=waist,
+            feet=feet,
+            balance=judge_balance(
+                self.model.geometry, self.model.balance, self.period, planned, q, waist
+            ),
+        )
+
+    def _check(self, plan: GaitPlan) -> None:
+        limits = np.array(plan.geometry.limits)
+        beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1]).max(axis=1)
+        worst = int(np.argmax(beyond))
+        message = check_limits(plan.geometry, tuple(plan.q[worst].tolist()))
+        if message is not None:
+            raise InfeasibleMotion(f"at {plan.t[worst]:.3f} s {message}.")
+        bound = self.model.balance.min_margin
+        worst = int(np.argmin(plan.balance.margin))
+        if plan.margin < bound:
+            still = plan.balance.static_margin[worst] < bound
+            what = "centre of mass" if still else "zero-moment point"
+            raise InfeasibleMotion(
+                f"at {plan.t[worst]:.3f} s ({self._name_at(plan, worst)}) the {what} would be "
+                f"{plan.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
+                f"{bound * 1e3:g} mm."
+            )
+
+    @staticmethod
+    def _name_at(plan: GaitPlan, sample: int) -> str:
+        return plan.phases[int(plan.phase_number[sample])].phase.name
+
+
+def _on_grid(
+    geometry: LegGeometry, phases: Sequence[Phase], period: float
+) -> tuple[TimedPhase, ...]:
+    """Put the phases on the grid of periods; each begins at the cycle nearest to its time."""
+    timed = []
+    elapsed, first = 0.0, 0
+    for phase in phases:
+        elapsed += phase.duration
+        last = round(elapsed / period)
+        if last - first < 2:
+            raise InfeasibleMotion(
+                f"{phase.name} lasts {phase.duration:.4g} s: less than two periods of {period:g} s."
+            )
+        timed.append(TimedPhase(phase, measure(geometry, phase), first, last))
+        first = last
+    return tuple(timed)
+
+
+def _make_pace(make: PaceMaker, entry: TimedPhase) -> Pace:
+    try:
+        return make(entry)
+    except InfeasibleMotion as error:
+        raise InfeasibleMotion(f"{entry.phase.name}: {error}") from error
+
+
+def _report(entry: TimedPhase, pace: Pace, period: float) -> PlannedPhase:
+    norm_rate, raised_by, reach = math.inf, 1.0, 1.0
+    if isinstance(pace, TrapezoidNormPace):
+        norm_rate = pace.norm_rate
+    elif isinstance(pace, LimitedNormPace):
+        norm_rate, raised_by = pace.norm_rate, pace.raised_by
+        reach = pace.reach_unraised(entry.cycles * period)
+    return PlannedPhase(
+        phase=entry.phase,
+        first=entry.first,
+        last=entry.last,
+        path_length=entry.arcs.path_length,
+        joint_length=entry.arcs.joint_length,
+        norm_rate=norm_rate,
+        raised_by=raised_by,
+        reach_unraised=reach,
+    )

@@ -1,0 +1,177 @@
+"""The four laws: one path, one curve of the joints, four ways to pass along it in time."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Unit
+
+from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
+from controllers.gait.paces import (
+    ConstantPathPace,
+    LimitedNormPace,
+    MinimumJerkPace,
+    Pace,
+    TrapezoidNormPace,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class NoSettings:
+    """A law that leaves nothing to choose."""
+
+
+class InverseLaw(GaitLaw[NoSettings]):
+    """The plain law: constant speed along the path, by the inverse of the Jacobian.
+
+    Near the straight knee the joint rates are what they are; the servos may not follow.
+
+    Parameters
+    ----------
+    settings : NoSettings
+        None.
+    model : GaitModel
+        The robot.
+    period : float
+        The loop's, s.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", eq. (1) and Fig. 4 (a).
+    """
+
+    Settings = NoSettings
+    name = "inverse"
+
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        return lambda entry: ConstantPathPace(entry.arcs, entry.cycles)
+
+
+class MinimumJerkLaw(GaitLaw[NoSettings]):
+    """The rival: minimum-jerk timing of the path, by the closed-form inverse.
+
+    Parameters
+    ----------
+    settings : NoSettings
+        None.
+    model : GaitModel
+        The robot.
+    period : float
+        The loop's, s.
+    """
+
+    Settings = NoSettings
+    name = "min-jerk"
+
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        return lambda entry: MinimumJerkPace(entry.arcs, entry.cycles)
+
+
+@dataclass(frozen=True, slots=True)
+class LimitedNormSettings:
+    """Where the joint rates are cut.
+
+    Parameters
+    ----------
+    norm_rate : float, optional
+        Greatest norm of the twelve joint rates, rad/s. None: `norm_factor` times the mean norm
+        of the phase that needs most.
+    norm_factor : float
+        See there.
+    """
+
+    norm_rate: Annotated[float, Unit("rad/s"), Gt(0)] | None = None
+    norm_factor: Annotated[float, Gt(1)] = 1.5
+
+
+class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
+    """The singularity-consistent law: constant path speed, with the joints' norm bounded.
+
+    Parameters
+    ----------
+    settings : LimitedNormSettings
+        The bound.
+    model : GaitModel
+        The robot.
+    period : float
+        The loop's, s.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", section 4 and Fig. 4 (b).
+    """
+
+    Settings = LimitedNormSettings
+    name = "sc"
+
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        wanted = self.settings.norm_rate
+        bound = wanted if wanted is not None else self._usual_bound(phases)
+        # No joint may pass its own limit either, wherever on the curve it has its greatest share.
+        most = self.model.geometry.max_rate
+
+        def make(entry: TimedPhase) -> Pace:
+            rate = min(bound, most / entry.arcs.steepest)
+            return LimitedNormPace(entry.arcs, entry.cycles, self.period, rate)
+
+        return make
+
+    def _usual_bound(self, phases: Sequence[TimedPhase]) -> float:
+        means = [entry.arcs.joint_length / (entry.cycles * self.period) for entry in phases]
+        return self.settings.norm_factor * max(means)
+
+
+@dataclass(frozen=True, slots=True)
+class TrapezoidNormSettings:
+    """The trapezoid's shape.
+
+    Parameters
+    ----------
+    ramp : float
+        Time of rise and of fall at a motion's speed of 1, s; at most half the phase.
+    """
+
+    ramp: Annotated[float, Unit("s"), Ge(0)] = 0.5
+
+
+class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
+    """The singularity-consistent law with a trapezoid of the joints' norm: no jump of the rates.
+
+    Parameters
+    ----------
+    settings : TrapezoidNormSettings
+        Its shape.
+    model : GaitModel
+        The robot.
+    period : float
+        The loop's, s.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", section 5 and Fig. 4 (c).
+    """
+
+    Settings = TrapezoidNormSettings
+    name = "sc-trapezoid"
+
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        ramp = self.settings.ramp / speed
+        most = self.model.geometry.max_rate
+
+        def make(entry: TimedPhase) -> Pace:
+            limit = most / entry.arcs.steepest
+            return TrapezoidNormPace(entry.arcs, entry.cycles, self.period, ramp, limit)
+
+        return make
+
+
+LAWS: tuple[type[GaitLaw[Any]], ...] = (
+    InverseLaw,
+    LimitedNormLaw,
+    TrapezoidNormLaw,
+    MinimumJerkLaw,
+)
+"""In the order in which they are compared."""

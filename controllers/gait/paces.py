@@ -1,0 +1,232 @@
+"""Time laws: how far along its path, or along its joints' curve, a phase goes in each cycle.
+
+A pace moves a `PhaseCurve` on by one period at a time and ends it exactly after the phase's
+cycles. All of them describe the same curve of the joints; they differ in when.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from controllers.gait.arcs import Arcs
+from controllers.gait.curve import PhaseCurve
+from controllers.minimum_jerk import minimum_jerk
+from controllers.motion import InfeasibleMotion
+
+_BISECTIONS = 60
+
+
+class Pace(Protocol):
+    """How one phase passes."""
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period; `cycle` counts from 0."""
+        ...
+
+
+class ConstantPathPace:
+    """Constant speed along the path from the first to the last instant: the plain law.
+
+    Each cycle takes the closed-form inverse, which is the inverse Jacobian integrated exactly.
+
+    Parameters
+    ----------
+    arcs : Arcs
+        Lengths of the phase.
+    cycles : int
+        Its duration in periods.
+    """
+
+    def __init__(self, arcs: Arcs, cycles: int) -> None:
+        self._step = arcs.path_length / cycles
+        self._last = cycles - 1
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period."""
+        if cycle >= self._last:
+            curve.finish()
+        else:
+            curve.place_path(self._step)
+
+
+class MinimumJerkPace:
+    """Minimum jerk along the path from rest to rest, with the closed-form inverse: the rival.
+
+    Near its end the path that is left shrinks with the third power of time, the knee with the
+    square root of that: it stops without a jump, too.
+
+    Parameters
+    ----------
+    arcs : Arcs
+        Lengths of the phase.
+    cycles : int
+        Its duration in periods.
+    """
+
+    def __init__(self, arcs: Arcs, cycles: int) -> None:
+        self._length = arcs.path_length
+        self._cycles = cycles
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period."""
+        if cycle >= self._cycles - 1:
+            curve.finish()
+        else:
+            curve.place_path(self._covered(cycle + 1) - self._covered(cycle))
+
+    def _covered(self, cycle: int) -> float:
+        return minimum_jerk(0.0, self._length, self._cycles, cycle)[0]
+
+
+class LimitedNormPace:
+    """Constant speed along the path unless the joints' norm forbids; faster before, to be on time.
+
+    ``b`` is the smaller of the two that keep the path's speed and the norm of the joint rates.
+    What is lost near the straight knee is made up elsewhere by a higher speed of the path, which
+    is solved for.
+
+    Parameters
+    ----------
+    arcs : Arcs
+        Lengths of the phase.
+    cycles : int
+        Its duration in periods.
+    period : float
+        s.
+    norm_rate : float
+        Greatest norm of the twelve joint rates, rad/s.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The joints' curve is too long for this norm in this time.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", section 4: the total distance is kept by raising the speed before the
+    neighbourhood of the singularity.
+    """
+
+    def __init__(self, arcs: Arcs, cycles: int, period: float, norm_rate: float) -> None:
+        duration = cycles * period
+        self._period = period
+        self._arcs = arcs
+        self.norm_rate = norm_rate
+        self.mean_speed = arcs.path_length / duration
+        self.raised_by = self._solve(duration)
+        """By what the path's speed is raised, to keep the distance."""
+        self._speed = self.mean_speed * self.raised_by
+        self._last = cycles - 1
+        self._left = arcs.joint_length
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period."""
+        if cycle == 0:
+            self._left = self._arcs.joint_length
+        if cycle >= self._last:
+            curve.finish()
+            return
+        norm, path = curve.rates()
+        if self._speed * norm < self.norm_rate * path:
+            curve.follow_path(self._speed * self._period)
+            norm_after, path_after = curve.rates()
+            per_path = 0.5 * (norm / path + norm_after / path_after)
+            self._left -= self._speed * self._period * per_path
+        else:
+            step = min(self.norm_rate * self._period, max(self._left, 0.0))
+            curve.follow_joints(step)
+            self._left -= step
+
+    def reach_unraised(self, duration: float) -> float:
+        """Return the share of the path that is done in time (s) if the speed is not raised."""
+        times = np.cumsum(self._times(1.0))
+        lengths = np.cumsum(self._arcs.path_pieces)
+        return float(np.interp(duration, times, lengths) / lengths[-1])
+
+    def _times(self, raised_by: float) -> np.ndarray:
+        arcs = self._arcs
+        times: np.ndarray = np.maximum(
+            arcs.path_pieces / (raised_by * self.mean_speed), arcs.joint_pieces / self.norm_rate
+        )
+        return times
+
+    def _solve(self, duration: float) -> float:
+        least = self._arcs.joint_length / self.norm_rate
+        if least >= duration:
+            raise InfeasibleMotion(
+                f"the joints' curve of {self._arcs.joint_length:.4g} rad takes {least:.4g} s at a "
+                f"norm of {self.norm_rate:.4g} rad/s, but the phase lasts {duration:.4g} s."
+            )
+        low, high = 1.0, 2.0
+        while float(np.sum(self._times(high))) > duration:
+            high *= 2.0
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if float(np.sum(self._times(middle))) > duration:
+                low = middle
+            else:
+                high = middle
+        return high
+
+
+class TrapezoidNormPace:
+    """A trapezoid of the norm of the twelve joint rates over the whole phase.
+
+    Its area is the length of the joints' curve, so the distance is kept by construction.
+
+    Parameters
+    ----------
+    arcs : Arcs
+        Lengths of the phase.
+    cycles : int
+        Its duration in periods.
+    period : float
+        s.
+    ramp : float
+        Of the trapezoid's sides, s; at most half the phase.
+    most : float
+        Norm of the joint rates at which a joint would reach its greatest rate, rad/s.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The trapezoid would be higher than that.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", section 5: trapezoidal interpolation of the joint-rate norm.
+    """
+
+    def __init__(self, arcs: Arcs, cycles: int, period: float, ramp: float, most: float) -> None:
+        duration = cycles * period
+        self._ramp = min(ramp, 0.5 * duration)
+        self._duration = duration
+        self._period = period
+        self._cycles = cycles
+        self.norm_rate = arcs.joint_length / (duration - self._ramp)
+        """Height of the trapezoid, rad/s."""
+        if self.norm_rate > most:
+            raise InfeasibleMotion(
+                f"the joint rates would reach a norm of {self.norm_rate:.4g} rad/s, at which one "
+                f"joint passes its limit ({most:.4g} rad/s); the phase needs at least "
+                f"{arcs.joint_length / most + self._ramp:.4g} s instead of {duration:.4g} s."
+            )
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period."""
+        if cycle >= self._cycles - 1:
+            curve.finish()
+            return
+        t = cycle * self._period
+        curve.follow_joints(self._covered(t + self._period) - self._covered(t))
+
+    def _covered(self, t: float) -> float:
+        ramp, left = self._ramp, self._duration - t
+        if t < ramp:
+            return 0.5 * self.norm_rate * t * t / ramp
+        if left < ramp:
+            whole = self.norm_rate * (self._duration - ramp)
+            return whole - 0.5 * self.norm_rate * left * left / ramp
+        return self.norm_rate * (t - 0.5 * ramp)

@@ -1,0 +1,134 @@
+"""One phase of a motion: what waist and feet do while the path parameter grows from 0 to 1."""
+
+import math
+from typing import NamedTuple
+
+from controllers.gait.geometry import LegGeometry
+from controllers.gait.kinematics import Vector
+
+
+class LegPath(NamedTuple):
+    """The hip centre seen from the ankle, as a curve.
+
+    A straight line, minus a half-sine lift of the foot, plus a bob of the waist.
+
+    Parameters
+    ----------
+    start, travel : tuple of float
+        Where it begins, and how far it goes, m.
+    lift : float
+        Of the foot in the middle, m; 0 for a foot that stands.
+    bob : float
+        Of the waist between rise and fall, m.
+    share : float
+        Of the path in which the bob rises, and again falls.
+    """
+
+    start: Vector
+    travel: Vector
+    lift: float
+    bob: float
+    share: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is any demand on this leg."""
+        return any(self.travel) or self.lift != 0.0 or self.bob != 0.0
+
+    def at(self, xi: float) -> Vector:
+        """Return the hip centre from the ankle, m."""
+        (x, y, z), (dx, dy, dz) = self.start, self.travel
+        if self.lift:
+            z -= self.lift * math.sin(math.pi * xi)
+        if self.bob:
+            z += self.bob * _plateau(xi, self.share)
+        return (x + xi * dx, y + xi * dy, z + xi * dz)
+
+    def tangent(self, xi: float) -> Vector:
+        """Return the derivative of `at`, m."""
+        x, y, z = self.travel
+        if self.lift:
+            z -= self.lift * math.pi * math.cos(math.pi * xi)
+        if self.bob:
+            z += self.bob * _plateau_slope(xi, self.share)
+        return (x, y, z)
+
+
+class Phase(NamedTuple):
+    """What waist and feet do, in the ground's frame: x ahead, y to the left.
+
+    Parameters
+    ----------
+    name : str
+        For people: ``"swing right 1"``.
+    duration : float
+        s.
+    standing : tuple of bool
+        Whether the right and the left foot bear the robot.
+    waist, waist_travel : tuple of float
+        Where the waist is at the start, and its straight way, m.
+    feet : tuple of tuple of float
+        Where the right and the left ankle are at the start, projected on the ground, m.
+    step : float
+        How far the foot that does not stand goes ahead, m.
+    lift : float
+        How high in the middle, m.
+    bob : float
+        How much higher the waist is in the middle of the phase, m.
+    bob_share : float
+        Of the path in which it rises, and again falls.
+    """
+
+    name: str
+    duration: float
+    standing: tuple[bool, bool]
+    waist: Vector
+    waist_travel: Vector
+    feet: tuple[Vector, Vector]
+    step: float = 0.0
+    lift: float = 0.0
+    bob: float = 0.0
+    bob_share: float = 0.15
+
+    def legs(self, geometry: LegGeometry) -> tuple[LegPath, LegPath]:
+        """Return the path of the right and of the left hip from its ankle."""
+        right, left = (self._leg(geometry, leg) for leg in (0, 1))
+        return right, left
+
+    def _leg(self, geometry: LegGeometry, leg: int) -> LegPath:
+        swings = not self.standing[leg]
+        (wx, wy, wz), (tx, ty, tz), (fx, fy, fz) = self.waist, self.waist_travel, self.feet[leg]
+        return LegPath(
+            (wx - fx, wy + geometry.side(leg) - fy, wz - fz - geometry.ankle_height),
+            (tx - (self.step if swings else 0.0), ty, tz),
+            self.lift if swings else 0.0,
+            self.bob,
+            self.bob_share,
+        )
+
+    def waist_at(self, xi: float) -> Vector:
+        """Return the waist's position, m."""
+        (x, y, z), (dx, dy, dz) = self.waist, self.waist_travel
+        bob = self.bob * _plateau(xi, self.bob_share) if self.bob else 0.0
+        return (x + xi * dx, y + xi * dy, z + xi * dz + bob)
+
+    def foot_at(self, leg: int, xi: float) -> Vector:
+        """Return the position of the point of the sole that is under the ankle, m."""
+        x, y, z = self.feet[leg]
+        if self.standing[leg]:
+            return (x, y, z)
+        return (x + xi * self.step, y, z + self.lift * math.sin(math.pi * xi))
+
+
+def _plateau(xi: float, share: float) -> float:
+    """Return a smooth step up over the first share of 0 … 1 and down over the last."""
+    s = min(xi, 1.0 - xi) / share
+    return 1.0 if s >= 1.0 else s * s * (3.0 - 2.0 * s)
+
+
+def _plateau_slope(xi: float, share: float) -> float:
+    s = min(xi, 1.0 - xi) / share
+    if s >= 1.0:
+        return 0.0
+    slope = 6.0 * s * (1.0 - s) / share
+    return slope if xi < 0.5 else -slope

@@ -1,0 +1,266 @@
+"""A motion that has been worked out and checked, sample by sample."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
+from controllers.gait.geometry import KNEES, LegGeometry
+from controllers.gait.phases import Phase
+from controllers.gait.postures import leg_posture, mismatch, quantised, waist_from_foot
+from controllers.gait.types import BalanceSettings, LegsReference
+
+Array = NDArray[np.float64]
+
+NEAR_SINGULAR = math.radians(5.0)
+"""A knee below this angle is near the singularity, rad."""
+
+
+class PlanSegment(NamedTuple):
+    """A stretch of time that metrics look at: one phase, s."""
+
+    name: str
+    start: float
+    end: float
+
+
+class PlannedPhase(NamedTuple):
+    """What became of a phase.
+
+    Parameters
+    ----------
+    phase : Phase
+        As it was asked for.
+    first, last : int
+        Samples of its start and end.
+    path_length : float
+        m.
+    joint_length : float
+        Of the curve of all twelve joints, rad.
+    norm_rate : float
+        Norm of the joint rates that the law holds or reaches, rad/s; infinite without a bound.
+    raised_by : float
+        By what the path's speed was raised to keep the distance; 1 if it was not.
+    reach_unraised : float
+        Share of the path that would have been done in time without that.
+    """
+
+    phase: Phase
+    first: int
+    last: int
+    path_length: float
+    joint_length: float
+    norm_rate: float
+    raised_by: float
+    reach_unraised: float
+
+
+class Balance(NamedTuple):
+    """How safely the robot stands at each sample.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (n, 3)
+        Of mass, in the ground's frame, m.
+    zero_moment : ndarray, shape (n, 2)
+        Zero-moment point, m.
+    static_margin, margin : ndarray, shape (n,)
+        Distance of the one, and of the nearer of both, from the edge of the support, m;
+        negative outside.
+    """
+
+    centre: Array
+    zero_moment: Array
+    static_margin: Array
+    margin: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GaitPlan:
+    """A motion of the legs at every period.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        The legs.
+    law : str
+        That made it.
+    period : float
+        s.
+    phases : tuple of PlannedPhase
+        In their order.
+    t : ndarray, shape (n,)
+        s from the start.
+    q, q_dot : ndarray, shape (n, 12)
+        Joint angles, rad, and mean rates over the period before, rad/s.
+    path : ndarray, shape (n,)
+        Path parameter of the phase.
+    phase_number : ndarray of int, shape (n,)
+        The phase that a sample was reached in.
+    waist : ndarray, shape (n, 3)
+        In the ground's frame, m.
+    feet : ndarray, shape (n, 2, 3)
+        Right and left sole under the ankle, m.
+    balance : Balance
+        Centre of mass, zero-moment point and margins.
+    """
+
+    geometry: LegGeometry
+    law: str
+    period: float
+    phases: tuple[PlannedPhase, ...]
+    t: Array
+    q: Array
+    q_dot: Array
+    path: Array
+    phase_number: NDArray[np.int64]
+    waist: Array
+    feet: Array
+    balance: Balance
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self.t[-1])
+
+    @property
+    def segments(self) -> tuple[PlanSegment, ...]:
+        """One per phase."""
+        period = self.period
+        return tuple(
+            PlanSegment(planned.phase.name, planned.first * period, planned.last * period)
+            for planned in self.phases
+        )
+
+    def at(self, t: float) -> LegsReference:
+        """Return what the legs should do at `t` seconds from the start."""
+        sample = min(max(round(t / self.period), 0), len(self.t) - 1)
+        return LegsReference(
+            tuple(self.q[sample].tolist()), tuple(self.q_dot[sample].tolist()), True
+        )
+
+    def mismatch(self, resolution: float = 0.0) -> float:
+        """Return by how much the feet at most disagree on where the waist is, m.
+
+        Parameters
+        ----------
+        resolution : float
+            Of the servos, rad; 0 judges the plan as it is.
+        """
+        q = quantised(self.q, resolution) if resolution else self.q
+        return float(np.max(mismatch(self.geometry, q, self.feet)))
+
+    def odometry(self) -> Array:
+        """Return where the joints alone put the waist, shape (n, 3), m.
+
+        Forward kinematics from the foot that stands, each foot standing where it landed.
+        """
+        seen = [waist_from_foot(leg_posture(self.geometry, leg, self.q)) for leg in (0, 1)]
+        feet = [self.feet[0, leg].copy() for leg in (0, 1)]
+        waist = np.empty_like(self.waist)
+        for planned in self.phases:
+            during = slice(planned.first, planned.last + 1)
+            right, left = planned.phase.standing
+            stands, other = (0, 1) if right else (1, 0)
+            waist[during] = feet[stands] + seen[stands][during]
+            if not (right and left):
+                feet[other] = waist[planned.last] - seen[other][planned.last]
+        return waist
+
+    @property
+    def advance(self) -> float:
+        """How far the joints carry the waist ahead, m."""
+        waist = self.odometry()
+        return float(waist[-1, 0] - waist[0, 0])
+
+    @property
+    def peak_rates(self) -> Array:
+        """Greatest rate of each joint, shape (12,), rad/s."""
+        rates: Array = np.max(np.abs(self.q_dot), axis=0)
+        return rates
+
+    @property
+    def peak_knee_rate(self) -> float:
+        """Greatest rate of either knee, rad/s."""
+        return float(np.max(self.peak_rates[list(KNEES)]))
+
+    @property
+    def peak_norm(self) -> float:
+        """Greatest norm of the twelve joint rates, rad/s."""
+        return float(np.max(np.linalg.norm(self.q_dot, axis=1)))
+
+    @property
+    def greatest_jump(self) -> float:
+        """Greatest change of a joint's rate from one period to the next, ends included, rad/s."""
+        return float(np.max(np.abs(np.diff(self.q_dot, axis=0, append=0.0))))
+
+    @property
+    def near_singular_windows(self) -> tuple[tuple[float, float], ...]:
+        """Start and end of each stretch in which a knee is nearly straight, s."""
+        near = np.min(self.q[:, list(KNEES)], axis=1) < NEAR_SINGULAR
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], near, [False])).astype(int)))
+        return tuple(
+            (float(self.t[first]), float(self.t[after - 1]))
+            for first, after in edges.reshape(-1, 2).tolist()
+        )
+
+    @property
+    def static_margin(self) -> float:
+        """Least distance of the centre of mass from the edge of the support, m."""
+        return float(np.min(self.balance.static_margin))
+
+    @property
+    def margin(self) -> float:
+        """The same for the nearer of centre of mass and zero-moment point, m."""
+        return float(np.min(self.balance.margin))
+
+    def nearest_stable(self, t: float, bound: float) -> float:
+        """Return the instant nearest to `t` at which a robot at rest stands safely, s.
+
+        Parameters
+        ----------
+        t : float
+            s.
+        bound : float
+            Least distance of the centre of mass from the edge of the support, m.
+
+        Raises
+        ------
+        ValueError
+            There is none.
+        """
+        stable = np.flatnonzero(self.balance.static_margin >= bound)
+        if not len(stable):
+            raise ValueError(f"at no instant is the centre of mass {bound * 1e3:g} mm inside.")
+        return float(self.t[stable[np.argmin(np.abs(self.t[stable] - t))]])
+
+
+def judge_balance(
+    geometry: LegGeometry,
+    settings: BalanceSettings,
+    period: float,
+    phases: tuple[PlannedPhase, ...],
+    q: Array,
+    waist: Array,
+) -> Balance:
+    """Return centre of mass, zero-moment point and their margins at every sample.
+
+    Where one phase ends and the next begins the stricter support of both counts.
+    """
+    links = link_centres(geometry, q, waist)
+    centre = links.centre
+    zero_moment = zero_moment_point(links, period, settings.response_time)
+    static = np.full(len(q), math.inf)
+    nearer = np.full(len(q), math.inf)
+    for planned in phases:
+        phase = planned.phase
+        polygon = support_polygon(geometry, phase.feet, phase.standing)
+        during = slice(planned.first, planned.last + 1)
+        of_centre = margin(polygon, centre[during, :2])
+        of_both = np.minimum(of_centre, margin(polygon, zero_moment[during]))
+        static[during] = np.minimum(static[during], of_centre)
+        nearer[during] = np.minimum(nearer[during], of_both)
+    return Balance(centre, zero_moment, static, nearer)

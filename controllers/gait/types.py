@@ -1,0 +1,107 @@
+"""The values that pass through the loop of the legs."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, NamedTuple
+
+from annotated_types import Gt, Unit
+
+from controllers.gait.geometry import LegGeometry
+
+Joints = tuple[float, ...]
+"""One value per joint, in the order of `controllers.gait.geometry.JOINT_NAMES`."""
+
+
+class LegsState(NamedTuple):
+    """What is measured of the legs in one cycle.
+
+    Parameters
+    ----------
+    t : float
+        Time of the cycle, s.
+    positions, velocities : tuple of float
+        Of the twelve joints, rad and rad/s.
+    """
+
+    t: float
+    positions: Joints
+    velocities: Joints
+
+
+class LegsReference(NamedTuple):
+    """What the legs should do in this cycle.
+
+    Parameters
+    ----------
+    positions, velocities : tuple of float
+        Of the twelve joints, rad and rad/s: the posture to approach, or the plan's sample.
+    follow : bool
+        Whether the prepared motion runs: a law then takes the next step of it.
+    """
+
+    positions: Joints
+    velocities: Joints
+    follow: bool
+
+
+class LegsCommand(NamedTuple):
+    """Where the joints should be at the end of this period, and how fast they got there.
+
+    Parameters
+    ----------
+    positions : tuple of float
+        rad.
+    velocities : tuple of float
+        Mean over the period, rad/s.
+    """
+
+    positions: Joints
+    velocities: Joints
+
+
+class GaitEstimate(NamedTuple):
+    """Where on its path a law is.
+
+    Parameters
+    ----------
+    phase : int
+        Number of the phase, from 0.
+    path : float
+        Path parameter in it, 0 … 1.
+    """
+
+    phase: int
+    path: float
+
+
+@dataclass(frozen=True, slots=True)
+class BalanceSettings:
+    """What counts as balanced.
+
+    Parameters
+    ----------
+    min_margin : float
+        Least distance of the centre of mass and of the zero-moment point from the edge of what
+        the feet stand on, m.
+    response_time : float
+        Over which accelerations are averaged, s: servos and structure do not pass on a jump of
+        the commanded rates within one period.
+    """
+
+    min_margin: Annotated[float, Unit("m"), Gt(0)] = 0.005
+    response_time: Annotated[float, Unit("s"), Gt(0)] = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class GaitModel:
+    """What a law is told of the robot.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        Of both legs.
+    balance : BalanceSettings
+        The bound below which a plan is refused.
+    """
+
+    geometry: LegGeometry = field(default_factory=LegGeometry)
+    balance: BalanceSettings = field(default_factory=BalanceSettings)
