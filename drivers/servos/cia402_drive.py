@@ -80,10 +80,12 @@ class Cia402Drive:
         self.state: DriveState | None = None
         self.goal = Goal.DISABLED
         self.node = CanopenNode(self.name, settings.node, bus)
-        self.watch = FollowingWatch(settings.following_window, settings.following_time)
         self._shared = shared
         self._period = period
         self._follows_velocity = shared.mode == "csv"
+        # In csp the drive watches as well, and knows more: it speaks first.
+        patience = settings.following_time * (1.0 if self._follows_velocity else 2.0)
+        self.watch = FollowingWatch(settings.following_window, patience)
         self._gain = settings.counts_per_radian
         self._radians = 1.0 / settings.counts_per_radian
         self._velocity_gain = settings.velocity_per_radian
@@ -315,12 +317,11 @@ class Cia402Drive:
             )
         duration = self.watch.exceeds(self.position, now)
         if duration:
-            settings = self.settings
             raise self._fault(
                 f"the joint does not follow its reference: {self.describe()}",
                 object="0x6064:00",
                 value=f"{self.watch.error:+.4g} rad for {duration:.3g} s",
-                bound=f"{settings.following_window:g} rad for {settings.following_time:g} s",
+                bound=f"{self.watch.window:g} rad for {self.watch.time:g} s",
             )
 
     def fail_to_enable(self, since: float) -> DeviceFault:

@@ -1,14 +1,21 @@
 """Joints that follow with a lag, and the rigs around them on which servo drivers are tested."""
 
 import math
+from dataclasses import fields
 from types import SimpleNamespace
 
 from drivers.can.frame import CanFrame
+from drivers.canopen.bus import CanopenBus
+from drivers.canopen.settings import CanBusSettings
+from drivers.servos.cia402 import Cia402Servos
+from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulation import EmulatedRig
+from drivers.sim.servo_wiring import emulate_cia402
 
 PERIOD = 0.005
+_DRIVE_FIELDS = [field.name for field in fields(DriveSettings)]
 
 
 class LaggedJoints:
@@ -30,9 +37,9 @@ class LaggedJoints:
     def advance(self, t):
         dt = t - self.time
         assert dt >= 0.0, f"time ran backwards from {self.time} to {t}"
-        self.time = t
-        if dt == 0.0:
+        if dt < 1e-6:  # too short for a speed; the next call makes up for it
             return
+        self.time = t
         share = 1.0 - math.exp(-dt / self.lag)
         for k, reference in enumerate(self.references):
             before = self.angles[k]
@@ -158,3 +165,42 @@ class ServoRig:
     def sent(self, can_id):
         """Return the data of the frames with an identifier so far."""
         return [data for _, found, data in self.frames if found == can_id]
+
+
+def cia402_settings(joints=2, **changes):
+    """Joints that differ in sign, offset and gear."""
+    drive = {key: changes.pop(key) for key in list(changes) if key in _DRIVE_FIELDS}
+    return Cia402Settings(
+        joints={
+            f"q{k + 1}": DriveSettings(
+                **{
+                    "node": k + 1,
+                    "counts_per_turn": 2.0**17,
+                    "gear": 100.0 + k,
+                    "reversed": bool(k % 2),
+                    "offset": 0.1 * k,
+                    "limits": (-2.0, 2.0),
+                    "deceleration": 8.0,
+                    **drive,
+                }
+            )
+            for k in range(joints)
+        },
+        **changes,
+    )
+
+
+def cia402_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, **changes):
+    """Return a rig of emulated CiA 402 drives under the production driver."""
+    settings = cia402_settings(joints, **changes)
+    plant = plant or LaggedJoints(joints)
+    nodes = emulate_cia402("arm", settings, plant, tuple(range(joints)), 0)
+    can = CanBusSettings("virtual", "can0", **(bus_settings or {}))
+    return ServoRig(
+        plant,
+        lambda open_bus, clock: CanopenBus("can0", can, open_bus, clock, PERIOD),
+        lambda bus: Cia402Servos("arm", settings, bus),
+        nodes,
+        faults=faults,
+        loss=loss,
+    )

@@ -163,15 +163,12 @@ class EmulatedCia402(EmulatedNode):
     def _pass_on(self, *, powered: bool) -> None:
         if self._stuck and powered:
             return
-        motion = self._motion
-        position = motion.position if powered else self._measured()
-        velocity = motion.velocity if powered else 0.0
-        self._port.command_joint(
-            self._channel,
-            (position - self._jump) / self._counts + self._zero,
-            velocity / self._counts,
-            powered,
-        )
+        velocity = self._motion.velocity if powered else 0.0
+        self._port.command_joint(self._channel, self._angle(), velocity / self._counts, powered)
+
+    def _angle(self) -> float:
+        """Return the joint's angle at which the reference is, rad."""
+        return (self._motion.position - self._jump) / self._counts + self._zero
 
     def _measured(self) -> float:
         """Return the position at the encoder, counts."""
@@ -363,6 +360,9 @@ class EmulatedCia402(EmulatedNode):
         self._mode = self.objects.mode.value = mode
 
     def _set_stuck(self, stuck: bool) -> None:
+        if stuck and self.machine.state in POWERED:
+            self._motion.advance(self.now)
+            self._port.command_joint(self._channel, self._angle(), 0.0, True)
         self._stuck = stuck
 
     def _open_torque_off(self) -> None:
