@@ -1,0 +1,1 @@
+"""A U-R-S arm: kinematics, singularity-consistent laws and the laws that they are held against."""
