@@ -22,8 +22,8 @@ _RIM: Final = 3
 _RING: Final = 3
 """Width of the ring beyond the rim that tells the background, pixels."""
 
-_FEWEST: Final = 12
-"""Pixels that a plane is fitted to."""
+_SPREAD: Final = 1.0
+"""How far pixels must spread both ways for a plane, product of their rms, pixels²."""
 
 _KERNEL: Final = np.ones((2 * _RIM + 1, 2 * _RIM + 1), np.uint8)
 _LEVELS: Final = np.arange(256, dtype=float)
@@ -121,30 +121,29 @@ def _weigh(image: Image, mask: NDArray[np.bool_]) -> tuple[float, float]:
     part = mask.astype(np.uint8)
     reached = cv2.dilate(part, _KERNEL)
     levels = image.astype(np.float32)
-    without = _fit_plane(levels, np.nonzero(reached == 0))
-    alone = _fit_plane(levels, np.nonzero(cv2.erode(part, _KERNEL)))
-    if without is None or alone is None:
-        # Too small for an inside, or nothing is left around it: what is above the threshold.
-        moments: dict[str, Any] = cv2.moments(part, binaryImage=True)
-    else:
-        moments = cv2.moments((levels - without) / (alone - without) * reached)
-    total = moments["m00"]
-    return moments["m10"] / total, moments["m01"] / total
+    inside = cv2.erode(part, _KERNEL)
+    alone = _fit_plane(levels, inside if inside.any() else part)
+    without = _fit_plane(levels, 1 - reached) if not reached.all() else np.zeros_like(levels)
+    # In noise that is no disc, nothing may divide by nothing.
+    cover = (levels - without) / np.maximum(alone - without, 1.0) * reached
+    moments: dict[str, Any] = cv2.moments(cover)
+    if moments["m00"] < 0.5:
+        moments = cv2.moments(part, binaryImage=True)
+    return moments["m10"] / moments["m00"], moments["m01"] / moments["m00"]
 
 
-def _fit_plane(
-    levels: NDArray[np.float32], pixels: tuple[NDArray[np.intp], ...]
-) -> NDArray[np.float32] | None:
-    """Return the plane through the levels of some pixels, or None if they are too few."""
-    rows, columns = pixels
-    if len(rows) < _FEWEST:
-        return None
+def _fit_plane(levels: NDArray[np.float32], mask: NDArray[Any]) -> NDArray[np.float32]:
+    """Return the plane through the levels of some pixels; their mean if they lie on a line."""
+    rows, columns = np.nonzero(mask)
+    values = levels[rows, columns]
     middle_row, middle_column = rows.mean(), columns.mean()
     basis = np.ones((3, len(rows)), np.float32)
     basis[1] = rows - middle_row
     basis[2] = columns - middle_column
     products = (basis @ basis.T).astype(float)
-    level, down, along = np.linalg.solve(products, basis @ levels[rows, columns])
+    if products[1, 1] * products[2, 2] - products[1, 2] ** 2 < (_SPREAD * len(rows)) ** 2:
+        return np.full_like(levels, values.mean())
+    level, down, along = np.linalg.solve(products, basis @ values)
     column = level + down * (np.arange(levels.shape[0]) - middle_row)
     row = along * (np.arange(levels.shape[1]) - middle_column)
     plane: NDArray[np.float32] = np.add.outer(column, row).astype(np.float32)

@@ -1,23 +1,35 @@
 """The link to a process that grabs and detects."""
 
-import multiprocessing
+import pickle
 import signal
 import socket
+import subprocess
+import sys
 from collections.abc import Sequence
-from multiprocessing.context import SpawnProcess
 from typing import Final
 
 from drivers.cameras.link import Event, Failure
 from drivers.cameras.settings import MarkerCameraSettings
-from drivers.cameras.worker import decode_event, run_worker
+from drivers.cameras.worker import decode_event
 
 _PACKET: Final = 65536
 _PATIENCE: Final = 2.0
 """How long the process may take to end before it is made to, s."""
 
+_PROGRAM: Final = """
+import sys
+sys.path[:] = sys.argv[2:]
+from drivers.cameras.worker import main
+main(int(sys.argv[1]))
+"""
+
 
 class ProcessLink:
     """Runs the grabbing and detecting in a process of its own.
+
+    It is a fresh interpreter. A fork would take the loop's locked memory and open devices along,
+    and `multiprocessing` would run the main script again that started this one, which on a rig
+    is more than a nuisance.
 
     Events come as packets of a local socket: reading one costs microseconds, an empty socket
     less, and the socket's end tells at once that the other process is gone, on both sides.
@@ -31,7 +43,7 @@ class ProcessLink:
     def __init__(self, settings: MarkerCameraSettings) -> None:
         self._settings = settings
         self._socket: socket.socket | None = None
-        self.process: SpawnProcess | None = None
+        self.process: subprocess.Popen[bytes] | None = None
         """The process while the link is open."""
 
     def open(self, now: float) -> None:
@@ -40,15 +52,17 @@ class ProcessLink:
         self.close()
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.setblocking(False)
-        # Spawned, not forked: a fork would take the loop's locked memory and open devices along.
-        self.process = multiprocessing.get_context("spawn").Process(
-            target=run_worker, args=(theirs, self._settings), name="marker-camera", daemon=True
-        )
-        try:
-            self.process.start()
-        finally:
-            theirs.close()
         self._socket = ours
+        ours.send(pickle.dumps(self._settings))
+        with theirs:
+            descriptor = theirs.fileno()
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", _PROGRAM, str(descriptor), *sys.path],
+                stdin=subprocess.DEVNULL,
+                pass_fds=(descriptor,),
+                # Ctrl-C goes to a whole group; the loop decides when the camera stops.
+                process_group=0,
+            )
 
     def poll(self, now: float) -> Sequence[Event]:
         """Return what the process sent since the last call; never waits."""
@@ -77,14 +91,14 @@ class ProcessLink:
         process, self.process = self.process, None
         if process is None:
             return
-        process.join(_PATIENCE)
-        if process.is_alive():
+        try:
+            process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
             process.kill()
-            process.join()
-        process.close()
+            process.wait()
 
     def _describe_end(self) -> str | None:
-        code = None if self.process is None else self.process.exitcode
+        code = None if self.process is None else self.process.poll()
         if code is None:
             return None  # gone, but not reaped yet
         return f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"

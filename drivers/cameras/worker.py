@@ -6,7 +6,7 @@ interpreter lock, would cost the loop its deadlines.
 
 import json
 import os
-import signal
+import pickle
 import socket
 import threading
 from typing import Final
@@ -19,6 +19,9 @@ from rig.hal import MonotonicClock
 _READY: Final = b"R"
 _SIGHTING: Final = b"S"
 _FAILURE: Final = b"F"
+
+_LARGEST: Final = 65536
+"""Bytes of a packet at most."""
 
 _GRACE: Final = 1.0
 """How long a source may take to let go once the driver has, s."""
@@ -47,6 +50,14 @@ def decode_event(packet: bytes) -> Event:
     if kind == _FAILURE:
         return Failure(*json.loads(body))
     raise ValueError(f"No event starts with {kind!r}.")
+
+
+def main(descriptor: int) -> None:
+    """Run as the process behind an inherited socket; its first packet is the settings, pickled."""
+    with socket.socket(fileno=descriptor) as driver:
+        settings = pickle.loads(driver.recv(_LARGEST))
+        assert isinstance(settings, MarkerCameraSettings)
+        run_worker(driver, settings)
 
 
 def run_worker(driver: socket.socket, settings: MarkerCameraSettings) -> None:
@@ -108,9 +119,7 @@ def _watch_driver(driver: socket.socket, stop: threading.Event) -> None:
 
 
 def _become_ordinary() -> None:
-    """Give back what the loop's process had and its child inherited."""
-    # Ctrl-C goes to every process of the terminal; the loop decides when the camera stops.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Give back the priority and the core that the loop's process has and its child inherits."""
     try:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
         os.sched_setaffinity(0, range(os.cpu_count() or 1))

@@ -14,6 +14,9 @@ from camera_scenes import (
     rms,
     small,
 )
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
 
 from drivers.cameras.blob import compute_histogram, find_largest_blob, split_levels
 from drivers.cameras.detector import MarkerDetector
@@ -278,6 +281,40 @@ def test_noise_alone_shows_nothing(kind):
         seen = MarkerDetector(settings).detect(image, k, 0.0)
         assert seen.sight is not Sight.SEEN
         assert seen.positions == ()
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    patches=st.integers(0, 6),
+    noise=st.sampled_from([0.0, 1.0, 30.0]),
+    kind=st.sampled_from(["blob", "aruco"]),
+)
+@hypothesis_settings(max_examples=60, deadline=None)
+def test_whatever_a_frame_shows_there_is_an_answer(seed, patches, noise, kind):
+    generator = np.random.default_rng(seed)
+    image = np.full((512, 512), generator.uniform(0, 255))
+    for _ in range(patches):
+        x, y = generator.integers(0, 512, 2)
+        w, h = generator.integers(1, 90, 2)
+        image[y : y + h, x : x + w] = generator.uniform(0, 255)
+    image = np.clip(image + noise * generator.standard_normal(image.shape), 0, 255)
+    settings = small(kind=kind)
+    seen = MarkerDetector(settings).detect(image.astype(np.uint8), 0, 0.0)
+    if seen.sight is Sight.SEEN:  # a square patch of the right size may pass for a disc
+        assert math.hypot(*seen.positions[0]) == pytest.approx(H)
+    else:
+        assert explain(seen, settings).what
+
+
+@pytest.mark.parametrize("tilt", [65.0, 75.0, 85.0])
+def test_disc_seen_almost_edge_on_is_located_or_refused(tilt):
+    settings = MarkerCameraSettings()
+    item = pose(math.radians(tilt), 0.4)
+    seen = look(settings, render_all(settings, [item], REAL)[0])
+    if tilt < 70.0:
+        assert seen.sight is Sight.SEEN
+    if seen.sight is Sight.SEEN:
+        assert math.dist(seen.positions[0], item.position) < 60e-6
 
 
 # ArUco --------------------------------------------------------------------------------

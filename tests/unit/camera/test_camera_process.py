@@ -119,7 +119,7 @@ def test_killed_process_is_a_fault_that_names_it(driver):
     camera.connect()
     camera.arm()
     os.kill(link.process.pid, signal.SIGKILL)
-    link.process.join()
+    link.process.wait()
 
     def failed():
         camera.markers()
@@ -180,13 +180,12 @@ def test_process_ends_with_the_program_that_started_it():
         sys.path[:0] = {[*sys.path]!r}
         from camera_recording import recorded, FILE
         from drivers.cameras.process import ProcessLink
-        if __name__ == "__main__":
-            link = ProcessLink(recorded(FILE, repeat=True))
-            link.open(0.0)
-            while not link.poll(0.0):
-                pass
-            print(link.process.pid, flush=True)
-            os.kill(os.getpid(), signal.SIGKILL)
+        link = ProcessLink(recorded(FILE, repeat=True))
+        link.open(0.0)
+        while not link.poll(0.0):
+            pass
+        print(link.process.pid, flush=True)
+        os.kill(os.getpid(), signal.SIGKILL)
         """
     )
     result = subprocess.run(
