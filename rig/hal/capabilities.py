@@ -128,6 +128,10 @@ class ServoBus(Device, Protocol):
         """Return the joint positions, rad, shape (n,)."""
         ...
 
+    def velocities(self) -> Reading[Vector]:
+        """Return the drives' own joint velocities, rad/s, shape (n,); often coarse."""
+        ...
+
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,)."""
         ...

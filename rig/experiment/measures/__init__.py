@@ -1,6 +1,7 @@
 """Every measure that an experiment may name."""
 
 from rig.experiment.measures.base import Measure
+from rig.experiment.measures.joint import JOINT_MEASURES
 from rig.experiment.measures.pair import PAIR_MEASURES
 
-MEASURES: dict[str, Measure] = {**PAIR_MEASURES}
+MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES}

@@ -90,6 +90,10 @@ class Window:
         """Return one column of the log, SI, shape (n,); LogError if there is none."""
         return self._samples.column(name)[self._part]
 
+    def has(self, name: str) -> bool:
+        """Return whether the log has a column."""
+        return name in self._samples.names(name)
+
     def columns(self, prefix: str) -> "Array":
         """Return all columns that start with `prefix`, shape (n, k).
 

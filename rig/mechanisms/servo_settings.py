@@ -1,0 +1,44 @@
+"""What a profile says of joints on servo drives, whatever they move."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Gt, MinLen, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class ServoLimits:
+    """What the loop never permits, beside the joint limits of the geometry.
+
+    Parameters
+    ----------
+    following : float
+        How far a joint may be from where it was sent, rad; further is a fault.
+    reading_age : float
+        Oldest reading that control may use, s; older is a fault.
+    acceleration : float
+        With which a joint is slowed down when the rig stops in mid-motion, rad/s².
+    """
+
+    following: Annotated[float, Unit("rad"), Gt(0)] = 0.15
+    reading_age: Annotated[float, Unit("s"), Gt(0)] = 0.03
+    acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class ServoSettings:
+    """Which devices drive the joints.
+
+    Parameters
+    ----------
+    servos : tuple of str
+        Devices; together they have every joint of the mechanism once, in any order.
+    limits : ServoLimits
+        What the loop never permits.
+    emergency_stop : str, optional
+        The device that reads the emergency-stop contact.
+    """
+
+    servos: Annotated[tuple[str, ...], MinLen(1)]
+    limits: ServoLimits
+    emergency_stop: str | None = None
