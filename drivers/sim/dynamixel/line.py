@@ -92,7 +92,8 @@ class EmulatedSerialBus:
         self._random = random.Random(0)
         self._now = 0.0
         self._talking_until = -1.0
-        self._spoken = [True]  # of the last answer: whether it got through undisturbed
+        self._host_until = -1.0
+        self._undisturbed = [True]  # of the last answer
 
     def attach(
         self,
@@ -108,16 +109,17 @@ class EmulatedSerialBus:
         data, self.port.written = self.port.written, b""
         if not data:
             return
-        if self._now + latency < self._talking_until:
-            self.collisions += 1
-            self._spoken[0] = False
+        start = max(self._now + latency, self._host_until)
+        self._host_until = start + len(data) * self._byte_time
+        if start < self._talking_until:
+            self._collide()
             return
         for packet in self._reader.take(data):
 
             def arrive(now: float, packet: InstructionPacket = packet) -> None:
                 self._arrive(packet, now)
 
-            self._post(latency + packet.end * self._byte_time, arrive)
+            self._post(start - self._now + packet.end * self._byte_time, arrive)
 
     @property
     def due(self) -> float:
@@ -176,7 +178,9 @@ class EmulatedSerialBus:
             return
         delay = len(answer) * self._byte_time
         self._talking_until = now + delay
-        undisturbed = self._spoken = [True]
+        undisturbed = self._undisturbed = [True]
+        if now < self._host_until:
+            self._collide()
 
         def deliver(then: float) -> None:
             if not self.port.plugged_in:
@@ -187,6 +191,11 @@ class EmulatedSerialBus:
             self.port.waiting += heard
 
         self._post(delay, deliver)
+
+    def _collide(self) -> None:
+        """Both ends speak: what the servo says is garbled."""
+        self.collisions += 1
+        self._undisturbed[0] = False
 
     def _lost(self) -> bool:
         return self.frame_loss > 0.0 and self._random.random() < self.frame_loss
