@@ -86,7 +86,7 @@ def motion_gains(period: float, resolution: float, acceleration_step: float) -> 
 
     kalman = _constant_gain_filter(period, resolution, (0.5 * period * period, period))
     kalman.Q = Q_discrete_white_noise(3, period, var=acceleration_step**2)
-    return _settled_gains(kalman)
+    return Gains(*_settled_gains(kalman))
 
 
 @lru_cache(maxsize=32)
@@ -124,7 +124,7 @@ def disturbance_gains(
     kalman = _constant_gain_filter(period, resolution, (push[0, 0], push[1, 0]))
     kalman.Q = push @ push.T * force_noise**2
     kalman.Q[2, 2] = disturbance_rate**2 * period
-    return _settled_gains(kalman)
+    return Gains(*_settled_gains(kalman))
 
 
 def observer_gains(bandwidth: float, mass: float, period: float) -> Gains:
@@ -148,6 +148,37 @@ def observer_gains(bandwidth: float, mass: float, period: float) -> Gains:
     return gains._replace(third=mass * gains.third)
 
 
+@lru_cache(maxsize=32)
+def bias_gains(period: float, noise: float, rate_step: float) -> tuple[float, float]:
+    """Return the steady Kalman gains for a slow bias and its rate.
+
+    Parameters
+    ----------
+    period : float
+        Between two samples, s.
+    noise : float
+        Standard deviation of a sample, m.
+    rate_step : float
+        Standard deviation of the bias's acceleration, m/s².
+
+    Returns
+    -------
+    tuple of float
+        Gain on the bias (1) and on its rate, 1/s.
+    """
+    import numpy as np
+    from filterpy.common import Q_discrete_white_noise
+    from filterpy.kalman import KalmanFilter
+
+    kalman = KalmanFilter(dim_x=2, dim_z=1)
+    kalman.F = np.array([[1.0, period], [0.0, 1.0]])
+    kalman.H = np.array([[1.0, 0.0]])
+    kalman.R = np.array([[noise * noise]])
+    kalman.Q = Q_discrete_white_noise(2, period, var=rate_step**2)
+    gains = _settled_gains(kalman)
+    return gains[0], gains[1]
+
+
 def _constant_gain_filter(period: float, resolution: float, third: tuple[float, float]) -> Any:
     """Return a filterpy filter whose third state moves position and velocity by `third`."""
     import numpy as np
@@ -160,14 +191,14 @@ def _constant_gain_filter(period: float, resolution: float, third: tuple[float, 
     return kalman
 
 
-def _settled_gains(kalman: Any) -> Gains:
+def _settled_gains(kalman: Any) -> tuple[float, ...]:
     """Step the filter's covariance until its gains stand still."""
     kalman.P = kalman.Q * 1e3
-    before = (0.0, 0.0, 0.0)
+    before = (0.0,) * kalman.dim_x
     for _ in range(_MOST_STEPS):
         kalman.predict()
         kalman.update(0.0)
-        gains = Gains(*(float(value) for value in kalman.K[:, 0]))
+        gains = tuple(float(value) for value in kalman.K[:, 0])
         if all(abs(new - old) <= 1e-9 * abs(new) for new, old in zip(gains, before, strict=True)):
             return gains
         before = gains
