@@ -54,12 +54,18 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         ),
     },
     "reference": {
-        "sine": _Class("rig.experiment.references:Sine", "rig.experiment.references:Sine"),
-        "staircase": _Class(
-            "rig.experiment.references:Staircase", "rig.experiment.references:Staircase"
+        "sine": _Class(
+            "rig.experiment.references.pair:Sine", "rig.experiment.references.pair:Sine"
         ),
-        "step": _Class("rig.experiment.references:Step", "rig.experiment.references:Step"),
-        "ramp": _Class("rig.experiment.references:Ramp", "rig.experiment.references:Ramp"),
+        "staircase": _Class(
+            "rig.experiment.references.pair:Staircase", "rig.experiment.references.pair:Staircase"
+        ),
+        "step": _Class(
+            "rig.experiment.references.pair:Step", "rig.experiment.references.pair:Step"
+        ),
+        "ramp": _Class(
+            "rig.experiment.references.pair:Ramp", "rig.experiment.references.pair:Ramp"
+        ),
     },
 }
 

@@ -110,7 +110,7 @@ def wire_stick_share(windows: Windows) -> float:
     stuck = moving = 0
     for window in windows:
         for channel in CHANNELS:
-            desired = np.abs(window.slope(f"reference.extension_{channel}"))
+            desired = np.abs(window.slope(f"reference.rod_{channel}"))
             judged = (desired > 0.0) & (desired >= _MOVING_RATIO * desired.max())
             moving += int(np.count_nonzero(judged))
             sticks = window.column(f"truth.sticking_{channel}") > _STUCK
@@ -134,7 +134,7 @@ JOINT_MEASURES: dict[str, Measure] = {
 
 
 def _error(window: Window, channel: str) -> "Array":
-    return window.error(f"extension_{channel}")
+    return window.error(f"rod_{channel}")
 
 
 def _marker(window: Window) -> "Array":

@@ -1,0 +1,1 @@
+"""Desired motions, as experiments name them; one module per kind of rig."""
