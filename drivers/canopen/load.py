@@ -8,13 +8,18 @@ interframe space: 135 bits for 8 bytes, 55 for an empty frame.
 """
 
 from collections.abc import Iterable, Sequence
+from math import inf
 from typing import NamedTuple, Protocol
 
 from rig.hal import ConfigurationError
 
 
 class CyclicDevice(Protocol):
-    """What the load needs to know of a device's settings."""
+    """What the load needs to know of a device's settings.
+
+    A device that sends other than one heartbeat besides has a method ``timed_frames``, which
+    takes the period of heartbeats (s) and returns names, bytes and rates (Hz).
+    """
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return the frames of every cycle: names and bytes."""
@@ -31,7 +36,7 @@ class BusTraffic(Protocol):
 
     @property
     def heartbeat(self) -> float:
-        """Period of all heartbeats, s."""
+        """Period of all heartbeats, s; infinite if the master sends none."""
         ...
 
     @property
@@ -120,16 +125,22 @@ def compute_bus_load(
     frames: list[tuple[str, int, float]] = []
     if bus.sync:
         frames.append(("SYNC", 0, rate))
-    frames.append(("heartbeat of the master", 1, 1.0 / bus.heartbeat))
+    if bus.heartbeat < inf:
+        frames.append(("heartbeat of the master", 1, 1.0 / bus.heartbeat))
     for name, device in devices:
         frames += [(f"{name} {frame}", size, rate) for frame, size in device.cyclic_frames()]
-        frames.append((f"{name} heartbeat", 1, 1.0 / bus.heartbeat))
+        timed = getattr(device, "timed_frames", _one_heartbeat)(bus.heartbeat)
+        frames += [(f"{name} {frame}", size, often) for frame, size, often in timed]
     loads = [
         FrameLoad(name, size, often, compute_frame_bits(size) * often / bus.bitrate)
         for name, size, often in frames
     ]
     loads.sort(key=lambda frame: -frame.load)
     return BusLoad(sum(frame.load for frame in loads), tuple(loads))
+
+
+def _one_heartbeat(period: float) -> tuple[tuple[str, int, float], ...]:
+    return (("heartbeat", 1, 1.0 / period),)
 
 
 def check_bus_load(
