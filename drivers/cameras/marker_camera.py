@@ -226,7 +226,7 @@ class MarkerCameraDriver:
         named = None if self._serial is None else str(self._serial)
         calibrated = self.settings.calibrated_serial
         for wanted, whose in ((named, "the profile names"), (calibrated, "was calibrated")):
-            if wanted is not None and found != wanted:
+            if wanted is not None and not _is_same_serial(found, wanted):
                 raise ConnectionFailed(
                     self.name,
                     f"it is another camera than the one that {whose}",
@@ -283,6 +283,11 @@ def explain(sighting: Sighting, settings: MarkerCameraSettings) -> Reason:
         )
     contrast = "none" if isnan(amount) else f"contrast {amount:.1f} counts"
     return Reason("the marker is out of sight", contrast, f"{settings.min_contrast:g} counts")
+
+
+def _is_same_serial(found: str | None, wanted: str) -> bool:
+    """Return whether two serial numbers are the same, whatever zeros they start with."""
+    return found is not None and found.lstrip("0") == wanted.lstrip("0")
 
 
 def _open_process_link(settings: MarkerCameraSettings) -> CameraLink:

@@ -11,7 +11,8 @@ import pytest
 from drivers.cameras.detector import MarkerDetector
 from drivers.cameras.settings import MarkerCameraSettings, MarkerSettings
 from drivers.cameras.sighting import Sight
-from drivers.sim.camera.renderer import MarkerPose, MarkerRenderer
+from drivers.sim.camera.poses import MarkerPose
+from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 FRAMES = 120

@@ -9,15 +9,13 @@ from collections.abc import Sequence
 from math import inf
 
 from drivers.cameras.detector import MarkerDetector
-from drivers.cameras.link import Event, Failure, Ready
+from drivers.cameras.link import Event, Ready
 from drivers.cameras.settings import MarkerCameraSettings
-from drivers.sim.camera.faults import CameraFaults
+from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.ports import Delivery, MarkerPort
-from drivers.sim.camera.renderer import Image, MarkerPose, MarkerRenderer
+from drivers.sim.camera.poses import MarkerPose
+from drivers.sim.camera.renderer import Image, MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings
-
-UNPLUGGED = Failure("the camera stopped sending frames; it was unplugged or lost its power")
-"""What an unplugged camera's link says last."""
 
 
 class EmulatedCamera:

@@ -3,9 +3,15 @@
 from math import inf
 from typing import Final
 
+from drivers.cameras.link import Failure
+
 _LASTING: Final = ("covered", "frozen", "lost", "mirrored", "stalled", "swapped", "unplugged")
 _LATE: Final = 0.2
 """Delay of late frames unless a fault says otherwise, s."""
+
+
+UNPLUGGED = Failure("the camera stopped sending frames; it was unplugged or lost its power")
+"""What an unplugged camera's link says last."""
 
 
 class CameraFaults:

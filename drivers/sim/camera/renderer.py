@@ -7,13 +7,14 @@ the scene with noise of their own, drawn once.
 from collections.abc import Sequence
 from functools import lru_cache
 from math import ceil, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivers.cameras.settings import MarkerCameraSettings
 from drivers.sim.camera.kernels import cover_disc, cover_squares, expose, trace_rays
+from drivers.sim.camera.poses import MarkerPose, rotation_matrix
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 Image = NDArray[np.uint8]
@@ -30,21 +31,6 @@ _BLACK: Final = 20.0
 
 _MARGIN: Final = 6
 """Of the window round the marker beyond its blur, pixels."""
-
-
-class MarkerPose(NamedTuple):
-    """Where a marker is.
-
-    Attributes
-    ----------
-    position : sequence of float, length 3
-        Its centre in the joint's base frame, m.
-    rotation : sequence of sequence of float, shape (3, 3)
-        Its axes as columns, in the base frame; z is its normal.
-    """
-
-    position: Sequence[float]
-    rotation: Sequence[Sequence[float]]
 
 
 class MarkerRenderer:
@@ -214,18 +200,3 @@ def marker_cells(dictionary: str, number: int) -> Image:
     side = known.markerSize + 2
     printed = cv2.aruco.generateImageMarker(known, number, side)
     return np.pad((printed > 127).astype(np.uint8), 1, constant_values=1)
-
-
-def rotation_matrix(vector: Sequence[float]) -> Floats:
-    """Return the rotation matrix of a rotation vector (rad), by its exponential series."""
-    x, y, z = vector
-    skew = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    # Scaling and squaring: the series of a small rotation needs few terms.
-    small = skew / 256.0
-    term = turn = np.eye(3)
-    for k in range(1, 9):
-        term = term @ small / k
-        turn = turn + term
-    for _ in range(8):
-        turn = turn @ turn
-    return turn

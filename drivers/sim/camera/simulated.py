@@ -10,10 +10,9 @@ from drivers.cameras.link import Event, Ready
 from drivers.cameras.marker_camera import MarkerCameraDriver
 from drivers.cameras.settings import MarkerCameraSettings
 from drivers.cameras.sighting import Sight, Sighting
-from drivers.sim.camera.emulated import UNPLUGGED
-from drivers.sim.camera.faults import CameraFaults
+from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.ports import Delivery, MarkerPort
-from drivers.sim.camera.renderer import rotation_matrix
+from drivers.sim.camera.poses import rotation_matrix, twist_of
 from drivers.sim.camera.settings import CameraSimulationSettings
 from rig.hal import Clock
 
@@ -167,10 +166,3 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
     def _take(self) -> None:
         self._faults.now = self._clock.now()
         super()._take()
-
-
-def twist_of(rotation: Sequence[Sequence[float]]) -> float:
-    """Return the twist of a rotation about its own z axis, rad, by its quaternion's w and z."""
-    trace = rotation[0][0] + rotation[1][1] + rotation[2][2]
-    twist = 2.0 * math.atan2(rotation[1][0] - rotation[0][1], 1.0 + trace)
-    return math.remainder(twist, math.tau)

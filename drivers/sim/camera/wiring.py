@@ -1,13 +1,19 @@
-"""From a driver's settings to the simulated camera on its other side."""
+"""From a driver's settings to the simulated camera on its other side.
+
+Only the camera that is asked for is imported: the one with images needs a compiler and OpenCV.
+"""
 
 import zlib
+from typing import TYPE_CHECKING
 
 from drivers.cameras.settings import MarkerCameraSettings
-from drivers.sim.camera.emulated import EmulatedCamera
 from drivers.sim.camera.ports import MarkerPort
 from drivers.sim.camera.settings import CameraSimulationSettings
-from drivers.sim.camera.simulated import SimulatedMarkerCamera
 from rig.hal import Clock
+
+if TYPE_CHECKING:
+    from drivers.sim.camera.emulated import EmulatedCamera
+    from drivers.sim.camera.simulated import SimulatedMarkerCamera
 
 
 def emulate_marker_camera(
@@ -18,7 +24,7 @@ def emulate_marker_camera(
     *,
     serial: int | None = None,
     optics: CameraSimulationSettings | None = None,
-) -> EmulatedCamera:
+) -> "EmulatedCamera":
     """Return a camera for `--on virtual`: the link of the production driver.
 
     Parameters
@@ -36,6 +42,8 @@ def emulate_marker_camera(
     optics : CameraSimulationSettings, optional
         What the camera is really like.
     """
+    from drivers.sim.camera.emulated import EmulatedCamera
+
     return EmulatedCamera(
         name,
         settings,
@@ -55,7 +63,7 @@ def simulate_marker_camera(
     *,
     serial: int | None = None,
     optics: CameraSimulationSettings | None = None,
-) -> SimulatedMarkerCamera:
+) -> "SimulatedMarkerCamera":
     """Return a camera for `--on sim`: positions straight from the plant.
 
     Parameters
@@ -65,6 +73,8 @@ def simulate_marker_camera(
     clock : Clock
         The rig's.
     """
+    from drivers.sim.camera.simulated import SimulatedMarkerCamera
+
     return SimulatedMarkerCamera(
         name,
         settings,

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
-from drivers.sim.camera.renderer import MarkerPose, MarkerRenderer
+from drivers.sim.camera.poses import MarkerPose
+from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 H = 52.628e-3

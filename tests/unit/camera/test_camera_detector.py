@@ -24,9 +24,9 @@ from drivers.cameras.marker_camera import explain
 from drivers.cameras.projection import View
 from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
 from drivers.cameras.sighting import Sight, Sighting, decode_sighting, encode_sighting
-from drivers.sim.camera.renderer import MarkerPose, MarkerRenderer
+from drivers.sim.camera.poses import MarkerPose, twist_of
+from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings
-from drivers.sim.camera.simulated import twist_of
 
 REAL = CameraSimulationSettings()
 WIDE = math.radians(25.0)

@@ -10,7 +10,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from camera_recording import FILE, FRAMES, recorded, render_frames, true_pose, write_images
+from camera_recording import (
+    FILE,
+    FRAMES,
+    recorded,
+    render_frames,
+    true_pose,
+    write_images,
+    write_video,
+)
 from camera_scenes import rms
 
 from drivers.cameras.link import Failure, Ready
@@ -162,6 +170,13 @@ def test_other_camera_is_refused(driver, serial, calibrated):
     assert (caught.value.value, caught.value.bound) == ("none", "4711")
 
 
+def test_serial_number_may_start_with_zeros(driver, tmp_path):
+    path = write_video(tmp_path / "circle.avi", render_frames(2))
+    (tmp_path / "circle.serial").write_text("0004711\n")
+    camera = driver(replace(recorded(path), calibrated_serial="0004711"), serial=4711)
+    camera.connect()
+
+
 def test_driver_can_be_closed_in_any_state_and_opened_again(driver):
     camera = driver(recorded(FILE, repeat=True))
     camera.close()
@@ -238,3 +253,20 @@ def test_error_that_nobody_foresaw_is_told_before_the_process_ends(tmp_path):
         link.close()
     assert isinstance(seen, Sighting)
     assert end.what.startswith("its grabbing process failed: ValueError: A frame has 640 x 200")
+
+
+@pytest.mark.parametrize(
+    ("module", "absent"),
+    [
+        ("drivers.cameras.marker_camera", ("cv2", "numpy", "numba")),
+        ("drivers.cameras.process", ("cv2", "numpy", "numba")),
+        ("drivers.sim.camera.wiring", ("cv2", "numba")),
+        ("drivers.sim.camera.simulated", ("cv2", "numba")),
+    ],
+)
+def test_loops_process_imports_nothing_heavy(module, absent):
+    program = f"import sys; sys.path[:] = {[*sys.path]!r}; import {module}; print(*sys.modules)"
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert not set(absent) & set(result.stdout.split())

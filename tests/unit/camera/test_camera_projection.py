@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from drivers.cameras.projection import View, rotation_from_vector
 from drivers.cameras.settings import MarkerCameraSettings, MarkerSettings
 from drivers.sim.camera.kernels import trace_rays
-from drivers.sim.camera.renderer import rotation_matrix
-from drivers.sim.camera.simulated import twist_of
+from drivers.sim.camera.poses import rotation_matrix, twist_of
 
 DOWN = small()  # at 0.4 m, looking straight down
 TILTED = replace(

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from camera_scenes import QUIET, H, pose, small
 
-from drivers.sim.camera.renderer import MarkerPose, MarkerRenderer, marker_cells
+from drivers.sim.camera.poses import MarkerPose
+from drivers.sim.camera.renderer import MarkerRenderer, marker_cells
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 FLAT = replace(QUIET, background=40.0)
