@@ -190,4 +190,4 @@ def inverse(geometry: LegGeometry, hip: Vector, rotation: Rotation = UPRIGHT) ->
     q2 = math.asin(min(max(across[2], -1.0), 1.0))
     q1 = math.atan2(-across[0], across[1])
     pitch = math.atan2(-first[2], up[2])
-    return (q1, q2, pitch - knee - q5, knee, q5, q6)
+    return (q1, q2, math.remainder(pitch - knee - q5, math.tau), knee, q5, q6)

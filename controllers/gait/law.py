@@ -13,8 +13,9 @@ import numpy as np
 
 from controllers.gait.arcs import Arcs, measure
 from controllers.gait.curve import PhaseCurve, check_limits
+from controllers.gait.fastest import fastest
 from controllers.gait.geometry import LegGeometry
-from controllers.gait.motions import LegsMotion
+from controllers.gait.motions import LegsMotion, WalkSettings
 from controllers.gait.paces import LimitedNormPace, Pace, TrapezoidNormPace
 from controllers.gait.phases import Phase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
@@ -114,6 +115,11 @@ class GaitLaw(ABC, Generic[Chosen]):
             A leg does not reach, a joint would pass a limit, the time does not suffice, or the
             robot would be out of balance; with phase, instant, number and bound.
         """
+        if isinstance(motion, WalkSettings) and motion.fastest:
+            motion = fastest(self._prepare, motion)
+        return self._prepare(motion)
+
+    def _prepare(self, motion: LegsMotion) -> GaitPlan:
         geometry = self.model.geometry
         timed = _on_grid(geometry, motion.phases(geometry), self.period)
         make = self._pace_maker(timed, motion.speed)

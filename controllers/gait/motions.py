@@ -65,6 +65,9 @@ class WalkSettings:
         photographs (a), (e) and (h) show them.
     speed : float
         By what all times, a law's ramps included, are shortened.
+    fastest : bool
+        Whether to go on from that speed to the highest that the balance's bound and the joints'
+        rates permit.
     bob : BobSettings, optional
         None: constant height, as in the paper.
 
@@ -83,6 +86,7 @@ class WalkSettings:
     shift_time: Duration = 6.0
     swing_time: Duration = 9.0
     speed: Annotated[float, Gt(0), Le(100)] = 1.0
+    fastest: bool = False
     bob: BobSettings | None = None
 
     @property
