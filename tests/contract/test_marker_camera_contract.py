@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -16,7 +17,9 @@ from drivers.cameras.settings import (
 )
 from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
+from drivers.sim.camera.world import WatchedWorld
 from drivers.sim.clock import SimClock
+from drivers.sim.emulation import EmulatedRig
 from rig.hal import ConnectionFailed, DeviceFault, Markers, MonotonicClock, Reading, StaleReading
 
 RECORDING = Path(__file__).parents[1] / "data" / "marker-circle.avi"
@@ -62,21 +65,6 @@ class CirclingPlant:
         return 0.1 * math.sin(2.0 * t)
 
 
-class VirtualWorld:
-    """Plant and camera in one time, as the world of `--on virtual` brings them together."""
-
-    def __init__(self, plant, camera):
-        self.plant = plant
-        self.camera = camera
-
-    def advance(self, t):
-        while (due := self.camera.due) <= t:
-            self.plant.advance(due)
-            self.camera.tick(due)
-        self.plant.advance(t)
-        self.camera.tell(t)
-
-
 class Bench:
     """A camera of one kind on its plant, and a loop that takes its readings."""
 
@@ -90,7 +78,7 @@ class Bench:
             )
         elif kind == "emulated":
             emulated = emulate_marker_camera("camera", settings, self.plant, seed, optics=optics)
-            self.clock = SimClock(VirtualWorld(self.plant, emulated))
+            self.clock = SimClock(WatchedWorld(self.plant, [emulated]))
             self.camera = MarkerCameraDriver(
                 "camera", settings, self.clock, serial=serial, link=emulated
             )
@@ -372,3 +360,59 @@ def test_repair_ends_faults(bench, kind):
     item.inject("repair")
     item.run(0.4)
     assert item.camera.markers().value.ids == (0,)
+
+
+# The world of `--on virtual` ----------------------------------------------------------
+
+
+class Scheduled(NamedTuple):
+    at: float
+    device: str
+    fault: str
+    value: float | None = None
+
+
+class Simulation(NamedTuple):
+    seed: int = 1
+    bus_latency: float = 0.3e-3
+    frame_loss: float = 0.0
+    faults: tuple[Scheduled, ...] = ()
+
+
+def test_faults_of_a_schedule_reach_a_camera_beside_emulated_buses():
+    plant = CirclingPlant()
+    emulated = emulate_marker_camera("camera", SETTINGS, plant, 1)
+    simulation = Simulation(faults=(Scheduled(0.2, "camera", "lost", 0.06),))
+    rig = EmulatedRig(plant, (), simulation, devices={"camera": emulated})
+    clock = SimClock(WatchedWorld(rig, [emulated]))
+    camera = MarkerCameraDriver("camera", SETTINGS, clock, link=emulated)
+    camera.connect()
+    camera.arm()
+    absent = set()
+    while clock.now() < 0.5:
+        clock.sleep_until(clock.now() + PERIOD)
+        reading = camera.markers()
+        camera.check(clock.now())
+        if not reading.value.ids:
+            absent.add(reading.t)
+    assert len(absent) in (3, 4)
+    assert 0.19 < min(absent) < 0.22
+    assert 0.24 < max(absent) < 0.27
+    assert rig.time == pytest.approx(clock.now())
+
+
+def test_two_cameras_look_at_one_plant():
+    plant = CirclingPlant()
+    fast = replace(SETTINGS, frame_rate=100.0)
+    links = [emulate_marker_camera(name, fast, plant, 1) for name in ("left", "right")]
+    clock = SimClock(WatchedWorld(plant, links))
+    cameras = [MarkerCameraDriver(link.name, fast, clock, link=link) for link in links]
+    for camera in cameras:
+        camera.connect()
+    for camera in cameras:
+        camera.arm()
+    readings = [camera.markers() for camera in cameras]
+    for reading in readings:
+        (position,) = reading.value.positions
+        assert math.dist(position, CirclingPlant.position_at(reading.t)) < 2e-6
+    assert readings[0] != readings[1]  # each has noise of its own
