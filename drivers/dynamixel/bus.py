@@ -63,7 +63,8 @@ class SerialBus:
     clock : Clock
         The rig's.
     period : float, optional
-        Of the cycle, s: an answer that takes longer comes too late.
+        Of the cycle, s: an answer that takes longer comes too late. Devices that must know
+        it refuse a bus without.
 
     Attributes
     ----------
@@ -86,6 +87,7 @@ class SerialBus:
         self.name = name
         self.settings = settings
         self.clock = clock
+        self.period = period
         self.max_latency = min(settings.max_latency, period or settings.max_latency)
         self.read = CyclicRead(fast=settings.fast_sync, fault_after=settings.fault_after)
         self.request_time = -inf

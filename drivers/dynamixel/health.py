@@ -1,11 +1,11 @@
-"""What servos say of themselves, and whether they do what they are told."""
+"""What servos say of themselves: errors, watchdog, voltage, temperature."""
 
 from math import ceil
 from typing import Final, NamedTuple
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.settings import DynamixelSettings
-from rig.hal import DeviceFault, Reading, Vector
+from rig.hal import DeviceFault
 
 _CONFIRMED: Final = 2  # samples in a row; one may have been taken while a setting was on its way
 
@@ -45,10 +45,6 @@ class HealthWatch:
         Its name, for messages.
     settings : DynamixelSettings
         Bounds.
-    joints : tuple of str
-        Names.
-    ids : tuple of int
-        Of their servos.
     watchdog : int
         What Bus Watchdog holds while it is armed.
     """
@@ -57,13 +53,11 @@ class HealthWatch:
         self,
         device: str,
         settings: DynamixelSettings,
-        joints: tuple[str, ...],
-        ids: tuple[int, ...],
         watchdog: int,
     ) -> None:
         self._device = device
-        self._joints = joints
-        self._ids = ids
+        self._joints = tuple(settings.joints)
+        self._ids = tuple(joint.id for joint in settings.joints.values())
         self._watchdog = watchdog
         self._hottest = settings.max_temperature
         self._voltage = settings.voltage
@@ -72,8 +66,6 @@ class HealthWatch:
         low, high = settings.voltage
         self._min_voltage = ceil(low / table.VOLTAGE_STEP - 1e-9)
         self._max_voltage = int(high / table.VOLTAGE_STEP + 1e-9)
-        self._error = settings.following_error
-        self._time = settings.following_time
         self.restart()
 
     def restart(self) -> None:
@@ -82,22 +74,15 @@ class HealthWatch:
         self._expected = 0
         self._unguarded = [0] * len(self._ids)
         self._unfit = [0] * len(self._ids)
-        self._followed_at: list[float] | None = None
-        self._has_torque = True
 
     def expect_watchdog(self) -> None:
         """Expect an armed watchdog from the next sample on."""
         self._expected = self._watchdog
 
-    def follow(self, has_torque: bool) -> None:
-        """Expect the joints to follow, or not: without torque they cannot."""
-        self._has_torque = has_torque
-        self._followed_at = None
-
     def accept(self, k: int, error: int, watchdog: int, voltage: int, temperature: int) -> bool:
         """Take what servo `k` says, in counts; return whether its motion can be trusted."""
         if error:
-            self.latch(
+            self._latch(
                 k,
                 f"reports a hardware error: {table.describe_hardware_error(error)}",
                 table.HARDWARE_ERROR,
@@ -117,7 +102,7 @@ class HealthWatch:
 
     def accept_alert(self, k: int) -> None:
         """Take that servo `k` has a hardware error of which no more is known."""
-        self.latch(k, "reports a hardware error, which its register tells", table.HARDWARE_ERROR)
+        self._latch(k, "reports a hardware error, which its register tells", table.HARDWARE_ERROR)
 
     def check(self) -> None:
         """Raise the first fault.
@@ -130,42 +115,25 @@ class HealthWatch:
         if self._trouble is not None:
             raise self._trouble
 
-    def check_following(self, setpoints: Vector, reading: Reading[Vector]) -> None:
-        """Raise if a joint stays off its setpoint.
+    def describe(
+        self,
+        k: int,
+        what: str,
+        register: table.Register,
+        value: str | None = None,
+        bound: str | None = None,
+    ) -> DeviceFault:
+        """Return a fault of servo `k`."""
+        return DeviceFault(
+            self._device,
+            f"{self._joints[k]} (id {self._ids[k]}) {what}",
+            node=self._ids[k],
+            object=str(register),
+            value=value,
+            bound=bound,
+        )
 
-        Parameters
-        ----------
-        setpoints : tuple of float
-            rad.
-        reading : Reading
-            The positions, rad.
-
-        Raises
-        ------
-        DeviceFault
-            One has been farther off than it may for longer than it may.
-        """
-        positions, t = reading
-        since = self._followed_at
-        if since is None:
-            since = self._followed_at = [t] * len(positions)
-        if not self._has_torque:
-            return
-        bound = self._error
-        for k, (setpoint, position) in enumerate(zip(setpoints, positions, strict=True)):
-            if -bound <= setpoint - position <= bound:
-                since[k] = t
-            elif t - since[k] > self._time:
-                self.latch(
-                    k,
-                    "does not follow its setpoint; it is blocked, overloaded or without torque",
-                    table.PRESENT_POSITION,
-                    f"{position - setpoint:+.3g} rad for {t - since[k]:.2f} s",
-                    f"{bound:g} rad for {self._time:g} s",
-                )
-                self.check()
-
-    def latch(
+    def _latch(
         self,
         k: int,
         what: str,
@@ -173,20 +141,12 @@ class HealthWatch:
         value: str | None = None,
         bound: str | None = None,
     ) -> None:
-        """Keep a fault of servo `k`; the first one stays."""
-        if self._trouble is None:
-            self._trouble = DeviceFault(
-                self._device,
-                f"{self._joints[k]} (id {self._ids[k]}) {what}",
-                node=self._ids[k],
-                object=str(register),
-                value=value,
-                bound=bound,
-            )
+        if self._trouble is None:  # the first one is the cause
+            self._trouble = self.describe(k, what, register, value, bound)
 
     def _miss_watchdog(self, k: int, found: int) -> bool:
         if found == table.WATCHDOG_TRIPPED:
-            self.latch(
+            self._latch(
                 k,
                 "has stopped by itself: its bus watchdog tripped, because nothing reached it "
                 "for too long; it takes no setpoints until it is connected and armed again",
@@ -197,7 +157,7 @@ class HealthWatch:
             return False
         self._unguarded[k] += 1
         if self._unguarded[k] >= _CONFIRMED:
-            self.latch(
+            self._latch(
                 k,
                 "has lost its settings: its bus watchdog is not what was written. It rebooted, "
                 "perhaps for want of power",
@@ -209,7 +169,7 @@ class HealthWatch:
 
     def _latch_unfit(self, k: int, voltage: int, temperature: int, *, is_hot: bool) -> None:
         if is_hot:
-            self.latch(
+            self._latch(
                 k,
                 "is too hot",
                 table.TEMPERATURE,
@@ -217,7 +177,7 @@ class HealthWatch:
                 f"{self._hottest - table.CELSIUS:g} °C",
             )
         else:
-            self.latch(
+            self._latch(
                 k,
                 "has not the voltage that it needs",
                 table.INPUT_VOLTAGE,

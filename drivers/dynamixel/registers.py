@@ -133,11 +133,14 @@ class Model(NamedTuple):
         Of the current registers, A; 0 if the model measures its load in 0.1 % instead.
     indirect_data : int
         Address of the first byte of indirect data.
+    torque_constant : float
+        Stall torque over stall current at the nominal voltage, N m/A.
     """
 
     number: int
     current_step: float
     indirect_data: int
+    torque_constant: float
 
 
 ModelName = Literal[
@@ -158,21 +161,21 @@ ModelName = Literal[
     "xh540-w270",
 ]
 MODELS: Final[dict[ModelName, Model]] = {
-    "xl330-m077": Model(1190, 1e-3, 208),
-    "xl330-m288": Model(1200, 1e-3, 208),
-    "xc330-m181": Model(1230, 1e-3, 208),
-    "xc330-m288": Model(1240, 1e-3, 208),
-    "xl430-w250": Model(1060, 0.0, 224),
-    "xc430-w150": Model(1070, 0.0, 224),
-    "xc430-w240": Model(1080, 0.0, 224),
-    "xm430-w210": Model(1030, 2.69e-3, 224),
-    "xm430-w350": Model(1020, 2.69e-3, 224),
-    "xh430-w210": Model(1010, 2.69e-3, 224),
-    "xh430-w350": Model(1000, 2.69e-3, 224),
-    "xm540-w150": Model(1130, 2.69e-3, 224),
-    "xm540-w270": Model(1120, 2.69e-3, 224),
-    "xh540-w150": Model(1110, 2.69e-3, 224),
-    "xh540-w270": Model(1100, 2.69e-3, 224),
+    "xl330-m077": Model(1190, 1e-3, 208, 0.215 / 1.47),
+    "xl330-m288": Model(1200, 1e-3, 208, 0.52 / 1.47),
+    "xc330-m181": Model(1230, 1e-3, 208, 0.6 / 1.8),
+    "xc330-m288": Model(1240, 1e-3, 208, 0.93 / 1.8),
+    "xl430-w250": Model(1060, 0.0, 224, 0.0),
+    "xc430-w150": Model(1070, 0.0, 224, 0.0),
+    "xc430-w240": Model(1080, 0.0, 224, 0.0),
+    "xm430-w210": Model(1030, 2.69e-3, 224, 3 / 2.3),
+    "xm430-w350": Model(1020, 2.69e-3, 224, 4.1 / 2.3),
+    "xh430-w210": Model(1010, 2.69e-3, 224, 2.5 / 1.3),
+    "xh430-w350": Model(1000, 2.69e-3, 224, 3.4 / 1.3),
+    "xm540-w150": Model(1130, 2.69e-3, 224, 7.3 / 4.4),
+    "xm540-w270": Model(1120, 2.69e-3, 224, 10.6 / 4.4),
+    "xh540-w150": Model(1110, 2.69e-3, 224, 7.1 / 4.9),
+    "xh540-w270": Model(1100, 2.69e-3, 224, 9.9 / 4.9),
 }
 
 

@@ -8,6 +8,7 @@ from drivers.dynamixel.registers import (
     COUNTS_PER_TURN,
     MULTI_TURN_REACH,
     VELOCITY_STEP,
+    Model,
 )
 from drivers.dynamixel.settings import DynamixelJoint
 
@@ -21,10 +22,8 @@ class JointScale(NamedTuple):
         ``angle = step · (counts - origin)``, rad; `step` has the sign of the direction.
     velocity_step : float
         ``velocity = velocity_step · counts``, rad/s.
-    current_step : float
-        ``current = current_step · counts``, A, in the joint's sense.
-    lower, upper : float
-        The joint's range, rad.
+    torque_step : float
+        ``torque = torque_step · counts`` of current, N m.
     first, last : int
         The counts that the servo takes.
     """
@@ -32,37 +31,31 @@ class JointScale(NamedTuple):
     step: float
     origin: float
     velocity_step: float
-    current_step: float
-    lower: float
-    upper: float
+    torque_step: float
     first: int
     last: int
 
 
-def joint_scale(joint: DynamixelJoint, current_step: float, *, one_turn: bool) -> JointScale:
+def joint_scale(joint: DynamixelJoint, model: Model, *, one_turn: bool) -> JointScale:
     """Return the codec of a joint.
 
     Parameters
     ----------
     joint : DynamixelJoint
         See there.
-    current_step : float
-        Of the servo's model, A.
+    model : Model
+        The servo's.
     one_turn : bool
         Whether the servo stays within one turn.
     """
     turns = joint.turns_per_radian
-    sign = -1.0 if turns < 0.0 else 1.0
     step = 1.0 / (turns * COUNTS_PER_TURN)
-    lower, upper = joint.limits
     reach = MULTI_TURN_REACH
     return JointScale(
         step,
         COUNT_AT_ZERO - joint.offset / step,
         VELOCITY_STEP / (turns * tau),
-        sign * current_step,
-        lower,
-        upper,
+        model.current_step * model.torque_constant * turns * tau,
         *((0, COUNTS_PER_TURN - 1) if one_turn else (-reach, reach)),
     )
 

@@ -8,7 +8,6 @@ Present Current … Present Position (126 … 135).
 """
 
 import struct
-from collections.abc import Iterable
 from math import inf
 from typing import Final
 
@@ -17,17 +16,24 @@ from drivers.dynamixel.bus import SerialBus, SyncWrite
 from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.configure import configure_servo, watchdog_units
 from drivers.dynamixel.health import Health, HealthWatch, decode_health
-from drivers.dynamixel.protocol import encode_sync_write
-from drivers.dynamixel.scaling import encode_position, encode_velocity, joint_scale
+from drivers.dynamixel.payload import SyncPayload
+from drivers.dynamixel.scaling import JointScale, encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
-from rig.hal import ConfigurationError, LimitExceeded, Reading, Vector
+from drivers.servos.commands import JointGuard
+from drivers.servos.following import FollowingWatch
+from rig.hal import DeviceFault, Reading, Vector
 
 _ATTEMPTS: Final = 3
-_ROUNDING: Final = 1e-9  # rad beyond a limit that are not worth a fault
+_NEVER: Final = -inf
 
 
 class DynamixelServos:
-    """Servos on one serial bus; satisfies `rig.hal.ServoBus`.
+    """Joints on Dynamixel servos; satisfies `rig.hal.ServoBus`.
+
+    In the position modes a velocity is integrated to positions here. In velocity mode a
+    position is followed by a proportional controller here. The safe state is to hold the
+    last setpoint under torque, as a robot that stands would fall without (or, with
+    ``after_stop: release``, to let go); connecting takes the torque away: support what falls.
 
     Parameters
     ----------
@@ -36,14 +42,15 @@ class DynamixelServos:
     settings : DynamixelSettings
         See there.
     bus : SerialBus
-        The chain that they hang on.
+        The chain that they hang on, with the period of its cycle.
     serial : int, optional
-        Not used: these servos have no serial number.
+        These servos have none to compare.
 
     Raises
     ------
     ValueError
-        Two devices have a servo with the same id on the same bus.
+        Two devices have a servo with the same id on the same bus; the bus has no period; a
+        serial number is given.
     """
 
     Settings = DynamixelSettings
@@ -51,52 +58,57 @@ class DynamixelServos:
     def __init__(
         self, name: str, settings: DynamixelSettings, bus: SerialBus, *, serial: int | None = None
     ) -> None:
+        if bus.period is None:
+            raise ValueError(f"{name}: the bus {bus.name} has no period, which servos must know.")
+        if serial is not None:
+            raise ValueError(f"{name}: Dynamixel servos have no serial number to compare.")
         self.name = name
         self.settings = settings
         self.joint_names = tuple(settings.joints)
         self._bus = bus
-        joints = tuple(settings.joints.values())
-        models = tuple(settings.model_of(joint) for joint in joints)
+        self._period = bus.period
         self._is_velocity = settings.mode == "velocity"
+        joints = settings.joints
+        ids = tuple(joint.id for joint in joints.values())
+        models = tuple(settings.model_of(joint) for joint in joints.values())
         self._scales = tuple(
-            joint_scale(joint, model.current_step, one_turn=settings.mode == "position")
-            for joint, model in zip(joints, models, strict=True)
+            joint_scale(joint, model, one_turn=settings.mode == "position")
+            for joint, model in zip(joints.values(), models, strict=True)
         )
-        self._links = tuple(
-            bus.read.join(joint.id, name, label) for label, joint in settings.joints.items()
-        )
+        self._links = tuple(bus.read.join(joint.id, name, label) for label, joint in joints.items())
         self._clients = tuple(
-            RegisterClient(name, label, joint.id, bus) for label, joint in settings.joints.items()
+            RegisterClient(name, label, joint.id, bus) for label, joint in joints.items()
         )
-        self._ids = tuple(joint.id for joint in joints)
-        self._max_speeds = tuple(joint.max_speed for joint in joints)
 
         block = (*table.MOTION, *table.HEALTH) if settings.health else table.MOTION
-        self._block = struct.Struct("<" + "".join(register.code for register in block))
+        self._unpack = struct.Struct("<" + "".join(register.code for register in block)).unpack
         self._block_address = models[0].indirect_data if settings.health else block[0].address
         self._block_name = f"{block[0]} … {block[-1]}"
-        self._watchdog = watchdog_units(settings.watchdog)
 
         goal = table.GOAL_VELOCITY if self._is_velocity else table.GOAL_POSITION
-        self._goal = goal
-        self._packer = struct.Struct("<" + f"B{goal.code}" * len(joints))
-        self._torque_packer = struct.Struct("<" + f"B{table.TORQUE_ENABLE.code}" * len(joints))
+        self._goal = SyncPayload(goal, ids)
+        self._torque = SyncPayload(table.TORQUE_ENABLE, ids)
+        self._watchdog = SyncPayload(table.BUS_WATCHDOG, ids)
+        self._watchdog_units = watchdog_units(settings.watchdog)
         self._goals = SyncWrite(goal.address, goal.size, b"")
         self._release = SyncWrite(
-            table.TORQUE_ENABLE.address,
-            table.TORQUE_ENABLE.size,
-            self._torque_packer.pack(*self._with_ids((0,) * len(joints))),
+            table.TORQUE_ENABLE.address, table.TORQUE_ENABLE.size, self._torque.same(0)
         )
         bus.add_write(self._goals)
         bus.add_write(self._release)
         bus.listen(self._take)
 
-        nothing: Reading[Vector] = Reading((0.0,) * len(joints), -inf)
-        self._positions = self._velocities = self._currents = nothing
+        nothing: Reading[Vector] = Reading((0.0,) * len(joints), _NEVER)
+        self._positions = self._velocities = self._torques = nothing
         self._samples: list[tuple[int, ...]] = []
-        self._watch = HealthWatch(name, settings, self.joint_names, self._ids, self._watchdog)
-        self._setpoint: Vector = nothing.value
+        self._guard = JointGuard(name, joints, bus.period)
+        self._speeds = tuple(joint.max_speed for joint in joints.values())
+        self._health = HealthWatch(name, settings, self._watchdog_units)
+        self._following = tuple(
+            FollowingWatch(settings.following_window, settings.following_time) for _ in joints
+        )
         self._armed = False
+        self._enabled = False
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -122,124 +134,123 @@ class DynamixelServos:
         Raises
         ------
         ConnectionFailed
-            A servo refuses, or they send no readings.
+            A servo refuses, stands outside its limits, or they send no readings.
         """
         for client in self._clients:
             client.write(table.BUS_WATCHDOG, 0)
-        self._watch.restart()
+        self._health.restart()
         self._start_reading()
+        for client, scale, position in zip(
+            self._clients, self._scales, self._positions.value, strict=True
+        ):
+            self._energise(client, scale, position)
         self._hold_here()
-        for client, position in zip(self._clients, self._positions.value, strict=True):
-            self._energise(client, position)
         self._goals.active = True
         self._release.active = False
-        packer = struct.Struct("<" + f"B{table.BUS_WATCHDOG.code}" * len(self._ids))
-        self._bus.send_ahead(
-            encode_sync_write(
-                table.BUS_WATCHDOG.address,
-                table.BUS_WATCHDOG.size,
-                packer.pack(*self._with_ids((self._watchdog,) * len(self._ids))),
-            )
-        )
-        self._watch.expect_watchdog()
-        self._armed = True
+        self._bus.send_ahead(self._watchdog.packet(self._watchdog_units))
+        self._health.expect_watchdog()
+        self._armed = self._enabled = True
+
+    def set_torque_enabled(self, enabled: bool) -> None:
+        """Have the next cycle energise all joints where they stand, or release them.
+
+        Ignored unless armed.
+        """
+        if not self._armed:
+            return
+        self._hold_here()
+        self._enabled = enabled
+        self._bus.send_ahead(self._torque.packet(int(enabled)))
 
     def make_safe(self) -> None:
-        """Hold the last setpoint at rest, or release the torque, as the profile says."""
-        self._armed = False
+        """Hold the last setpoint at rest, or release the torque, until armed again."""
+        self._armed = self._enabled = False
         if self._is_velocity:
-            self._goals.payload = self._packer.pack(*self._with_ids((0,) * len(self._ids)))
-        if self.settings.stop == "release":
+            self._goals.payload = self._goal.same(0)
+        if self.settings.after_stop == "release" and self._goals.active:
             self._goals.active = False
             self._release.active = True
 
     def close(self) -> None:
-        """Ask the servos no more. Idempotent."""
+        """Ask the servos no more; their watchdogs stop them. Idempotent."""
         self._rest()
 
     # The cycle ------------------------------------------------------------------------
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the joints follow commands."""
+        return self._enabled
 
     def positions(self) -> Reading[Vector]:
         """Return the joint positions, rad, shape (n,)."""
         return self._positions
 
     def velocities(self) -> Reading[Vector]:
-        """Return the servos' own velocities, rad/s, shape (n,); coarse: 0.024 rad/s."""
+        """Return the servos' own velocities, rad/s, shape (n,); in steps of 0.024 rad/s."""
         return self._velocities
 
-    def currents(self) -> Reading[Vector]:
-        """Return the motor currents, A, shape (n,); 0 for models that do not measure it."""
-        return self._currents
+    def torques(self) -> Reading[Vector]:
+        """Return the torques at the joints, N m, shape (n,), from the motor currents.
+
+        A rough value: gears rub. 0 for models that do not measure their current.
+        """
+        return self._torques
 
     def health(self) -> Reading[tuple[Health, ...]]:
         """Return what every servo says of itself; empty without `health`."""
         if not self.settings.health:
-            return Reading((), -inf)
+            return Reading((), _NEVER)
         states = tuple(decode_health(*sample[-len(table.HEALTH) :]) for sample in self._samples)
         return Reading(states, self._positions.t)
 
     def command_positions(self, positions: Vector) -> None:
-        """Take position setpoints for this cycle, rad, shape (n,); ignored unless armed.
+        """Take position setpoints for this cycle, rad, shape (n,); ignored unless enabled.
 
         Raises
         ------
         LimitExceeded
-            A setpoint is outside its joint's range or not a number. All stay as they were.
-        ConfigurationError
-            The servos are in velocity mode.
+            One is outside its limits, or too far from the one before for its greatest speed.
         """
+        if not self._enabled:
+            return
+        before = self._guard.positions
+        self._guard.check_positions(positions)
         if self._is_velocity:
-            raise ConfigurationError(f"{self.name}: in mode velocity it takes no positions")
-        if not self._armed:
+            self._follow(positions, before)
             return
         goals = []
-        for scale, position in zip(self._scales, positions, strict=True):
-            step, origin, _, _, lower, upper, first, last = scale
-            if not lower - _ROUNDING <= position <= upper + _ROUNDING:  # nor is a NaN
-                self._refuse(positions)
+        for position, (step, origin, _, _, first, last) in zip(
+            positions, self._scales, strict=True
+        ):
             counts = round(position / step + origin)
             goals.append(first if counts < first else min(counts, last))
-        self._goals.payload = self._packer.pack(*self._with_ids(goals))
-        self._setpoint = positions
+        self._goals.payload = self._goal.pack(goals)
 
     def command_velocities(self, velocities: Vector) -> None:
-        """Take velocity setpoints for this cycle, rad/s, shape (n,); ignored unless armed.
-
-        In the position modes they change nothing: the servo's own feedforward (registers 88
-        and 90) takes the velocity from the positions.
+        """Take velocity setpoints for this cycle, rad/s, shape (n,); ignored unless enabled.
 
         Raises
         ------
         LimitExceeded
-            A setpoint is beyond its joint's `max_speed` or not a number. All stay as they were.
+            One is faster than its joint may be, or would leave its limits in a position mode.
         """
-        for name, velocity, bound in zip(
-            self.joint_names, velocities, self._max_speeds, strict=True
-        ):
-            if not -bound <= velocity <= bound:
-                raise LimitExceeded(
-                    f"{self.name}: velocity setpoint of {name}", velocity, -bound, bound, "rad/s"
-                )
-        if self._armed and self._is_velocity:
-            goals = [
-                encode_velocity(scale, velocity)
-                for scale, velocity in zip(self._scales, velocities, strict=True)
-            ]
-            self._goals.payload = self._packer.pack(*self._with_ids(goals))
-
-    def set_torque_enabled(self, enabled: bool) -> None:
-        """Energise or release all joints with the next cycle; energised, they hold."""
-        if enabled:
-            self._hold_here()
-        switch = (int(enabled),) * len(self._ids)
-        self._bus.send_ahead(
-            encode_sync_write(
-                table.TORQUE_ENABLE.address,
-                table.TORQUE_ENABLE.size,
-                self._torque_packer.pack(*self._with_ids(switch)),
+        if not self._enabled:
+            return
+        self._guard.check_velocities(velocities)
+        if self._is_velocity:
+            self._guard.positions = self._positions.value
+            self._send_velocities(velocities)
+            return
+        period = self._period
+        self.command_positions(
+            tuple(
+                [
+                    position + velocity * period
+                    for position, velocity in zip(self._guard.positions, velocities, strict=True)
+                ]
             )
         )
-        self._watch.follow(enabled)
 
     def check(self, now: float) -> None:
         """Raise if a servo is not well.
@@ -248,58 +259,60 @@ class DynamixelServos:
         ------
         DeviceFault
             A hardware error, a tripped or lost watchdog, temperature or voltage out of
-            range, a joint that does not follow, answers missing, damaged or doubled.
+            range, a joint that does not follow, answers missing, damaged or doubled. The
+            message says joint, id and register, in words.
         """
         if not self._armed:
             return
-        self._watch.check()
+        self._health.check()
         read = self._bus.read
         for link in self._links:
             if link.missed or link.doubled:
                 read.check(link)
-        if not self._is_velocity:
-            self._watch.check_following(self._setpoint, self._positions)
+        if self._enabled:
+            self._check_following()
 
     # Inside ---------------------------------------------------------------------------
 
     def _take(self, t: float) -> None:
         """Decode the answers to the reading of time `t`; a whole one, or the last is held."""
         samples = []
-        unpack = self._block.unpack
+        unpack = self._unpack
         for link in self._links:
             if not link.fresh:
                 return
             samples.append(unpack(link.data))
         if not self._are_trusted(samples):
             return
-        positions, velocities, currents = [], [], []
-        for sample, (step, origin, velocity_step, current_step, *_) in zip(
+        positions, velocities, torques = [], [], []
+        for sample, (step, origin, velocity_step, torque_step, _, _) in zip(
             samples, self._scales, strict=True
         ):
-            currents.append(current_step * sample[0])
+            torques.append(torque_step * sample[0])
             velocities.append(velocity_step * sample[1])
             positions.append(step * (sample[2] - origin))
         self._positions = Reading(tuple(positions), t)
         self._velocities = Reading(tuple(velocities), t)
-        self._currents = Reading(tuple(currents), t)
+        self._torques = Reading(tuple(torques), t)
         self._samples = samples
 
     def _are_trusted(self, samples: list[tuple[int, ...]]) -> bool:
         """Look at what the servos say of themselves; return whether they are what they were."""
-        accept, trusted = self._watch.accept, True
+        health, trusted = self._health, True
         if not self.settings.health:
             for k, link in enumerate(self._links):
                 if link.alert:
-                    self._watch.accept_alert(k)
+                    health.accept_alert(k)
             return True
         for k, (_, _, _, error, watchdog, voltage, temperature) in enumerate(samples):
-            trusted &= accept(k, error, watchdog, voltage, temperature)
+            trusted &= health.accept(k, error, watchdog, voltage, temperature)
         return trusted
 
     def _start_reading(self) -> None:
         """Have the servos asked every cycle, and take first readings."""
         bus = self._bus
-        bus.read.start(self._links, self._block_address, self._block.size, self._block_name)
+        size = self.settings.block_size
+        bus.read.start(self._links, self._block_address, size, self._block_name)
         before = self._positions.t
         for _ in range(_ATTEMPTS):
             bus.synchronise()
@@ -308,55 +321,76 @@ class DynamixelServos:
             bus.check(bus.clock.now())
             if self._positions.t > before:
                 return
-        self._watch.check()
-        missing = [link for link in self._links if not link.fresh]
-        client = self._clients[self._links.index(missing[0])] if missing else self._clients[0]
-        raise client.failed("it sends no readings", register=self._block_name)
+        self._health.check()
+        missing = [k for k, link in enumerate(self._links) if not link.fresh]
+        raise self._clients[missing[0] if missing else 0].failed(
+            "it sends no readings", register=self._block_name
+        )
 
-    def _hold_here(self) -> None:
-        """Make the present positions (or standstill) the setpoints."""
-        if self._is_velocity:
-            self._goals.payload = self._packer.pack(*self._with_ids((0,) * len(self._ids)))
-            return
-        positions = self._positions.value
-        goals = [
-            encode_position(scale, position)
-            for scale, position in zip(self._scales, positions, strict=True)
-        ]
-        self._goals.payload = self._packer.pack(*self._with_ids(goals))
-        self._setpoint = positions
-
-    def _energise(self, client: RegisterClient, position: float) -> None:
-        k = self._clients.index(client)
-        scale = self._scales[k]
+    def _energise(self, client: RegisterClient, scale: JointScale, position: float) -> None:
+        """Switch the torque of one servo on, where it stands."""
+        low, high = self.settings.joints[client.joint].limits
+        margin = abs(scale.step)
+        if not low - margin <= position <= high + margin:
+            raise client.failed(
+                "the joint stands outside its limits; move it by hand",
+                register=str(table.PRESENT_POSITION),
+                value=f"{position:.4g} rad",
+                bound=f"{low:.4g} … {high:.4g} rad",
+            )
         if not self._is_velocity:
-            lower, upper = scale.lower, scale.upper
-            if not lower <= position <= upper:
-                raise client.failed(
-                    "the joint stands outside its range; move it by hand",
-                    register=str(table.PRESENT_POSITION),
-                    value=f"{position:.4g} rad",
-                    bound=f"{lower:.4g} … {upper:.4g} rad",
-                )
-            client.write(self._goal, encode_position(scale, position))
+            client.write(self._goal.register, encode_position(scale, position))
         client.write(table.TORQUE_ENABLE, 1)
 
+    def _hold_here(self) -> None:
+        """Make the present positions, or standstill, the setpoints: the first makes no bump."""
+        positions = self._guard.positions = self._positions.value
+        if self._is_velocity:
+            self._goals.payload = self._goal.same(0)
+        else:
+            self._goals.payload = self._goal.pack(map(encode_position, self._scales, positions))
+        now = self._bus.clock.now()
+        for watch, position in zip(self._following, positions, strict=True):
+            watch.reset(position, now)
+
+    def _follow(self, positions: Vector, before: Vector) -> None:
+        """Follow positions with velocities: the setpoints' own, and the error times a gain."""
+        gain, period = self.settings.position_gain, self._period
+        velocities = []
+        for position, last, measured, fastest in zip(
+            positions, before, self._positions.value, self._speeds, strict=True
+        ):
+            velocity = (position - last) / period + gain * (position - measured)
+            velocities.append(min(max(velocity, -fastest), fastest))
+        self._send_velocities(tuple(velocities))
+
+    def _send_velocities(self, velocities: Vector) -> None:
+        self._goals.payload = self._goal.pack(map(encode_velocity, self._scales, velocities))
+        for watch, velocity, position in zip(
+            self._following, velocities, self._positions.value, strict=True
+        ):
+            watch.drift(velocity, position, self._period)
+
+    def _check_following(self) -> None:
+        positions, t = self._positions
+        setpoints = self._guard.positions
+        for k, watch in enumerate(self._following):
+            if not self._is_velocity:
+                watch.reference = setpoints[k]
+            duration = watch.exceeds(positions[k], t)
+            if duration:
+                raise self._fault_of_following(k, watch, duration)
+
+    def _fault_of_following(self, k: int, watch: FollowingWatch, duration: float) -> DeviceFault:
+        return self._health.describe(
+            k,
+            "does not follow its setpoint; it is blocked, overloaded or without torque",
+            table.PRESENT_POSITION,
+            f"{watch.error:+.3g} rad for {duration:.2f} s",
+            f"{watch.window:g} rad for {watch.time:g} s",
+        )
+
     def _rest(self) -> None:
-        self._armed = False
+        self._armed = self._enabled = False
         self._goals.active = self._release.active = False
         self._bus.read.stop(self._links)
-
-    def _with_ids(self, values: Iterable[int]) -> list[int]:
-        flat: list[int] = []
-        for servo, value in zip(self._ids, values, strict=True):
-            flat += (servo, value)
-        return flat
-
-    def _refuse(self, positions: Vector) -> None:
-        for name, scale, position in zip(self.joint_names, self._scales, positions, strict=True):
-            lower, upper = scale.lower, scale.upper
-            if lower - _ROUNDING <= position <= upper + _ROUNDING:
-                continue
-            raise LimitExceeded(
-                f"{self.name}: position setpoint of {name}", position, lower, upper, "rad"
-            )

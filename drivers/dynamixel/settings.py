@@ -147,7 +147,9 @@ class DynamixelSettings:
     watchdog : float
         After this silence the servo stops by itself, s; in steps of 20 ms. It is armed with
         the first cycle.
-    stop : str
+    position_gain : float
+        In ``velocity``: velocity for an error in position, 1/s, where positions are commanded.
+    after_stop : str
         What the safe state is: ``hold`` the last setpoint under torque (also after the
         program has ended), or ``release`` the torque.
     health : bool
@@ -159,7 +161,7 @@ class DynamixelSettings:
         Above it is a fault, K.
     voltage : tuple of float
         Input voltages outside are a fault, V.
-    following_error, following_time : float
+    following_window, following_time : float
         A joint farther off its setpoint than this (rad) for longer than this (s) is a fault.
     """
 
@@ -172,14 +174,15 @@ class DynamixelSettings:
     profile_acceleration: Annotated[float, Unit("rad/s^2"), Ge(0)] = 0.0
     gains: DynamixelGains = field(default_factory=DynamixelGains)
     watchdog: Annotated[float, Unit("s"), Interval(ge=0.02, le=2.54)] = 0.06
-    stop: Literal["hold", "release"] = "hold"
+    position_gain: Annotated[float, Unit("1/s"), Gt(0)] = 10.0
+    after_stop: Literal["hold", "release"] = "hold"
     health: bool = True
     max_temperature: Annotated[float, Unit("K"), Interval(ge=293.15, le=373.15)] = 343.15
     voltage: tuple[Annotated[float, Unit("V"), Ge(0)], Annotated[float, Unit("V"), Ge(0)]] = (
         4.5,
         16.0,
     )
-    following_error: Annotated[float, Unit("rad"), Gt(0)] = 0.35
+    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.35
     following_time: Annotated[float, Unit("s"), Gt(0)] = 0.5
 
     def __post_init__(self) -> None:

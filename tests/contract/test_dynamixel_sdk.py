@@ -30,7 +30,9 @@ from drivers.sim.dynamixel.wiring import emulate_dynamixel
 from rig.hal import DeviceFault, MonotonicClock
 
 IDS = (1, 2, 7)
-SETTINGS = DynamixelSettings(joints={f"joint_{k}": DynamixelJoint(id=k) for k in IDS})
+SETTINGS = DynamixelSettings(
+    joints={f"joint_{k}": DynamixelJoint(id=k, max_speed=1e3) for k in IDS}
+)
 STEP = math.tau / 4096
 TORQUE, GOAL, VELOCITY, POSITION = 64, 116, 128, 132
 
@@ -43,7 +45,7 @@ class Joints:
         self.velocities = [0.0] * 3
 
     def command_joint(self, channel, position, velocity, torque_on):
-        if torque_on and position is not None:
+        if torque_on:
             self.angles[channel] = position
 
     def joint_position(self, channel):
@@ -212,7 +214,7 @@ def test_sync_write(sdk, served):
 def test_reboot_clears_a_hardware_error(sdk, served):
     port, packets = sdk
     packets.write1ByteTxRx(port, 2, TORQUE, 1)
-    served.node.inject("overloaded", 1)
+    served.node.inject("joint_2.overloaded")
     value, _, error = packets.read1ByteTxRx(port, 2, 70)
     assert (value, error) == (0x20, 0x80)
     assert packets.read1ByteTxRx(port, 2, TORQUE)[0] == 0, "it dropped its torque"
@@ -280,7 +282,7 @@ def test_driver_over_the_pseudo_terminal(served):
         served.terminal.path, max_latency=0.1, reply_timeout=0.1, attempts=5, fault_after=10
     )
     clock = MonotonicClock()
-    bus = SerialBus("chain", settings, lambda: open_port(settings), clock)
+    bus = SerialBus("chain", settings, lambda: open_port(settings), clock, 5e-3)
     device = DynamixelServos("legs", SETTINGS, bus)
     bus.open()
     device.connect()

@@ -33,7 +33,7 @@ class JointsThatFollow:
     def command_joint(self, channel, position, velocity, torque_on):
         self.torque_on[channel] = torque_on
         self.velocities[channel] = velocity if torque_on else 0.0
-        if torque_on and position is not None and channel not in self.blocked:
+        if torque_on and channel not in self.blocked:
             self.angles[channel] = position
 
     def joint_position(self, channel):
@@ -47,7 +47,10 @@ class JointsThatFollow:
 
 
 def joints(count, **more):
-    return {f"joint_{k + 1}": DynamixelJoint(id=k + 1, **more) for k in range(count)}
+    return {
+        f"joint_{k + 1}": DynamixelJoint(**{"id": k + 1, "max_speed": 1e3, **more})
+        for k in range(count)
+    }
 
 
 class Bench:

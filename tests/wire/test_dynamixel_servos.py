@@ -13,7 +13,7 @@ from drivers.dynamixel.settings import (
     SerialBusSettings,
 )
 from drivers.sim.dynamixel import control_table as table
-from rig.hal import ConfigurationError, ConnectionFailed, DeviceFault, LimitExceeded
+from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded
 
 STEP = math.tau / 4096
 RUNNING_FAULT_CYCLES = 3
@@ -97,12 +97,15 @@ def test_watchdog_is_armed_with_the_first_cycle_and_not_before():
 @pytest.mark.parametrize(
     ("break_it", "words"),
     [
-        (lambda b: b.node.inject("silent", 1), "joint_2 (id 2): it does not answer"),
-        (lambda b: b.node.inject("overheated", 1), "joint_2 (id 2): it has a hardware error: over"),
-        (lambda b: b.node.inject("same_id", 1), "there are two servos with this id"),
-        (lambda b: b.node.inject("doubled", 1), "there are two servos with this id"),
-        (lambda b: b.node.inject("corrupted", 1), "its answers are garbled"),
-        (lambda b: b.node.inject("truncated", 1), "its answers are garbled"),
+        (lambda b: b.node.inject("joint_2.silent"), "joint_2 (id 2): it does not answer"),
+        (
+            lambda b: b.node.inject("joint_2.overheated"),
+            "joint_2 (id 2): it has a hardware error: over",
+        ),
+        (lambda b: b.node.inject("joint_2.same_id"), "there are two servos with this id"),
+        (lambda b: b.node.inject("joint_2.doubled"), "there are two servos with this id"),
+        (lambda b: b.node.inject("joint_2.corrupted"), "its answers are garbled"),
+        (lambda b: b.node.inject("joint_2.truncated"), "its answers are garbled"),
         (lambda b: b.servo(1).table.__setitem__(table.MODEL, 1060), "value xl430-w250"),
         (lambda b: b.servo(1).table.__setitem__(table.HOMING_OFFSET, 5), "its zero was moved"),
         (lambda b: setattr(b.world, "_latency", 6e-3), "set the adapter's latency timer"),
@@ -158,9 +161,11 @@ def test_setpoints_arrive_and_are_read_back_one_cycle_later(fast):
 
 def test_direction_offset_and_gear():
     names = {
-        "plain": DynamixelJoint(id=1),
-        "reversed": DynamixelJoint(id=2, reversed=True, offset=0.3, limits=(-2.0, 2.0)),
-        "geared": DynamixelJoint(id=3, gear=2.0, limits=(-1.0, 1.0)),
+        "plain": DynamixelJoint(id=1, max_speed=1e3),
+        "reversed": DynamixelJoint(
+            id=2, reversed=True, offset=0.3, limits=(-2.0, 2.0), max_speed=1e3
+        ),
+        "geared": DynamixelJoint(id=3, gear=2.0, limits=(-1.0, 1.0), max_speed=1e3),
     }
     bench = Bench(3, joints=names).start()
     bench.cycle(lambda device: device.command_positions((0.4, 0.4, 0.4)), count=3)
@@ -180,18 +185,16 @@ def test_velocity_mode_turns_and_stops():
     bench.bus.transmit(bench.clock.now())
     bench.clock.sleep_until(bench.clock.now() + PERIOD)
     assert bench.plant.velocities[:2] == [0.0, 0.0]
-    with pytest.raises(ConfigurationError, match="takes no positions"):
-        bench.device.command_positions((0.0, 0.0))
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1.01, -1.01])
 def test_setpoints_out_of_range_are_refused_and_change_nothing(bad):
     bench = Bench(2, joints=joints(2, limits=(-1.0, 1.0))).start()
     bench.cycle(lambda device: device.command_positions((0.5, 0.5)))
-    with pytest.raises(LimitExceeded, match="position setpoint of joint_2"):
+    with pytest.raises(LimitExceeded, match="joint_2: position setpoint"):
         bench.device.command_positions((0.0, bad))
-    with pytest.raises(LimitExceeded, match="velocity setpoint of joint_1"):
-        bench.device.command_velocities((bad * 100, 0.0))
+    with pytest.raises(LimitExceeded, match="joint_1: velocity setpoint"):
+        bench.device.command_velocities((bad * 1e4, 0.0))
     bench.cycle(count=2)
     assert bench.plant.angles[:2] == pytest.approx([0.5, 0.5], abs=STEP)
 
@@ -200,6 +203,41 @@ def test_the_end_of_the_turn_is_the_last_count():
     bench = Bench(1).start()
     bench.cycle(lambda device: device.command_positions((math.pi,)), count=2)
     assert bench.servo(0).table[table.GOAL_POSITION] == 4095
+
+
+def test_velocities_are_integrated_in_position_mode():
+    bench = Bench(2).start()
+    bench.cycle(lambda device: device.command_velocities((0.5, -0.5)), count=100)
+    assert bench.plant.angles[:2] == pytest.approx([0.25, 0.1 - 0.25], abs=2 * STEP)
+
+
+def test_positions_are_followed_in_velocity_mode():
+    bench = Bench(2, mode="velocity", position_gain=20.0).start()
+    bench.cycle(lambda device: device.command_positions((0.05, 0.15)), count=100)
+    # A servo counts velocities in steps of 0.024 rad/s, below which it stands still.
+    assert bench.plant.angles[:2] == pytest.approx([0.05, 0.15], abs=0.024 / 20.0 + STEP)
+
+
+def test_a_jump_of_the_setpoint_is_refused():
+    bench = Bench(1, joints=joints(1, max_speed=2.0)).start()
+    bench.cycle(lambda device: device.command_positions((1.9 * PERIOD,)))
+    with pytest.raises(LimitExceeded, match="position setpoint"):
+        bench.device.command_positions((0.5,))
+
+
+def test_torques_come_from_the_motor_currents():
+    bench = Bench(
+        2,
+        joints={
+            "plain": DynamixelJoint(id=1),
+            "geared": DynamixelJoint(id=2, gear=3.0, reversed=True),
+        },
+        mode="extended_position",
+    )
+    bench.plant.joint_torque = lambda channel: (1.5, -2.0)[channel]
+    bench.start()
+    step = 2.69e-3 * 4.1 / 2.3
+    assert bench.device.torques().value == pytest.approx((1.5, -2.0), abs=2 * step)
 
 
 def test_torque_is_released_and_taken_again():
@@ -218,7 +256,7 @@ def test_torque_is_released_and_taken_again():
 
 @pytest.mark.parametrize("stop", ["hold", "release"])
 def test_make_safe_holds_or_releases_and_takes_no_more_setpoints(stop):
-    bench = Bench(2, stop=stop).start()
+    bench = Bench(2, after_stop=stop).start()
     bench.cycle(lambda device: device.command_positions((0.3, 0.3)), count=2)
     bench.device.make_safe()
     bench.device.command_positions((0.9, 0.9))
@@ -267,7 +305,7 @@ def cycles_from(bench, inject):
 @pytest.mark.parametrize("k", [0, 4, 11])
 def test_a_silent_servo_is_named_whatever_its_place(k, fast):
     bench = Bench(12, bus={"fast_sync": fast}).start()
-    cycles, fault = cycles_from(bench, lambda: bench.node.inject("silent", k))
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject(f"joint_{k + 1}.silent"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert isinstance(fault, DeviceFault)
     assert fault.node == k + 1
@@ -280,7 +318,7 @@ def test_a_silent_servo_is_named_whatever_its_place(k, fast):
 @pytest.mark.parametrize("k", [0, 2, 3])
 def test_damaged_answers_are_named(how, k, fast):
     bench = Bench(4, bus={"fast_sync": fast}).start()
-    cycles, fault = cycles_from(bench, lambda: bench.node.inject(how, k))
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject(f"joint_{k + 1}.{how}"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert f"the status packets of joint_{k + 1} (id {k + 1}) are corrupted" in str(fault)
     assert fault.node == k + 1
@@ -289,7 +327,7 @@ def test_damaged_answers_are_named(how, k, fast):
 
 def test_doubled_answers_are_named():
     bench = Bench(4, bus={"fast_sync": False}).start()
-    cycles, fault = cycles_from(bench, lambda: bench.node.inject("doubled", 2))
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject("joint_3.doubled"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert "joint_3 (id 3) answers twice; there are two servos with this id" in str(fault)
 
@@ -308,7 +346,7 @@ def test_doubled_answers_are_named():
 )
 def test_what_a_servo_says_of_itself_is_a_fault_in_words(fault_name, words):
     bench = Bench(3).start()
-    cycles, fault = cycles_from(bench, lambda: bench.node.inject(fault_name, 1))
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject(f"joint_2.{fault_name}"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert "joint_2 (id 2) " in str(fault)
     assert words in str(fault)
@@ -317,7 +355,7 @@ def test_what_a_servo_says_of_itself_is_a_fault_in_words(fault_name, words):
 
 def test_without_health_a_hardware_error_still_shows():
     bench = Bench(3, health=False).start()
-    cycles, fault = cycles_from(bench, lambda: bench.node.inject("overloaded", 2))
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject("joint_3.overloaded"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert "joint_3 (id 3) reports a hardware error" in str(fault)
 
@@ -367,17 +405,13 @@ def test_an_adapter_that_is_pulled_out_is_found_at_once():
 def test_a_chain_without_power_is_not_blamed_on_one_servo():
     bench = Bench(3).start()
 
-    def cut_power():
-        for k in range(3):
-            bench.node.inject("silent", k)
-
-    cycles, fault = cycles_from(bench, cut_power)
+    cycles, fault = cycles_from(bench, lambda: bench.node.inject("silent"))
     assert cycles <= RUNNING_FAULT_CYCLES
     assert "no servo answers any more; look at their power and at the cable" in str(fault)
 
 
 def test_a_blocked_joint_does_not_follow():
-    bench = Bench(2, following_error=0.2, following_time=0.1).start()
+    bench = Bench(2, following_window=0.2, following_time=0.1).start()
     bench.plant.blocked.add(1)
     bench.cycle(lambda device: device.command_positions((0.5, 0.5)))
     cycles, fault = bench.cycles_until_fault(limit=40)
@@ -389,7 +423,7 @@ def test_a_lost_packet_is_counted_and_the_reading_held(fast):
     bench = Bench(3, bus={"fast_sync": fast}).start()
     bench.cycle(count=3)
     before = bench.device.positions()
-    bench.node.inject("silent", 1)
+    bench.node.inject("joint_2.silent")
     bench.cycle()  # its request is not answered
     bench.node.inject("repair")
     bench.cycle()

@@ -1,6 +1,7 @@
 """Servos on one half-duplex line: who answers what, when, and what goes wrong on the wire."""
 
 from collections.abc import Callable, Sequence
+from math import inf
 
 from drivers.sim.dynamixel import framing
 from drivers.sim.dynamixel.framing import InstructionPacket
@@ -19,23 +20,54 @@ class Station:
 
     Attributes
     ----------
-    connected : bool
-        Whether it hears and says anything.
-    distort : callable or None
-        Changes its answers.
     twin : EmulatedServo or None
         A second servo with the same id, which speaks at the same time.
     """
 
     def __init__(self, servo: EmulatedServo) -> None:
         self.servo = servo
-        self.connected = True
-        self.distort: Distortion | None = None
         self.twin: EmulatedServo | None = None
+        self._now = 0.0
+        self._silent_until = -inf
+        self._distortion: Distortion | None = None
+        self._distorted_until = -inf
 
     def servos(self) -> tuple[EmulatedServo, ...]:
         """Return who answers here."""
         return (self.servo,) if self.twin is None else (self.servo, self.twin)
+
+    def tick(self, now: float) -> None:
+        """Let time pass."""
+        self._now = now
+        for servo in self.servos():
+            servo.tick(now)
+
+    @property
+    def is_connected(self) -> bool:
+        """Return whether anything is heard and said here."""
+        return self._now >= self._silent_until
+
+    def say(self, answers: Sequence[bytes]) -> bytes:
+        """Return what is heard when all who are here speak at once."""
+        said = answers[0]
+        for other in answers[1:]:
+            said = _overlay(said, other)
+        if self._distortion is not None and self._now < self._distorted_until:
+            return self._distortion(said)
+        return said
+
+    def silence(self, duration: float) -> None:
+        """Cut the servo off for so long, s."""
+        self._silent_until = self._now + duration
+
+    def distort(self, distortion: Distortion, duration: float) -> None:
+        """Change what it says for so long, s."""
+        self._distortion, self._distorted_until = distortion, self._now + duration
+
+    def repair(self) -> None:
+        """Put everything on the line right."""
+        self._silent_until = self._distorted_until = -inf
+        self.twin = None
 
 
 class EmulatedChain:
@@ -59,22 +91,22 @@ class EmulatedChain:
         """Return when a servo has something to do, s."""
         return min(
             (servo.due for station in self.stations for servo in station.servos()),
-            default=float("inf"),
+            default=inf,
         )
 
     def tick(self, now: float) -> None:
         """Let time pass."""
         for station in self.stations:
-            for servo in station.servos():
-                servo.tick(now)
+            station.tick(now)
 
     def handle(self, packet: InstructionPacket, now: float) -> bytes:
         """Do what a packet asks, and return what then goes over the line.
 
         A servo that is to answer after another one waits until it has heard it.
         """
+        self.tick(now)
         for station in self.stations:
-            if station.connected and packet.servo in (station.servo.id, framing.BROADCAST):
+            if station.is_connected and packet.servo in (station.servo.id, framing.BROADCAST):
                 for servo in station.servos():
                     servo.hear(now)
         if packet.servo == framing.BROADCAST:
@@ -83,7 +115,7 @@ class EmulatedChain:
         if addressed is None:
             return b""
         answers = [self._answer(servo, packet, now) for servo in addressed.servos()]
-        return self._say(addressed, answers)
+        return addressed.say(answers)
 
     # One servo ------------------------------------------------------------------------
 
@@ -117,16 +149,9 @@ class EmulatedChain:
         level = servo.read(68, 1, 0.0)[1][0]  # Status Return Level
         return instruction == framing.PING or level >= (1 if instruction == framing.READ else 2)
 
-    def _say(self, station: Station, answers: Sequence[bytes]) -> bytes:
-        """Return what is heard when all who are here speak at once."""
-        said = answers[0]
-        for other in answers[1:]:
-            said = _overlay(said, other)
-        return station.distort(said) if station.distort is not None else said
-
     def _station(self, servo: int) -> Station | None:
         station = self._by_id.get(servo)
-        return station if station is not None and station.connected else None
+        return station if station is not None and station.is_connected else None
 
     # All servos -----------------------------------------------------------------------
 
@@ -134,10 +159,10 @@ class EmulatedChain:
         parameters = packet.parameters
         match packet.instruction:
             case framing.PING:
-                present = [station for station in self.stations if station.connected]
+                present = [station for station in self.stations if station.is_connected]
                 present.sort(key=lambda station: station.servo.id)
                 return b"".join(
-                    self._say(s, [self._answer(servo, packet, now) for servo in s.servos()])
+                    s.say([self._answer(servo, packet, now) for servo in s.servos()])
                     for s in present
                 )
             case framing.WRITE if len(parameters) > 2:
@@ -162,7 +187,7 @@ class EmulatedChain:
 
     def _for_all(self, action: Callable[[EmulatedServo], object]) -> None:
         for station in self.stations:
-            if station.connected:
+            if station.is_connected:
                 for servo in station.servos():
                     action(servo)
 
@@ -186,7 +211,7 @@ class EmulatedChain:
             for servo in station.servos():
                 error, data = servo.read(address, size, now)
                 answers.append(framing.build_status(servo.id, error | servo.alert, data))
-            said = self._say(station, answers)
+            said = station.say(answers)
             line += said
             if len(said) < len(answers[0]):
                 break
@@ -207,7 +232,7 @@ class EmulatedChain:
                 blocks.append(
                     framing.build_block(before, servo.id, error | servo.alert, data or bytes(size))
                 )
-            said = start + self._say(station, blocks)[: len(blocks[0])]  # its place ends here
+            said = start + station.say(blocks)[: len(blocks[0])]  # its place ends here
             line += said
             if len(said) < len(start) + len(blocks[0]):
                 break

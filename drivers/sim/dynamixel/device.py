@@ -1,9 +1,12 @@
 """The emulated servos of one device, with the faults that can be injected by name."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import inf
 
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.servo import EmulatedServo
+from drivers.sim.joint_faults import JointFaults
 
 _HARDWARE_BITS = {
     "undervoltage": 0,
@@ -11,65 +14,49 @@ _HARDWARE_BITS = {
     "shock": 4,
     "overloaded": 5,
 }
-_TWIN_OFFSET = 0.5  # rad: a second servo with the same id stands somewhere else
 
 
-class EmulatedDynamixel:
-    """The servos of one device on a chain.
+class StationFaults:
+    """What can go wrong with one servo.
 
-    Every fault takes the number of the joint in the device's order (default 0):
-
-    ``silent``
-        It hears and says nothing, as with a broken wire behind the one before it.
+    ``silent`` (value: s, default for ever)
+        It hears and says nothing, as with a broken wire.
+    ``corrupted``, ``truncated``, ``doubled`` (value: s, default for ever)
+        So do its answers come; in a fast reply, where each has its place, none can double.
+    ``same_id``
+        A second servo with its id answers at the same time.
     ``overheated``, ``warm``
         85 °C, at which it drops its torque; 75 °C, which it bears.
     ``undervoltage``, ``encoder_broken``, ``shock``, ``overloaded``
         A hardware error of that name; the last two make it drop its torque.
-    ``corrupted``, ``truncated``, ``doubled``
-        So do its answers come; in a fast reply, where each has its place, none can double.
-    ``same_id``
-        A second servo with its id answers at the same time.
     ``rebooted``
         It starts afresh: no torque, no watchdog, no settings that are not in EEPROM.
     ``repair``
-        Ends what lasts, with every servo.
+        Ends what lasts; a hardware error ends with a reboot only.
 
     Parameters
     ----------
     name : str
-        The device's name in the profile.
-    stations : sequence of Station
-        Its servos, in the device's order.
+        Of device and joint.
+    station : Station
+        The servo on its line.
     make_twin : callable
-        Makes another servo like number k.
+        Makes another servo like it.
     """
 
-    def __init__(
-        self,
-        name: str,
-        stations: Sequence[Station],
-        make_twin: Callable[[int, float], EmulatedServo],
-    ) -> None:
+    def __init__(self, name: str, station: Station, make_twin: Callable[[], EmulatedServo]) -> None:
         self.name = name
-        self.stations = tuple(stations)
+        self._station = station
         self._make_twin = make_twin
-        self._faults: dict[str, Callable[[int], None]] = {
-            "silent": self._disconnect,
-            "overheated": lambda k: self._servo(k).heat(85),
-            "warm": lambda k: self._servo(k).heat(75),
-            "corrupted": lambda k: self._distort(k, corrupt),
-            "truncated": lambda k: self._distort(k, truncate),
-            "doubled": lambda k: self._distort(k, double),
-            "same_id": self._add_twin,
-            "rebooted": lambda k: self._servo(k).reboot(),
-        }
-        for fault, bit in _HARDWARE_BITS.items():
-            self._faults[fault] = lambda k, bit=bit: self._servo(k).fail(bit)  # type: ignore[misc]
 
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` understands."""
-        return (*self._faults, "repair")
+        return (
+            *("silent", "corrupted", "truncated", "doubled", "same_id", "overheated", "warm"),
+            *_HARDWARE_BITS,
+            *("rebooted", "repair"),
+        )
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.
@@ -77,39 +64,66 @@ class EmulatedDynamixel:
         Raises
         ------
         ValueError
-            The fault is not known here, or there is no such joint.
+            The fault is not known here, or the value does not fit it.
         """
-        if fault == "repair":
-            self._repair()
-            return
-        action = self._faults.get(fault)
-        if action is None:
-            known = ", ".join(self.known_faults)
-            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
-        number = 0.0 if value is None else value
-        if number not in range(len(self.stations)):
-            raise ValueError(
-                f"{self.name}: no joint number {number:g}; there are {len(self.stations)}, from 0"
-            )
-        action(int(number))
+        station = self._station
+        servo = station.servo
+        match fault:
+            case "silent":
+                station.silence(self._duration(fault, value))
+            case "corrupted" | "truncated" | "doubled":
+                station.distort(_DISTORTIONS[fault], self._duration(fault, value))
+            case "same_id":
+                station.twin = self._make_twin()
+            case "overheated":
+                servo.heat(85)
+            case "warm":
+                servo.heat(75)
+            case "rebooted":
+                servo.reboot()
+            case "repair":
+                station.repair()
+            case _ if fault in _HARDWARE_BITS:
+                servo.fail(_HARDWARE_BITS[fault])
+            case _:
+                known = ", ".join(self.known_faults)
+                raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
 
-    def _servo(self, k: int) -> EmulatedServo:
-        return self.stations[k].servo
+    def _duration(self, fault: str, value: float | None) -> float:
+        if value is None:
+            return inf
+        if not value > 0.0:
+            raise ValueError(f"{self.name}: {fault} lasts longer than {value:g} s")
+        return value
 
-    def _disconnect(self, k: int) -> None:
-        self.stations[k].connected = False
 
-    def _distort(self, k: int, how: Callable[[bytes], bytes]) -> None:
-        self.stations[k].distort = how
+class EmulatedDynamixel(JointFaults):
+    """The servos of one device on a chain; a target of faults, see `StationFaults`.
 
-    def _add_twin(self, k: int) -> None:
-        self.stations[k].twin = self._make_twin(k, _TWIN_OFFSET)
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    stations : mapping of str to Station
+        Its servos by joint, in the device's order.
+    make_twin : callable
+        Makes another servo like that of a joint.
+    """
 
-    def _repair(self) -> None:
-        for station in self.stations:
-            station.connected = True
-            station.distort = None
-            station.twin = None
+    def __init__(
+        self,
+        name: str,
+        stations: Mapping[str, Station],
+        make_twin: Callable[[str], EmulatedServo],
+    ) -> None:
+        super().__init__(
+            name,
+            {
+                joint: StationFaults(f"{name}.{joint}", station, partial(make_twin, joint))
+                for joint, station in stations.items()
+            },
+        )
+        self.stations = tuple(stations.values())
 
 
 def corrupt(answer: bytes) -> bytes:
@@ -126,3 +140,6 @@ def truncate(answer: bytes) -> bytes:
 def double(answer: bytes) -> bytes:
     """Say it twice."""
     return answer * 2
+
+
+_DISTORTIONS = {"corrupted": corrupt, "truncated": truncate, "doubled": double}

@@ -2,7 +2,6 @@
 
 import math
 from math import inf
-from typing import Protocol
 
 from drivers.sim.dynamixel import control_table as table
 from drivers.sim.dynamixel.framing import (
@@ -12,35 +11,15 @@ from drivers.sim.dynamixel.framing import (
     OUT_OF_RANGE,
     TOO_SHORT,
 )
+from drivers.sim.servo_port import ServoPort
 
 _CENTRE = 2048
 _TURN = 4096
 _VELOCITY_UNIT = 0.229 / 60.0 * math.tau  # rad/s
 _WATCHDOG_UNIT = 20e-3  # s
 _CURRENT_UNIT = 2.69e-3  # A
+_MOST_WOUND = 0.1  # rad
 _VELOCITY_MODE, _MULTI_TURN_MODES = 1, (4, 5)
-
-
-class JointPort(Protocol):
-    """What a servo needs of a plant."""
-
-    def command_joint(
-        self, channel: int, position: float | None, velocity: float, torque_on: bool
-    ) -> None:
-        """Give a joint's drive its target (rad; None: velocity alone, rad/s) and torque."""
-        ...
-
-    def joint_position(self, channel: int) -> float:
-        """Return a joint's true angle, rad."""
-        ...
-
-    def joint_velocity(self, channel: int) -> float:
-        """Return a joint's true velocity, rad/s."""
-        ...
-
-    def joint_torque(self, channel: int) -> float:
-        """Return the torque of a joint's drive, N m."""
-        ...
 
 
 class Mounting:
@@ -48,36 +27,31 @@ class Mounting:
 
     Parameters
     ----------
-    turns : float
-        Signed turns of the servo for one radian of the joint.
+    gear : float
+        Signed turns of the servo for one turn of the joint.
     offset : float
         The joint's angle at the servo's count 2048, rad.
     """
 
-    def __init__(self, turns: float, offset: float) -> None:
-        self._turns = turns
+    def __init__(self, gear: float, offset: float) -> None:
+        self.gear = gear
         self._offset = offset
 
     def counts(self, angle: float) -> int:
         """Return what the servo's encoder reads at a joint angle, rad."""
-        return round(_CENTRE + (angle - self._offset) * self._turns * _TURN)
+        return round(_CENTRE + (angle - self._offset) * self.gear / math.tau * _TURN)
 
     def angle(self, counts: int) -> float:
         """Return the joint angle of a goal, rad."""
-        return self._offset + (counts - _CENTRE) / (_TURN * self._turns)
+        return self._offset + (counts - _CENTRE) / _TURN * math.tau / self.gear
 
     def velocity_counts(self, velocity: float) -> int:
         """Return what the servo's velocity reads at a joint velocity, rad/s."""
-        return round(velocity * self._turns * math.tau / _VELOCITY_UNIT)
+        return round(velocity * self.gear / _VELOCITY_UNIT)
 
     def velocity(self, counts: int) -> float:
         """Return the joint velocity of a goal, rad/s."""
-        return counts * _VELOCITY_UNIT / (self._turns * math.tau)
-
-    @property
-    def sense(self) -> float:
-        """Return 1 or -1: the sense in which the servo turns the joint."""
-        return math.copysign(1.0, self._turns)
+        return counts * _VELOCITY_UNIT / self.gear
 
 
 class EmulatedServo:
@@ -89,7 +63,7 @@ class EmulatedServo:
     ----------
     servo : int
         Its id.
-    plant : JointPort
+    plant : ServoPort
         The physics.
     channel : int
         The plant's joint that it turns.
@@ -98,7 +72,7 @@ class EmulatedServo:
     model, firmware : int
         What it reports.
     torque_constant : float
-        N m/A, at the joint.
+        Of the servo, N m/A.
     indirect_data : int
         Where this model has its indirect data.
     """
@@ -106,7 +80,7 @@ class EmulatedServo:
     def __init__(
         self,
         servo: int,
-        plant: JointPort,
+        plant: ServoPort,
         channel: int,
         mounting: Mounting,
         *,
@@ -121,6 +95,8 @@ class EmulatedServo:
         self._mounting = mounting
         self._torque_constant = torque_constant
         self._heard_at = 0.0
+        self._now = 0.0
+        self._reference = plant.joint_position(channel)  # of its velocity controller, rad
         self._registered: tuple[int, bytes] | None = None
         self.table[table.ID] = servo
         self.table[table.MODEL] = model
@@ -153,6 +129,8 @@ class EmulatedServo:
 
     def tick(self, now: float) -> None:
         """Let time pass."""
+        self._reference += (now - self._now) * self._velocity()
+        self._now = now
         if now >= self.due:
             self.table[table.WATCHDOG] = -1
             self.table[table.PROFILE_ACCELERATION] = self.table[table.PROFILE_VELOCITY] = 0
@@ -270,14 +248,24 @@ class EmulatedServo:
 
     def _drive(self) -> None:
         """Tell the plant what the motor shall do."""
-        memory, mounting = self.table, self._mounting
+        memory = self.table
         torque_on = memory[table.TORQUE] == 1
         if memory[table.OPERATING_MODE] == _VELOCITY_MODE:
-            velocity = mounting.velocity(memory[table.GOAL_VELOCITY])
-            self._plant.command_joint(self._channel, None, velocity, torque_on)
+            # The integral of its velocity controller, which does not wind up.
+            angle = self._plant.joint_position(self._channel)
+            wound = min(max(self._reference - angle, -_MOST_WOUND), _MOST_WOUND)
+            self._reference = angle + (wound if torque_on else 0.0)
         else:
-            goal = mounting.angle(memory[table.GOAL_POSITION] - memory[table.HOMING_OFFSET])
-            self._plant.command_joint(self._channel, goal, 0.0, torque_on)
+            counts = memory[table.GOAL_POSITION] - memory[table.HOMING_OFFSET]
+            self._reference = self._mounting.angle(counts)
+        self._plant.command_joint(self._channel, self._reference, self._velocity(), torque_on)
+
+    def _velocity(self) -> float:
+        """Return how fast the reference moves, rad/s."""
+        memory = self.table
+        if memory[table.OPERATING_MODE] != _VELOCITY_MODE or memory[table.TORQUE] == 0:
+            return 0.0
+        return self._mounting.velocity(memory[table.GOAL_VELOCITY])
 
     def _counts(self) -> int:
         angle = self._plant.joint_position(self._channel)
@@ -289,6 +277,6 @@ class EmulatedServo:
         memory[table.PRESENT_POSITION] = self._counts()
         velocity = mounting.velocity_counts(plant.joint_velocity(channel))
         memory[table.PRESENT_VELOCITY] = velocity
-        current = plant.joint_torque(channel) * mounting.sense / self._torque_constant
+        current = plant.joint_torque(channel) / mounting.gear / self._torque_constant
         memory[table.PRESENT_CURRENT] = max(-2047, min(round(current / _CURRENT_UNIT), 2047))
         memory[table.MOVING] = int(abs(velocity) > memory[table.MOVING_THRESHOLD])

@@ -4,14 +4,17 @@ The settings say how the servos are mounted: ids, gears, offsets. They are data;
 servos make of them is their own.
 """
 
-from math import tau
 from typing import Any
 
-from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings
+from drivers.dynamixel.settings import DynamixelSettings
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.control_table import HOMING_OFFSET
 from drivers.sim.dynamixel.device import EmulatedDynamixel
-from drivers.sim.dynamixel.servo import EmulatedServo, JointPort, Mounting
+from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
+from drivers.sim.servo_port import ServoPort
+from drivers.sim.servo_wiring import signed_gear
+
+_TWIN_OFFSET = 0.5  # rad: a second servo with the same id stands somewhere else
 
 
 class _FreeJoint:
@@ -21,7 +24,7 @@ class _FreeJoint:
         self._angle = angle
 
     def command_joint(
-        self, channel: int, position: float | None, velocity: float, torque_on: bool
+        self, channel: int, position: float, velocity: float, torque_on: bool
     ) -> None:
         """Do nothing."""
 
@@ -53,35 +56,31 @@ def emulate_dynamixel(
         The device's name in the profile.
     settings : DynamixelSettings
         The driver's.
-    plant : JointPort
+    plant : ServoPort
         The physics.
     channels : tuple of int
         The plant's joints, in the order of the device's.
     serial : int
         Not used: these servos have no serial number.
     """
-    joints = tuple(settings.joints.values())
+    wired = dict(zip(settings.joints, channels, strict=True))
 
-    def make(k: int, plant: JointPort) -> EmulatedServo:
-        joint = joints[k]
+    def make(name: str, plant: ServoPort) -> EmulatedServo:
+        joint = settings.joints[name]
         model = settings.model_of(joint)
         servo = EmulatedServo(
             joint.id,
             plant,
-            channels[k],
-            _mounting(joint),
+            wired[name],
+            Mounting(signed_gear(joint), joint.offset),
             model=model.number,
             indirect_data=model.indirect_data,
         )
         servo.table[HOMING_OFFSET] = joint.homing_offset
         return servo
 
-    def make_twin(k: int, offset: float) -> EmulatedServo:
-        return make(k, _FreeJoint(plant.joint_position(channels[k]) + offset))
+    def make_twin(name: str) -> EmulatedServo:
+        return make(name, _FreeJoint(plant.joint_position(wired[name]) + _TWIN_OFFSET))
 
-    return EmulatedDynamixel(name, [Station(make(k, plant)) for k in range(len(joints))], make_twin)
-
-
-def _mounting(joint: DynamixelJoint) -> Mounting:
-    turns = joint.gear / tau
-    return Mounting(-turns if joint.reversed else turns, joint.offset)
+    stations = {joint: Station(make(joint, plant)) for joint in settings.joints}
+    return EmulatedDynamixel(name, stations, make_twin)
