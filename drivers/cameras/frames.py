@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 Image = NDArray[np.uint8]
 
 
-class SourceFailure(Exception):  # a sentence for `DeviceError`, which knows the device's name
-    """A source cannot give frames.
+class SourceFailure(Exception):
+    """A source cannot give frames; the driver, which has a name, makes a `DeviceError` of it.
 
     Parameters
     ----------

@@ -50,6 +50,9 @@ class MarkerCameraDriver:
 
     Settings = MarkerCameraSettings
 
+    needs_bus = False
+    """It brings its own way to the program."""
+
     def __init__(
         self,
         name: str,

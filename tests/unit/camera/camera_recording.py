@@ -28,7 +28,8 @@ def recorded(path, kind="video", **source):
         height=512,
         intrinsics=IntrinsicsSettings(fx=1666.0, fy=1666.0, cx=319.5, cy=255.5, k1=-0.05),
         roi=128,
-        connect_timeout=60.0,  # a loaded machine may take long to start a process
+        connect_timeout=60.0,  # a loaded machine may take long to start a process,
+        max_age=60.0,  # and to come back to it
     )
 
 
