@@ -146,14 +146,17 @@ class Cia402Drive:
         if self._torque_at is not None:
             self.torque = values[self._torque_at] * self._torque_unit
 
-    def command_position(self, position: float) -> None:
-        """Send a target position (rad) with the next cycle, to an enabled drive in CSP."""
+    def command_position(self, position: float, velocity: float) -> None:
+        """Send a target position (rad) with the next cycle, to an enabled drive in csp.
+
+        The drive takes its velocity from the targets' distance.
+        """
         self.watch.reference = position
         self._target = target = round((position - self._offset) * self._gain)
         self.pdo.data = self._pack(ENABLE_OPERATION, target, self._mode)
 
     def command_velocity(self, velocity: float) -> None:
-        """Send a target velocity (rad/s) with the next cycle, to an enabled drive in CSV."""
+        """Send a target velocity (rad/s) with the next cycle, to an enabled drive in csv."""
         self.watch.drift(velocity, self.position, self._period)
         self.pdo.data = self._pack(
             ENABLE_OPERATION, round(velocity * self._velocity_gain), self._mode
@@ -229,6 +232,16 @@ class Cia402Drive:
                 value=f"{self.position:.6g} rad",
                 bound=f"{low:g} … {high:g} rad",
             )
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the last status word says OPERATION ENABLED."""
+        return self.state is DriveState.OPERATION_ENABLED
+
+    def enable(self, enabled: bool) -> None:
+        """Go towards OPERATION ENABLED, or by a ramp to SWITCH ON DISABLED."""
+        self.goal = Goal.ENABLED if enabled else Goal.DISABLED
+        self.step()
 
     def step(self) -> None:
         """Send the control word of the next transition; hold the joint where it is."""

@@ -125,7 +125,7 @@ def test_the_software_limit_stops_a_velocity_before_it():
     rig.start()
     turn(rig, 300, 1.0)
     assert rig.plant.angles[0] == pytest.approx(0.5, abs=5e-3)
-    assert rig.driver._drives[0].status & 0x0800
+    assert rig.driver.drives[0].status & 0x0800
 
 
 # Stops -----------------------------------------------------------------------------------

@@ -450,7 +450,7 @@ def test_leaving_operation_enabled_is_a_fault(arm, word):
 def test_another_mode_or_a_following_error_bit_is_a_fault(arm):
     with pytest.raises(DeviceFault, match=r"mode of operation.*mode 1.*mode 8 \(csp\)"):
         arm.run(mode=1)
-    arm.driver._drives[0]._shown_mode = 8
+    arm.driver.drives[0]._shown_mode = 8
     with pytest.raises(DeviceFault, match="reports a following error"):
         arm.run(0x3227)
 
@@ -497,10 +497,10 @@ def test_drives_that_do_not_enable_are_named():
     ],
 )
 def test_setpoints_that_no_program_should_send_are_refused(arm, command, argument, message):
-    before = arm.driver._drives[0].pdo.data
+    before = arm.driver.drives[0].pdo.data
     with pytest.raises(LimitExceeded, match=message):
         getattr(arm.driver, command)(argument)
-    assert arm.driver._drives[0].pdo.data == before
+    assert arm.driver.drives[0].pdo.data == before
 
 
 def test_short_foreign_and_remote_frames_change_nothing(arm):
