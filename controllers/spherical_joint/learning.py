@@ -84,6 +84,7 @@ class LapMemory:
         """Forget everything."""
         self._applied: list[tuple[float, ...]] = []
         self._next: list[tuple[float, ...]] = []
+        self._first = True
         self._smoothers = [
             [_MovingAverage(self._width) for _ in range(_PASSES)] for _ in range(self._components)
         ]
@@ -104,6 +105,7 @@ class LapMemory:
     def turn(self) -> list[tuple[float, ...]]:
         """Go on to the next lap; return what was applied in the last one."""
         last = self._applied
+        self._first = False
         self._applied = self._next
         self._next = list(self._next)
         return last
@@ -126,8 +128,11 @@ class LapMemory:
         for one, other, (first, second, third) in zip(before, error, self._smoothers, strict=True):
             smoothed.append(third.update(second.update(first.update(one + gain * other))))
         place = tick - self._offset
-        # The end of a lap is only known within the next one.
-        (self._next if place >= 0 else self._applied)[place] = tuple(smoothed)
+        if place >= 0:
+            self._next[place] = tuple(smoothed)
+        elif not self._first:
+            # What the end of a lap needed is only known within the next one.
+            self._applied[place] = self._next[place] = tuple(smoothed)
 
 
 class LapLearning:

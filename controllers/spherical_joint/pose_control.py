@@ -147,6 +147,8 @@ class PoseController:
 
     def __init__(self, settings: Any, model: JointModel, period: float) -> None:
         self._settings: PoseControlSettings = settings
+        self.settings: PoseControlSettings = settings
+        """As the profile gives them."""
         self._area = model.area
         self._height = model.geometry.marker_height
         self._compliance = 0.5 / model.wire_stiffness
