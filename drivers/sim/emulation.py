@@ -48,6 +48,25 @@ class Simulation(Protocol):
         ...
 
 
+class Timed(Faulty, Protocol):
+    """Something beside the buses that lives in virtual time, as a camera does."""
+
+    name: str
+
+    @property
+    def due(self) -> float:
+        """When it acts next, s."""
+        ...
+
+    def tick(self, now: float) -> None:
+        """Act if it is time; the plant is at `now`."""
+        ...
+
+    def tell(self, now: float) -> None:
+        """Take the time, s."""
+        ...
+
+
 class EmulatedRig:
     """Plant, buses and fault schedule in one virtual time.
 
@@ -61,6 +80,8 @@ class EmulatedRig:
         Latency, losses, faults, seed.
     devices : mapping, optional
         More targets of faults by name, e.g. the plant.
+    cameras : sequence of Timed
+        What lives in this time beside the buses.
 
     Raises
     ------
@@ -74,6 +95,7 @@ class EmulatedRig:
         buses: Sequence[EmulatedBus],
         settings: Simulation,
         devices: Mapping[str, Faulty] | None = None,
+        cameras: Sequence[Timed] = (),
     ) -> None:
         self.plant = plant
         self.buses = tuple(buses)
@@ -88,6 +110,8 @@ class EmulatedRig:
             bus.frame_loss = settings.frame_loss
             self._targets[bus.name] = bus
             self._targets |= {node.name: node for node in bus.nodes}
+        self._targets |= {camera.name: camera for camera in cameras}
+        self._timed: tuple[Timed | EmulatedBus, ...] = (*self.buses, *cameras)
         self._schedule = FaultSchedule(settings.faults, self._targets)
 
     def advance(self, t: float) -> None:
@@ -103,8 +127,8 @@ class EmulatedRig:
             if self._schedule.next_time <= now:
                 self._tell_time()
                 self._schedule.due(now)
-            for bus in self.buses:
-                bus.tick(now)
+            for part in self._timed:
+                part.tick(now)
         if t > self.time:
             self.plant.advance(t)
             self.time = t
@@ -130,8 +154,8 @@ class EmulatedRig:
 
     def _tell_time(self) -> None:
         """Give every node the time: a fault that lasts is counted from now."""
-        for bus in self.buses:
-            bus.tell(self.time)
+        for part in self._timed:
+            part.tell(self.time)
 
     def _post(self, delay: float, action: Callable[[float], None]) -> None:
         """Have an action done `delay` (s) from now; equal times keep their order."""
@@ -140,6 +164,6 @@ class EmulatedRig:
 
     def _next_due(self) -> float:
         due = self._schedule.next_time
-        for bus in self.buses:
-            due = min(due, bus.due)
+        for part in self._timed:
+            due = min(due, part.due)
         return min(due, self._events[0][0]) if self._events else due

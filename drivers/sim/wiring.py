@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 from drivers.encoders.cia406_settings import Cia406Settings
 from drivers.regulators.cia401_settings import AnalogueSignal, Cia401Settings
+from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
 from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
 from drivers.sim.nodes import object_dictionary as types
 from drivers.sim.nodes.analogue import AnalogueScale
@@ -190,6 +191,27 @@ def simulate_cia406(
         speed_resolution=settings.speed_step or 1e-5,
         max_speed=settings.max_speed,
     )
+
+
+class LinkWiring(NamedTuple):
+    """How to make the two simulated forms of a device that hangs on no bus.
+
+    Attributes
+    ----------
+    emulate : callable
+        ``emulate(name, settings, plant, seed, serial=)``: what stands in for its hardware, and
+        lives in virtual time.
+    simulate : callable
+        ``simulate(name, settings, plant, clock, seed, serial=)``: the device itself.
+    """
+
+    emulate: Callable[..., Any]
+    simulate: Callable[..., Any]
+
+
+LINKS: dict[str, LinkWiring] = {
+    "marker-camera": LinkWiring(emulate_marker_camera, simulate_marker_camera),
+}
 
 
 WIRINGS: dict[str, Wiring] = {

@@ -37,7 +37,7 @@ def check_profile(profile: Profile) -> None:
     clock = MonotonicClock()
     buses = {name: make_bus(name, bus, clock) for name, bus in profile.buses.items()}
     try:
-        make_mechanism(profile, make_devices(profile, buses))
+        make_mechanism(profile, make_devices(profile, buses, clock))
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
 
@@ -67,7 +67,7 @@ def build_rig(profile: Profile, backend: Backend) -> Rig:
     clock = MonotonicClock(spin=200e-6 if profile.loop.spin else 0.0)
     on = {"interface": "socketcan", "channel": "vcan0"} if backend is Backend.VCAN else {}
     buses = {name: make_bus(name, bus, clock, on) for name, bus in profile.buses.items()}
-    devices = make_devices(profile, buses)
+    devices = make_devices(profile, buses, clock)
     return Rig(
         profile,
         backend,

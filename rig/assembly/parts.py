@@ -22,14 +22,43 @@ def make_bus(
     return bus
 
 
-def make_devices(profile: Profile, buses: Mapping[str, CyclicBus]) -> dict[str, Device]:
-    """Make the production driver of every device."""
+def make_devices(
+    profile: Profile,
+    buses: Mapping[str, CyclicBus],
+    clock: Clock,
+    links: Mapping[str, Any] | None = None,
+) -> dict[str, Device]:
+    """Make the production driver of every device.
+
+    Parameters
+    ----------
+    profile : Profile
+        What the rig is.
+    buses : mapping
+        By name.
+    clock : Clock
+        The rig's, for devices that hang on no bus.
+    links : mapping, optional
+        What stands in for the hardware of such a device, by its name.
+
+    Raises
+    ------
+    ConfigurationError
+        A device needs a bus and has none, or has one and takes none.
+    """
     devices: dict[str, Device] = {}
     for name, entry in profile.devices.items():
-        if entry.bus is None:
-            raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
         driver = REGISTRY.load("driver", entry.driver)
-        devices[name] = driver(name, entry.settings, buses[entry.bus], serial=entry.serial)
+        needs_bus = getattr(driver, "needs_bus", True)
+        if needs_bus and entry.bus is None:
+            raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
+        if not needs_bus and entry.bus is not None:
+            raise ConfigurationError(f"{name}: the driver {entry.driver} hangs on no bus")
+        if entry.bus is not None:
+            devices[name] = driver(name, entry.settings, buses[entry.bus], serial=entry.serial)
+            continue
+        link = {"link": links[name]} if links and name in links else {}
+        devices[name] = driver(name, entry.settings, clock, serial=entry.serial, **link)
     return devices
 
 

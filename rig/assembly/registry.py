@@ -34,23 +34,42 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "drivers.encoders.cia406:Cia406Encoder",
             "drivers.encoders.cia406_settings:Cia406Settings",
         ),
+        "marker-camera": _Class(
+            "drivers.cameras.marker_camera:MarkerCameraDriver",
+            "drivers.cameras.settings:MarkerCameraSettings",
+        ),
+        "cia402": _Class(
+            "drivers.servos.cia402:Cia402Servos",
+            "drivers.servos.cia402_settings:Cia402Settings",
+        ),
     },
     "controller": {
         "pid": _Class("controllers.cylinder.pid:Pid"),
         "pid-friction": _Class("controllers.cylinder.pid_friction:PidFriction"),
         "cascade": _Class("controllers.cylinder.cascade:Cascade"),
         "super-twisting": _Class("controllers.cylinder.super_twisting:SuperTwisting"),
+        "joint-pid": _Class("controllers.spherical_joint.laws:JointPid"),
+        "joint-pid-friction": _Class("controllers.spherical_joint.laws:JointPidFriction"),
+        "joint-cascade": _Class("controllers.spherical_joint.laws:JointCascade"),
+        "joint-super-twisting": _Class("controllers.spherical_joint.laws:JointSuperTwisting"),
     },
     "mechanism": {
         "cylinder": _Class(
             "rig.mechanisms.cylinder:AntagonisticPair",
             "rig.mechanisms.cylinder_settings:CylinderSettings",
         ),
+        "joint": _Class(
+            "rig.mechanisms.joint:SphericalJoint", "rig.mechanisms.joint_settings:JointSettings"
+        ),
     },
     "plant": {
         "antagonistic-pair": _Class(
             "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
             "drivers.sim.plants.settings:PlantSettings",
+        ),
+        "spherical-joint": _Class(
+            "drivers.sim.plants.spherical_joint:SphericalJointPlant",
+            "drivers.sim.plants.spherical_joint_settings:SphericalJointPlantSettings",
         ),
     },
     "reference": {
@@ -65,6 +84,14 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         ),
         "ramp": _Class(
             "rig.experiment.references.pair:Ramp", "rig.experiment.references.pair:Ramp"
+        ),
+        "joint-circle": _Class(
+            "rig.experiment.references.joint:JointCircle",
+            "rig.experiment.references.joint:JointCircle",
+        ),
+        "joint-poses": _Class(
+            "rig.experiment.references.joint:JointPoses",
+            "rig.experiment.references.joint:JointPoses",
         ),
     },
 }

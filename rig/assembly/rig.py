@@ -86,8 +86,10 @@ class Rig:
 
     def arm(self) -> None:
         """Make every device follow its setpoints, which are the safe ones until the loop runs."""
-        for device in self.devices.values():
-            device.arm()
+        # A camera waits for its first image; what hangs on a bus would grow stale meanwhile.
+        waits = {name: self.profile.devices[name].bus is None for name in self.devices}
+        for name in sorted(self.devices, key=lambda name: not waits[name]):
+            self.devices[name].arm()
 
     def close(self) -> None:
         """Make safe and release everything; idempotent."""

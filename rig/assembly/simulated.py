@@ -49,11 +49,17 @@ def build_sim(profile: Profile) -> Rig:
     """Build a rig whose devices stand straight on the plant."""
     from drivers.sim.clock import SimClock
     from drivers.sim.faults import FaultSchedule, FaultyWorld
+    from drivers.sim.wiring import LINKS
 
     plant = _make_plant(profile)
     devices: dict[str, Any] = {}
     clock = SimClock(plant)
     for name, entry in profile.devices.items():
+        if entry.driver in LINKS:
+            devices[name] = LINKS[entry.driver].simulate(
+                name, entry.settings, plant, clock, profile.simulation.seed, serial=entry.serial
+            )
+            continue
         wiring, channels = _wire(profile, plant, name)
         devices[name] = wiring.simulate(name, entry.settings, plant, channels, clock)
     if profile.simulation.faults:
@@ -83,6 +89,7 @@ def build_virtual(profile: Profile) -> Rig:
     from drivers.sim.clock import SimClock
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulation import EmulatedRig
+    from drivers.sim.wiring import LINKS
 
     plant = _make_plant(profile)
     run = f"rig-{os.getpid()}-{next(_virtual_channels)}"
@@ -99,12 +106,25 @@ def build_virtual(profile: Profile) -> Rig:
         end = can.Bus(interface="virtual", channel=f"{run}-{bus}", ignore_config=True)
         ends.append(end)
         emulated.append(EmulatedBus(bus, end, nodes))  # type: ignore[arg-type]
+    links = {
+        name: LINKS[entry.driver].emulate(
+            name, entry.settings, plant, profile.simulation.seed, serial=entry.serial
+        )
+        for name, entry in profile.devices.items()
+        if entry.driver in LINKS
+    }
     with _checking_faults():
-        world = EmulatedRig(plant, emulated, profile.simulation, devices={"plant": plant})
+        world = EmulatedRig(
+            plant,
+            emulated,
+            profile.simulation,
+            devices={"plant": plant},
+            cameras=tuple(links.values()),
+        )
     clock = SimClock(world)
     on = {name: {"interface": "virtual", "channel": f"{run}-{name}"} for name in profile.buses}
     buses = {name: make_bus(name, bus, clock, on[name]) for name, bus in profile.buses.items()}
-    devices = make_devices(profile, buses)
+    devices = make_devices(profile, buses, clock, links)
 
     def release() -> None:
         for end in ends:

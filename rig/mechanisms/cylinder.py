@@ -98,6 +98,13 @@ class AntagonisticPair:
         self._emergency_stop = emergency_stop
         limits = settings.limits
         self._limits = limits
+        # What every cycle looks at, at hand.
+        self._lower, self._upper = limits.position
+        self._oldest_reading = limits.reading_age
+        self._home = settings.home
+        self._position_agonist = encoder_agonist.position
+        self._position_antagonist = encoder_antagonist.position
+        self._pressure = regulators.pressure
         self._limiter = VectorLimiter(
             "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
         )
@@ -200,20 +207,17 @@ class AntagonisticPair:
 
     def read(self, now: float) -> PairState:
         """Assemble the pair's state; see `Mechanism.read`."""
-        (agonist,), t_agonist = self._encoder_agonist.position()
-        (antagonist,), t_antagonist = self._encoder_antagonist.position()
-        (p_agonist, p_antagonist), t_pressure = self._regulators.pressure()
-        oldest = min(t_agonist, t_antagonist, t_pressure)
-        self._age = now - oldest
-        if self._age > self._limits.reading_age:
-            device = (
-                self._encoder_agonist
-                if oldest == t_agonist
-                else self._encoder_antagonist
-                if oldest == t_antagonist
-                else self._regulators
-            )
-            raise StaleReading(device.name, self._age, self._limits.reading_age)
+        (agonist,), t_agonist = self._position_agonist()
+        (antagonist,), t_antagonist = self._position_antagonist()
+        (p_agonist, p_antagonist), t_pressure = self._pressure()
+        oldest, device = t_agonist, self._encoder_agonist
+        if t_antagonist < oldest:
+            oldest, device = t_antagonist, self._encoder_antagonist
+        if t_pressure < oldest:
+            oldest, device = t_pressure, self._regulators
+        self._age = age = now - oldest
+        if age > self._oldest_reading:
+            raise StaleReading(device.name, age, self._oldest_reading)
         self._extensions = (agonist, antagonist)
         return PairState(now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist)
 
@@ -223,19 +227,20 @@ class AntagonisticPair:
             pressed, t = self._emergency_stop.emergency_stop()
             if pressed:
                 raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self._limits.reading_age:
-                raise StaleReading("emergency stop", now - t, self._limits.reading_age)
-        if not math.isfinite(state.position + state.agonist + state.antagonist):
+            if now - t > self._oldest_reading:
+                raise StaleReading("emergency stop", now - t, self._oldest_reading)
+        _, position, p_agonist, p_antagonist = state
+        if not math.isfinite(position + p_agonist + p_antagonist):
             raise SafetyError(f"a reading is not a number: {state}")
-        lower, upper = self._limits.position
-        if not lower <= state.position <= upper:
-            raise LimitExceeded("position of the pair", state.position, lower, upper, "m")
-        self._check_rods(now)
-        self._check_speed(state.position, now)
+        lower, upper = self._lower, self._upper
+        if not lower <= position <= upper:
+            raise LimitExceeded("position of the pair", position, lower, upper, "m")
+        self._check_rods()
+        self._check_speed(position, now)
 
-    def _check_rods(self, now: float) -> None:
+    def _check_rods(self) -> None:
         agonist, antagonist = self._extensions
-        mismatch = 0.5 * (agonist + antagonist) - self.settings.home
+        mismatch = 0.5 * (agonist + antagonist) - self._home
         bound = self._limits.mismatch
         if abs(mismatch) <= bound:
             if abs(mismatch) < 0.5 * bound:
@@ -306,8 +311,7 @@ class AntagonisticPair:
             mean = 0.5 * (agonist + antagonist)
             half = math.copysign(0.5 * self._max_difference, difference)
             agonist, antagonist = mean + half, mean - half
-        agonist, antagonist = self._limiter.limit((agonist, antagonist))
-        return PairCommand(agonist, antagonist)
+        return PairCommand(*self._limiter.limit((agonist, antagonist)))
 
     def write(self, applied: PairCommand) -> None:
         """Hand the setpoints to the regulators."""
@@ -322,11 +326,12 @@ class AntagonisticPair:
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
         estimate = self.controller.estimate if self.controller is not None else (0.0, 0.0)
+        _, position, p_agonist, p_antagonist = state
         return (
-            state.position,
+            position,
             *self._extensions,
-            state.agonist,
-            state.antagonist,
+            p_agonist,
+            p_antagonist,
             self._age,
             *reference,
             *estimate,

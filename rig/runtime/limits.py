@@ -49,24 +49,28 @@ class VectorLimiter:
         ------
         LimitExceeded
             An element is not finite.
+        ValueError
+            It has another length than the last one.
         """
+        lower, upper, most = self.lower, self.upper, self._step
         last = self._last if self._last is not None else command
+        if len(command) != len(last):
+            raise ValueError(f"{self.name}: {len(command)} commands after {len(last)}")
         applied = []
-        for value, before in zip(command, last, strict=True):
-            if not math.isfinite(value):
-                raise LimitExceeded(
-                    f"commanded {self.name}", value, self.lower, self.upper, self.unit
-                )
-            inside = min(max(value, self.lower), self.upper)
-            if inside != value:
-                self.range_hits += 1
+        for k, value in enumerate(command):  # a zip() that is strict takes twice as long
+            inside = value if lower <= value <= upper else self._saturate(value)
+            before = last[k]
             step = inside - before
-            if step > self._step:
-                inside = before + self._step
-                self.rate_hits += 1
-            elif step < -self._step:
-                inside = before - self._step
+            if not -most <= step <= most:
+                inside = before + math.copysign(most, step)
                 self.rate_hits += 1
             applied.append(inside)
         self._last = tuple(applied)
         return self._last
+
+    def _saturate(self, value: float) -> float:
+        """Return the bound that a value is beyond, and count it."""
+        if not math.isfinite(value):
+            raise LimitExceeded(f"commanded {self.name}", value, self.lower, self.upper, self.unit)
+        self.range_hits += 1
+        return self.lower if value < self.lower else self.upper

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.poses import axis_from_tilt, tilt_of
 from rig.experiment.references.joint import (
     CircleTone,
     JointCircle,
     JointPose,
     JointPoses,
-    great_circle,
 )
 
 TILT = math.radians(20.0)
