@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,7 +18,6 @@ from drivers.cameras.settings import (
 )
 from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
-from drivers.sim.camera.world import WatchedWorld
 from drivers.sim.clock import SimClock
 from drivers.sim.emulation import EmulatedRig
 from rig.hal import ConnectionFailed, DeviceFault, Markers, MonotonicClock, Reading, StaleReading
@@ -65,6 +65,20 @@ class CirclingPlant:
         return 0.1 * math.sin(2.0 * t)
 
 
+class Scheduled(NamedTuple):
+    at: float
+    device: str
+    fault: str
+    value: float | None = None
+
+
+class Simulation(NamedTuple):
+    seed: int = 1
+    bus_latency: float = 0.3e-3
+    frame_loss: float = 0.0
+    faults: tuple[Scheduled, ...] = ()
+
+
 class Bench:
     """A camera of one kind on its plant, and a loop that takes its readings."""
 
@@ -78,11 +92,12 @@ class Bench:
             )
         elif kind == "emulated":
             emulated = emulate_marker_camera("camera", settings, self.plant, seed, optics=optics)
-            self.clock = SimClock(WatchedWorld(self.plant, [emulated]))
+            rig = EmulatedRig(self.plant, (), Simulation(), cameras=[emulated])
+            self.clock = SimClock(rig)
             self.camera = MarkerCameraDriver(
                 "camera", settings, self.clock, serial=serial, link=emulated
             )
-            self.inject, self.known_faults = emulated.inject, emulated.known_faults
+            self.inject, self.known_faults = partial(rig.inject, "camera"), emulated.known_faults
         else:
             self.clock = SimClock(self.plant)
             self.camera = simulate_marker_camera(
@@ -365,26 +380,12 @@ def test_repair_ends_faults(bench, kind):
 # The world of `--on virtual` ----------------------------------------------------------
 
 
-class Scheduled(NamedTuple):
-    at: float
-    device: str
-    fault: str
-    value: float | None = None
-
-
-class Simulation(NamedTuple):
-    seed: int = 1
-    bus_latency: float = 0.3e-3
-    frame_loss: float = 0.0
-    faults: tuple[Scheduled, ...] = ()
-
-
 def test_faults_of_a_schedule_reach_a_camera_beside_emulated_buses():
     plant = CirclingPlant()
     emulated = emulate_marker_camera("camera", SETTINGS, plant, 1)
     simulation = Simulation(faults=(Scheduled(0.2, "camera", "lost", 0.06),))
-    rig = EmulatedRig(plant, (), simulation, devices={"camera": emulated})
-    clock = SimClock(WatchedWorld(rig, [emulated]))
+    rig = EmulatedRig(plant, (), simulation, cameras=[emulated])
+    clock = SimClock(rig)
     camera = MarkerCameraDriver("camera", SETTINGS, clock, link=emulated)
     camera.connect()
     camera.arm()
@@ -405,7 +406,7 @@ def test_two_cameras_look_at_one_plant():
     plant = CirclingPlant()
     fast = replace(SETTINGS, frame_rate=100.0)
     links = [emulate_marker_camera(name, fast, plant, 1) for name in ("left", "right")]
-    clock = SimClock(WatchedWorld(plant, links))
+    clock = SimClock(EmulatedRig(plant, (), Simulation(), cameras=links))
     cameras = [MarkerCameraDriver(link.name, fast, clock, link=link) for link in links]
     for camera in cameras:
         camera.connect()
