@@ -158,13 +158,8 @@ class CyclicInputs:
         return " or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids)
 
     def _single(self, layout: Layout) -> Callable[[bytes, float], None]:
-        size, unpack, take, bus = (
-            layout_size(layout),
-            layout_struct(layout).unpack,
-            self._take,
-            (self._bus),
-        )
-        can_id = self.can_ids[0]
+        size, unpack = layout_size(layout), layout_struct(layout).unpack
+        take, bus, can_id = self._take, self._bus, self.can_ids[0]
 
         def receive(data: bytes, now: float) -> None:
             if len(data) != size:

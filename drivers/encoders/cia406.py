@@ -97,16 +97,23 @@ class Cia406Encoder:
             hold_after=settings.hold_after,
             fault_after=settings.fault_after,
         )
-        self._codec = linear_codec(
-            settings, settings.step or _POSITION_UNIT, settings.speed_step or _SPEED_UNIT
+        self._use(
+            linear_codec(
+                settings, settings.step or _POSITION_UNIT, settings.speed_step or _SPEED_UNIT
+            )
         )
+        self._max_speed = settings.max_speed
+        self._lowest = -settings.overtravel
+        self._highest = settings.stroke + settings.overtravel
+        self._frozen_timeout = inf if settings.frozen_timeout is None else settings.frozen_timeout
         self._has_speed = settings.speed is not None
         self._has_alarms = settings.alarms == "mapped"
         low, high = RANGES.get(settings.position.type, (-inf, inf))
         self._half_turn = 0.5 * (high - low)
-        self._position: Reading[Vector] = Reading((0.0,), -inf)
-        self._velocity: Reading[Vector] = Reading((0.0,), -inf)
+        self._extension = 0.0
+        self._sampled_at = -inf
         self._counts: float | None = None
+        self._speed_counts: float | None = None
         self._moved_at = 0.0
         self._earlier = -inf
         self._trouble: DeviceFault | None = None
@@ -114,33 +121,38 @@ class Cia406Encoder:
 
     # Codec ----------------------------------------------------------------------------
 
+    def _use(self, codec: LinearCodec) -> None:
+        self._codec = codec
+        self._gain, self._offset, _ = codec
+        self._rounding = 2.0 * abs(codec.gain)
+
     def _take(self, values: tuple[Any, ...], t: float) -> None:
-        """Decode a sample; one that cannot be true is not taken, and is a fault."""
+        """Decode a sample; one that cannot be true is not taken, and is a fault. Hot path."""
         counts = values[0]
-        codec = self._codec
-        extension = codec.gain * counts + codec.offset
         if self._has_alarms and values[-1]:
             self._latch_alarm(values[-1])
             return
-        before = self._counts
-        (was_at,), then = self._position
+        extension = self._gain * counts + self._offset
+        before, then = self._counts, self._sampled_at
         if before is None:
             self._moved_at = t
         else:
             # A late sample and the next one come in one cycle and bear the same time.
             since = then if t > then else self._earlier
-            reach = self.settings.max_speed * (t - since) + 2.0 * abs(codec.gain)
-            if not -reach <= extension - was_at <= reach:
-                self._latch_jump(counts, before, extension - was_at, reach)
+            reach = self._max_speed * (t - since) + self._rounding
+            moved = extension - self._extension
+            if not -reach <= moved <= reach:
+                self._latch_jump(counts, before, moved, reach)
                 return
             if counts != before:
                 self._moved_at = t
-        self._counts = counts
         if t > then:
             self._earlier = then
-        self._position = Reading((extension,), t)
+        self._counts = counts
+        self._extension = extension
+        self._sampled_at = t
         if self._has_speed:
-            self._velocity = Reading((codec.speed_gain * values[1],), t)
+            self._speed_counts = values[1]
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -163,7 +175,7 @@ class Cia406Encoder:
         )
         if kind in _ROTARY:
             raise self._refused("it is a rotary encoder", "0x1000:00", f"type {kind}", "linear")
-        self._codec = linear_codec(settings, self._read_step(), self._read_speed_step())
+        self._use(linear_codec(settings, self._read_step(), self._read_speed_step()))
         if settings.alarms != "off":
             alarms = int(node.read(0x6503, 0, "u16"))
             if alarms:
@@ -211,11 +223,13 @@ class Cia406Encoder:
 
     def position(self) -> Reading[Vector]:
         """Return the rod's extension, m, shape (1,)."""
-        return self._position
+        return Reading((self._extension,), self._sampled_at)
 
     def velocity(self) -> Reading[Vector]:
         """Return the device's own velocity, m/s, shape (1,); never fresh if it has none."""
-        return self._velocity
+        if self._speed_counts is None:
+            return Reading((0.0,), -inf)
+        return Reading((decode_velocity(self._codec, self._speed_counts),), self._sampled_at)
 
     def check(self, now: float) -> None:
         """Raise if the encoder is not well.
@@ -233,21 +247,18 @@ class Cia406Encoder:
         if not self._armed:
             return
         self._inputs.check(now)
-        settings = self.settings
-        extension = self._position.value[0]
-        margin = settings.overtravel
-        if not -margin <= extension <= settings.stroke + margin:
+        if not self._lowest <= self._extension <= self._highest:
             raise self._fault(
                 "the rod's position is outside its stroke",
-                f"{extension:.6g} m",
-                f"{-margin:g} … {settings.stroke + margin:g} m",
+                f"{self._extension:.6g} m",
+                f"{self._lowest:g} … {self._highest:g} m",
             )
-        frozen = settings.frozen_timeout
-        if frozen is not None and self._position.t - self._moved_at > frozen:
+        unmoved = self._sampled_at - self._moved_at
+        if unmoved > self._frozen_timeout:
             raise self._fault(
                 "the position has not changed by a single count; the encoder is frozen",
-                f"{self._position.t - self._moved_at:.3f} s",
-                f"{frozen:g} s",
+                f"{unmoved:.3f} s",
+                f"{self._frozen_timeout:g} s",
             )
 
     def statistics(self) -> dict[str, float]:

@@ -18,6 +18,7 @@ from drivers.regulators.analogue import (
     encode_pressure,
     monitor_codec,
     setpoint_codec,
+    setpoint_encoder,
 )
 from drivers.regulators.cia401_settings import Cia401Settings
 from drivers.regulators.following import FollowingWatch
@@ -61,7 +62,10 @@ class Cia401Regulators:
         self._node = CanopenNode(name, settings.node, bus)
         wiring = tuple(settings.channels.values())
         self._setpoint_codecs = tuple(setpoint_codec(channel.setpoint) for channel in wiring)
+        self._encoders = tuple(setpoint_encoder(codec) for codec in self._setpoint_codecs)
         self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
+        # With their numbers and as plain tuples, which unpack faster than named ones.
+        self._monitor_lines = tuple((k, *codec) for k, codec in enumerate(self._monitor_codecs))
         low, high = self.pressure_range
         slack = _ROUNDING * (high - low)
         self._lowest, self._highest = low - slack, high + slack
@@ -94,9 +98,12 @@ class Cia401Regulators:
             for channel in self.channels
         )
         self._setpoint = self._vented
-        self._pressure: Reading[Vector] = Reading((0.0,) * count, -inf)
-        self._emergency_stop: Reading[bool] = Reading(True, -inf)
+        self._pressure: Vector = (0.0,) * count
+        self._measured_at = -inf
+        self._pressed = True
+        self._pressed_at = -inf
         self._broken = [0] * count
+        self._intact = True
         self._signals = [0.0] * count
         self._armed = False
 
@@ -104,10 +111,9 @@ class Cia401Regulators:
 
     def _encode(self, pressures: Vector, *, supply: bool) -> tuple[bytes, ...]:
         """Return the content of the receive PDOs for pressures (Pa) and the supply valve."""
-        values: list[int | float] = [
-            encode_pressure(codec, pressure)
-            for codec, pressure in zip(self._setpoint_codecs, pressures, strict=True)
-        ]
+        values: list[int | float] = []
+        for k, encode in enumerate(self._encoders):
+            values.append(encode(pressures[k]))
         if self._supply:
             values.append(self._supply if supply else 0)
         if len(self._packers) == 1:
@@ -119,25 +125,34 @@ class Cia401Regulators:
         return tuple(contents)
 
     def _take(self, values: tuple[Any, ...], t: float) -> None:
-        """Decode a sample: monitors, then the digital byte."""
+        """Decode a sample: monitors, then the digital byte. Hot path."""
         pressures = []
-        good = True
-        for k, (gain, offset, signal_gain, signal_offset, below, above) in enumerate(
-            self._monitor_codecs
-        ):
+        intact = True
+        for k, gain, offset, signal_gain, signal_offset, below, above in self._monitor_lines:
             raw = values[k]
-            signal = signal_gain * raw + signal_offset
+            if not below <= signal_gain * raw + signal_offset <= above and below != 0.0:
+                intact = False
+            pressures.append(gain * raw + offset)
+        if intact:  # else the last good sample is held, and grows old
+            self._pressure = tuple(pressures)
+            self._measured_at = t
+        if not (intact and self._intact):
+            self._count_broken(values)
+            self._intact = intact
+        if self._stop:
+            self._pressed = values[-1] & self._stop == self._pressed_level
+            self._pressed_at = t
+
+    def _count_broken(self, values: tuple[Any, ...]) -> None:
+        """Count in how many samples in a row each monitor's signal told a broken wire."""
+        for k, codec in enumerate(self._monitor_codecs):
+            signal = codec.signal_gain * values[k] + codec.signal_offset
+            below, above = codec.broken_below, codec.broken_above
             if below <= signal <= above or below == 0.0:
                 self._broken[k] = 0
             else:
                 self._broken[k] += 1
                 self._signals[k] = signal
-                good = False
-            pressures.append(gain * raw + offset)
-        if good:  # else the last good sample is held, and grows old
-            self._pressure = Reading(tuple(pressures), t)
-        if self._stop:
-            self._emergency_stop = Reading(values[-1] & self._stop == self._pressed_level, t)
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -195,9 +210,10 @@ class Cia401Regulators:
         for pdo in self._pdos:
             pdo.active = True
         self._broken = [0] * len(self.channels)
+        self._intact = True
         self._inputs.take_first()
         now = self._bus.clock.now()
-        for watch, pressure in zip(self._following, self._pressure.value, strict=True):
+        for watch, pressure in zip(self._following, self._pressure, strict=True):
             watch.reset(pressure, now)
         self._armed = True
 
@@ -220,11 +236,11 @@ class Cia401Regulators:
 
     def pressure(self) -> Reading[Vector]:
         """Return the monitored pressures, Pa gauge, shape (n,)."""
-        return self._pressure
+        return Reading(self._pressure, self._measured_at)
 
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop is pressed; without a contact it reads pressed."""
-        return self._emergency_stop
+        return Reading(self._pressed, self._pressed_at)
 
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.
@@ -233,17 +249,25 @@ class Cia401Regulators:
         ------
         LimitExceeded
             A setpoint is outside the range or not a number. The setpoints stay as they were.
+        ValueError
+            There is not one setpoint per channel.
         """
         if not self._armed:
             return
-        for channel, value in zip(self.channels, pressure, strict=True):
-            if not self._lowest <= value <= self._highest:
+        if len(pressure) != len(self.channels):
+            raise ValueError(f"{self.name}: {len(pressure)} setpoints")
+        lowest, highest = self._lowest, self._highest
+        for value in pressure:
+            if not lowest <= value <= highest:
+                channel = self.channels[pressure.index(value)]
                 raise LimitExceeded(
                     f"{self.name}: setpoint of {channel}", value, *self.pressure_range, "Pa"
                 )
+        contents = self._encode(pressure, supply=True)
         self._setpoint = pressure
-        for pdo, data in zip(self._pdos, self._encode(pressure, supply=True), strict=True):
-            pdo.data = data
+        pdos = self._pdos
+        for k, data in enumerate(contents):
+            pdos[k].data = data
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -258,13 +282,13 @@ class Cia401Regulators:
         if not self._armed:
             return
         self._inputs.check(now)
-        for k, count in enumerate(self._broken):
-            if count >= _BROKEN_AFTER:
-                raise self._broken_wire(k)
-        for watch, setpoint, pressure in zip(
-            self._following, self._setpoint, self._pressure.value, strict=True
-        ):
-            watch.check(setpoint, pressure, now)
+        if not self._intact:
+            for k, count in enumerate(self._broken):
+                if count >= _BROKEN_AFTER:
+                    raise self._broken_wire(k)
+        setpoint, pressure = self._setpoint, self._pressure
+        for k, watch in enumerate(self._following):
+            watch.check(setpoint[k], pressure[k], now)
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""

@@ -33,6 +33,9 @@ class Phase(IntEnum):
     STOP = 2
 
 
+_APPROACH, _RUN, _STOP = Phase  # a name is found five times faster than an enumeration's member
+
+
 class Timings(NamedTuple):
     """Durations that shape a run, s.
 
@@ -200,7 +203,7 @@ class Loop(Generic[State, Reference, Command]):
             self.make_safe()
             stop.in_loop = False
         if fault is None:
-            self.states.move(RigState.STOPPING) if run.phase is not Phase.STOP else None
+            self.states.move(RigState.STOPPING) if run.phase is not _STOP else None
             self.states.move(RigState.IDLE)
         else:
             self.states.latch_fault(fault)
@@ -362,7 +365,7 @@ class _Run(Generic[State, Reference, Command]):
         motion: Motion[Reference],
         timings: Timings,
     ) -> None:
-        self.phase = Phase.APPROACH
+        self.phase = _APPROACH
         self.duration = motion.duration
         self.t = 0.0
         self.reference_time = -(timings.energise + timings.approach)
@@ -370,6 +373,8 @@ class _Run(Generic[State, Reference, Command]):
         self.missed = 0
         self.finished = False
         self._loop = loop
+        self._mechanism = loop.mechanism
+        self._controller = loop.controller
         self._motion = motion
         self._timings = timings
         self._start: State | None = None
@@ -381,41 +386,39 @@ class _Run(Generic[State, Reference, Command]):
 
     def step(self, t: float, state: State, stops: int) -> tuple[Reference, Command]:
         """Return the reference and command of this cycle, and move on to the next phase."""
-        mechanism = self._loop.mechanism
+        mechanism = self._mechanism
         if self._resting is None or self._home is None:
             self._resting = mechanism.resting_command(state)
             self._home = mechanism.reference_of(state)
             mechanism.start_limiting(state)
-        timings = self._timings
-        self.reference_time = t - timings.energise - timings.approach
+        energise, approach, _ = self._timings
+        self.reference_time = reference_time = t - energise - approach
 
-        if self.phase is not Phase.STOP and (stops or self.reference_time >= self.duration):
+        if self.phase is not _STOP and (stops or reference_time >= self.duration):
             self._begin_stop(t, state)
         if stops > 1:  # at once: the loop makes safe right after this cycle
             self.finished = True
-        if self.phase is Phase.STOP:
+        if self.phase is _STOP:
             return mechanism.reference_of(state), self._release(t)
-        if t < timings.energise:
-            share = t / timings.energise
+        if t < energise:
+            share = t / energise
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
             return self._home, command
 
         if not self._controlling:
             self._home = mechanism.reference_of(state)
-            self._loop.controller.reset(state)
+            self._controller.reset(state)
             self._controlling = True
-        if self.reference_time < 0.0:
-            into = t - timings.energise
+        if reference_time < 0.0:
             start = self._motion.at(0.0)
-            reference = mechanism.approach(self._home, start, timings.approach, into)
+            reference = mechanism.approach(self._home, start, approach, t - energise)
         else:
-            self.phase = Phase.RUN
-            reference = self._motion.at(self.reference_time)
-        command = self._loop.controller.update(state, reference)
-        return reference, command
+            self.phase = _RUN
+            reference = self._motion.at(reference_time)
+        return reference, self._controller.update(state, reference)
 
     def _begin_stop(self, t: float, state: State) -> None:
-        self.phase = Phase.STOP
+        self.phase = _STOP
         self._stop_at = t
         # From what the rig has, not from the last command, which may lead it by far.
         self._stopped_from = self._loop.mechanism.resting_command(state)
