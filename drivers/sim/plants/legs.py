@@ -1,0 +1,278 @@
+"""Two legs with an upper body on a floor: rigid bodies, contacts and twelve position servos."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from drivers.sim.plants.legs_model import (
+    CHANNELS,
+    JOINTS,
+    Deviations,
+    LegDimensions,
+    build_model,
+    knee_at_height,
+)
+from drivers.sim.plants.legs_settings import LegsPlantSettings
+
+_KNEES = (CHANNELS.index("right_knee"), CHANNELS.index("left_knee"))
+_FREE_POSITIONS, _FREE_SPEEDS = 7, 6
+"""Of the waist before the joints in MuJoCo's vectors."""
+_BEARING = 0.02
+"""Share of the weight above which a foot bears."""
+_GRAVITY = 9.81
+_ROUNDING = 1e-9
+"""s."""
+
+
+class LegsPlant:
+    """Physics of the whole robot.
+
+    Before all twelve servos have torque for the first time the robot stands ready on a stand that
+    holds it as it is; then it is on its own feet, and can slip, sag and fall.
+
+    Parameters
+    ----------
+    settings : LegsPlantSettings
+        Servos, floor, spreads.
+    seed : int
+        Of the unit's deviations: equal seeds give equal runs.
+    geometry : LegDimensions
+        Nominal dimensions, masses and servo limits.
+
+    Raises
+    ------
+    ValueError
+        The legs are not as long as the initial hip height.
+    """
+
+    Settings = LegsPlantSettings
+
+    channel_names = CHANNELS
+
+    truth_columns = (
+        ("waist_x", "m"),
+        ("waist_y", "m"),
+        ("waist_z", "m"),
+        ("waist_roll", "rad"),
+        ("waist_pitch", "rad"),
+        ("waist_yaw", "rad"),
+        ("advance", "m"),
+        ("slip_right", "m"),
+        ("slip_left", "m"),
+        ("load_right", "N"),
+        ("load_left", "N"),
+        ("torque_right_knee", "N m"),
+        ("torque_left_knee", "N m"),
+        ("saturated", "1"),
+        ("fell", "1"),
+    )
+    """Names and units of `truth`. ``advance`` is of the waist since the stand let go; a slip is how
+    far a foot has got off the places where it came down; ``saturated`` counts the servos that are
+    at their peak torque or cannot turn as fast as commanded; ``fell`` stays 1."""
+
+    def __init__(self, settings: LegsPlantSettings, seed: int, geometry: LegDimensions) -> None:
+        import mujoco
+
+        self.settings = settings
+        self.deviations = _draw(settings, seed)
+        self.model = build_model(
+            geometry,
+            settings.servo,
+            floor_friction=settings.floor_friction,
+            timestep=settings.timestep,
+            deviations=self.deviations,
+        )
+        self.data = mujoco.MjData(self.model)
+        self._step: Any = mujoco.mj_step
+        self._forward: Any = mujoco.mj_forward
+        self._contact_force: Any = mujoco.mj_contactForce
+        self._timestep = settings.timestep
+        self._rate_limit = geometry.max_rate
+        self._most_turn = geometry.max_rate * settings.timestep
+        self._peaks = (*geometry.torque_peak, *geometry.torque_peak)
+        self._weight = _GRAVITY * float(np.sum(self.model.body_mass))
+        data, model = self.data, self.model
+        self._angles = data.qpos[_FREE_POSITIONS:]
+        self._speeds = data.qvel[_FREE_SPEEDS:]
+        self._waist = data.qpos[:_FREE_POSITIONS]
+        self._torques = data.actuator_force
+        self._control = data.ctrl
+        self._soles = data.site_xpos
+        self._sole_geoms = (model.geom("right_sole").id, model.geom("left_sole").id)
+        self._damping_share = settings.servo.damping / settings.servo.stiffness
+        self._stand_ready(geometry)
+        self._command = self._angles.copy()
+        self._command_rate = np.zeros(12)
+        self._target = self._angles.copy()
+        self._powered = [False] * 12
+        self._standing_free = False
+        self._time = 0.0
+        self._stepped = 0.0
+        self._origin = float(self._waist[0])
+        self._slips = [0.0, 0.0]
+        self._slipped = [0.0, 0.0]
+        self._anchors: list[tuple[float, float] | None] = [None, None]
+        self._loads = (0.5 * self._weight, 0.5 * self._weight)
+        self._turning = 0
+        self._fell = False
+        self._set_power()
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._time
+
+    def command_joint(
+        self, channel: int, position: float, velocity: float, torque_on: bool
+    ) -> None:
+        """Give one servo its command.
+
+        Parameters
+        ----------
+        channel : int
+            Index into `channel_names`.
+        position : float
+            rad.
+        velocity : float
+            Rate that goes with it, rad/s; 0 if the servo is given none.
+        torque_on : bool
+            Without it the joint turns freely.
+        """
+        self._command[channel] = position
+        self._command_rate[channel] = velocity
+        if torque_on != self._powered[channel]:
+            self._powered[channel] = torque_on
+            # A servo starts from where it is.
+            self._target[channel] = self._angles[channel]
+            self._set_power()
+
+    def joint_position(self, channel: int) -> float:
+        """Return a joint's angle, rad."""
+        return float(self._angles.item(channel))
+
+    def joint_velocity(self, channel: int) -> float:
+        """Return a joint's rate, rad/s."""
+        return float(self._speeds.item(channel))
+
+    def joint_torque(self, channel: int) -> float:
+        """Return a servo's torque, N m."""
+        return float(self._torques.item(channel))
+
+    def advance(self, t: float) -> None:
+        """Integrate up to `t` (s); what is less than a time step is left for the next call."""
+        self._time = t
+        if not self._standing_free:
+            self._stepped = t
+            return
+        moved = False
+        while self._stepped + self._timestep <= t + _ROUNDING:
+            self._turn_targets()
+            self._step(self.model, self.data)
+            self._stepped += self._timestep
+            moved = True
+        if moved:
+            self._look()
+
+    def truth(self) -> tuple[float, ...]:
+        """Return what no device measures, as `truth_columns` names it."""
+        x, y, z, *_ = position = self._waist.tolist()
+        return (
+            x,
+            y,
+            z,
+            *_attitude(*position[3:]),
+            x - self._origin,
+            *self._slips,
+            *self._loads,
+            self.joint_torque(_KNEES[0]),
+            self.joint_torque(_KNEES[1]),
+            float(self._turning + self._at_peak()),
+            float(self._fell),
+        )
+
+    def _stand_ready(self, geometry: LegDimensions) -> None:
+        """Put the robot with both soles flat on the floor, at the initial height."""
+        height = self.settings.initial_hip_height
+        pitch, knee, ankle = knee_at_height(geometry.thigh, geometry.shank, height)
+        leg = dict.fromkeys(JOINTS, 0.0) | {"hip_pitch": pitch, "knee": knee, "ankle_pitch": ankle}
+        self._angles[:] = [leg[joint] for joint in JOINTS] * 2
+        self._waist[:] = (0.0, 0.0, height + geometry.ankle_height, 1.0, 0.0, 0.0, 0.0)
+        self._forward(self.model, self.data)
+
+    def _set_power(self) -> None:
+        stiffness, damping = self.settings.servo.stiffness, self.settings.servo.damping
+        for channel, powered in enumerate(self._powered):
+            self.model.actuator_gainprm[channel, 0] = stiffness if powered else 0.0
+            self.model.actuator_biasprm[channel, 1] = -stiffness if powered else 0.0
+            self.model.actuator_biasprm[channel, 2] = -damping if powered else 0.0
+        if all(self._powered):
+            self._standing_free = True
+
+    def _turn_targets(self) -> None:
+        """Let each servo's target follow its command, no faster than the servo can turn."""
+        away = self._command - self._target
+        turn = np.clip(away, -self._most_turn, self._most_turn)
+        self._target += turn
+        self._turning = int(np.count_nonzero(turn != away))
+        rates = np.clip(self._command_rate, -self._rate_limit, self._rate_limit)
+        self._control[:] = self._target + self._damping_share * rates
+
+    def _at_peak(self) -> int:
+        return sum(
+            abs(torque) >= 0.999 * peak
+            for torque, peak in zip(self._torques.tolist(), self._peaks, strict=True)
+        )
+
+    def _look(self) -> None:
+        """Note what the feet bear, how far they slipped, and whether the robot has fallen."""
+        self._loads = self._measure_loads()
+        for foot, load in enumerate(self._loads):
+            anchor = self._anchors[foot]
+            if load < _BEARING * self._weight:
+                self._anchors[foot] = None
+                continue
+            x, y, _ = self._soles[foot].tolist()
+            if anchor is None:
+                self._anchors[foot] = (x, y)
+                self._slipped[foot] = self._slips[foot]
+            else:
+                here = math.hypot(x - anchor[0], y - anchor[1])
+                self._slips[foot] = self._slipped[foot] + here
+        if not self._fell:
+            _, _, height, *attitude = self._waist.tolist()
+            roll, pitch, _ = _attitude(*attitude)
+            lean = math.acos(max(-1.0, min(1.0, math.cos(roll) * math.cos(pitch))))
+            low = 0.5 * self.settings.initial_hip_height
+            self._fell = lean > self.settings.fallen_tilt or height < low
+
+    def _measure_loads(self) -> tuple[float, float]:
+        loads = [0.0, 0.0]
+        force = np.zeros(6)
+        for number in range(self.data.ncon):
+            geoms = self.data.contact.geom[number].tolist()
+            for foot, geom in enumerate(self._sole_geoms):
+                if geom in geoms:
+                    self._contact_force(self.model, self.data, number, force)
+                    loads[foot] += force.item(0)
+        return loads[0], loads[1]
+
+
+def _draw(settings: LegsPlantSettings, seed: int) -> Deviations:
+    """Draw a unit; the draws are always made, whatever the spreads are."""
+    rng = np.random.default_rng(seed)
+    masses, frictions = rng.uniform(-1.0, 1.0, 13), rng.uniform(-1.0, 1.0, 12)
+    floor = float(rng.uniform(-1.0, 1.0))
+    return Deviations(
+        tuple((1.0 + settings.mass_spread * masses).tolist()),
+        tuple((1.0 + settings.friction_spread * frictions).tolist()),
+        1.0 + settings.friction_spread * floor,
+    )
+
+
+def _attitude(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a quaternion, rad."""
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return roll, pitch, yaw

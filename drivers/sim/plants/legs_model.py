@@ -1,0 +1,291 @@
+"""From the legs' dimensions to a MuJoCo model; an algebra of its own, none of the controllers'."""
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from drivers.sim.plants.legs_settings import LegServoSettings
+
+if TYPE_CHECKING:
+    import mujoco
+
+Vector3 = tuple[float, float, float]
+
+
+class SoleDimensions(Protocol):
+    """The sole's rectangle, from under the ankle, m."""
+
+    front: float
+    back: float
+    half_width: float
+
+
+class LinkMasses(Protocol):
+    """Masses (kg) and centres of the links."""
+
+    hip_yaw: float
+    hip_roll: float
+    thigh: float
+    shank: float
+    ankle: float
+    foot: float
+    upper_body: float
+    thigh_centre: float
+    shank_centre: float
+    foot_depth: float
+    upper_body_forward: float
+    upper_body_height: float
+
+
+class LegDimensions(Protocol):
+    """What the plant needs of a profile's geometry: m, kg, rad, rad/s, N m."""
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Of the joints of a leg, from the waist."""
+        ...
+
+    thigh: float
+    shank: float
+    ankle_height: float
+    hip_half_spacing: float
+
+    @property
+    def sole(self) -> SoleDimensions:
+        """What a foot stands on."""
+        ...
+
+    @property
+    def masses(self) -> LinkMasses:
+        """Of the links."""
+        ...
+
+    max_rate: float
+
+    @property
+    def torque_peak(self) -> tuple[float, ...]:
+        """Of a leg's servos, N m."""
+        ...
+
+
+class Deviations(NamedTuple):
+    """How a unit differs from its drawing.
+
+    Parameters
+    ----------
+    masses : tuple of float
+        Factors: upper body, then the six links of the right and of the left leg.
+    frictions : tuple of float
+        Factors of the twelve joints' dry and viscous friction.
+    floor : float
+        Factor of the floor's friction.
+    """
+
+    masses: tuple[float, ...] = (1.0,) * 13
+    frictions: tuple[float, ...] = (1.0,) * 12
+    floor: float = 1.0
+
+
+NOMINAL = Deviations()
+
+JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll")
+CHANNELS = tuple(f"{leg}_{joint}" for leg in ("right", "left") for joint in JOINTS)
+
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_SOLE_THICKNESS = 0.004
+_LINK_WIDTH = 0.05
+"""Across a leg's links, m: for their inertia. E."""
+_BODY_SIZE = (0.10, 0.16, 0.24)
+"""Of the upper body, m: for its inertia. E."""
+_CONTACT = (0.01, 1.0)
+"""Time in which the floor pushes a sole out, s, and damping ratio."""
+
+
+def build_model(
+    geometry: LegDimensions,
+    servo: LegServoSettings,
+    *,
+    floor_friction: float,
+    timestep: float,
+    deviations: Deviations = NOMINAL,
+) -> "mujoco.MjModel":
+    """Return the whole robot with its floor.
+
+    Bodies: ``waist`` (free), and per leg ``right_hip_yaw`` … ``right_foot``. Sites ``right_sole``
+    and ``left_sole`` are under the ankles.
+
+    Parameters
+    ----------
+    geometry : LegDimensions
+        Lengths, masses, torques.
+    servo : LegServoSettings
+        Of every joint.
+    floor_friction : float
+        Coefficient.
+    timestep : float
+        s.
+    deviations : Deviations
+        Of this unit.
+    """
+    import mujoco
+
+    return mujoco.MjModel.from_xml_string(
+        describe(geometry, servo, floor_friction, timestep, deviations)
+    )
+
+
+def describe(
+    geometry: LegDimensions,
+    servo: LegServoSettings,
+    floor_friction: float,
+    timestep: float,
+    deviations: Deviations = NOMINAL,
+) -> str:
+    """Return the same as MJCF text; its form is the same in all of MuJoCo's versions."""
+    root = Element("mujoco", model="legs")
+    # Friction cones of a soft floor creep; a higher ratio makes them hold.
+    _add(root, "option", timestep=timestep, integrator="implicitfast", cone="elliptic", impratio=10)
+    _add(root, "compiler", angle="radian", autolimits=False)
+    world = SubElement(root, "worldbody")
+    _add(
+        world,
+        "geom",
+        name="floor",
+        type="plane",
+        size=(2.0, 2.0, 0.1),
+        friction=(floor_friction * deviations.floor, 0.005, 0.0001),
+        solref=_CONTACT,
+    )
+    masses = geometry.masses
+    waist = _add(world, "body", name="waist")
+    _add(waist, "freejoint", name="waist")
+    _add_inertia(
+        waist,
+        masses.upper_body * deviations.masses[0],
+        (masses.upper_body_forward, 0.0, masses.upper_body_height),
+        _BODY_SIZE,
+    )
+    actuators = SubElement(root, "actuator")
+    for number, side in enumerate((-1.0, 1.0)):
+        mine = slice(6 * number, 6 * number + 6)
+        _add_leg(
+            waist,
+            side,
+            geometry,
+            servo,
+            CHANNELS[mine],
+            deviations.masses[1:][mine],
+            deviations.frictions[mine],
+        )
+        for channel, peak in zip(CHANNELS[mine], geometry.torque_peak, strict=True):
+            _add(
+                actuators,
+                "position",
+                name=channel,
+                joint=channel,
+                kp=servo.stiffness,
+                kv=servo.damping,
+                forcelimited=True,
+                forcerange=(-peak, peak),
+            )
+    return tostring(root, encoding="unicode")
+
+
+def _add_leg(
+    waist: Element,
+    side: float,
+    geometry: LegDimensions,
+    servo: LegServoSettings,
+    channels: tuple[str, ...],
+    mass_factors: tuple[float, ...],
+    friction_factors: tuple[float, ...],
+) -> None:
+    m, sole = geometry.masses, geometry.sole
+    thigh, shank = geometry.thigh, geometry.shank
+    here, wide = (0.0, 0.0, 0.0), _LINK_WIDTH
+    leg = "left" if side > 0.0 else "right"
+    length = sole.front + sole.back
+    # Name, where its joint is in the parent, mass, centre, size.
+    links: tuple[tuple[str, Vector3, float, Vector3, Vector3], ...] = (
+        ("hip_yaw", (0.0, side * geometry.hip_half_spacing, 0.0), m.hip_yaw, here, (wide,) * 3),
+        ("hip_roll", here, m.hip_roll, here, (wide,) * 3),
+        ("thigh", here, m.thigh, (0.0, 0.0, -m.thigh_centre * thigh), (wide, wide, thigh)),
+        (
+            "shank",
+            (0.0, 0.0, -thigh),
+            m.shank,
+            (0.0, 0.0, -m.shank_centre * shank),
+            (wide, wide, shank),
+        ),
+        ("ankle", (0.0, 0.0, -shank), m.ankle, here, (wide,) * 3),
+        ("foot", here, m.foot, (0.0, 0.0, -m.foot_depth), (length, 2.0 * sole.half_width, 0.02)),
+    )
+    body = waist
+    for number, (link, at, mass, centre, size) in enumerate(links):
+        body = _add(body, "body", name=f"{leg}_{link}", pos=at)
+        _add_inertia(body, mass * mass_factors[number], centre, size)
+        _add(
+            body,
+            "joint",
+            name=channels[number],
+            type="hinge",
+            axis=_AXES[geometry.axes[number]],
+            armature=servo.inertia,
+            frictionloss=servo.friction * friction_factors[number],
+            damping=servo.viscous * friction_factors[number],
+        )
+    _add(
+        body,
+        "geom",
+        name=f"{leg}_sole",
+        type="box",
+        size=(0.5 * length, sole.half_width, 0.5 * _SOLE_THICKNESS),
+        pos=(
+            0.5 * (sole.front - sole.back),
+            0.0,
+            -geometry.ankle_height + 0.5 * _SOLE_THICKNESS,
+        ),
+        mass=0.0,
+        friction=(0.0, 0.0, 0.0),  # the larger of both counts: the floor's
+        solref=_CONTACT,
+        contype=2,  # soles meet the floor, not each other
+        conaffinity=1,
+    )
+    _add(body, "site", name=f"{leg}_sole", pos=(0.0, 0.0, -geometry.ankle_height))
+
+
+def _add_inertia(body: Element, mass: float, centre: Vector3, size: Vector3) -> None:
+    """Give a body the mass and inertia of a box."""
+    x, y, z = (side * side * mass / 12.0 for side in size)
+    _add(body, "inertial", mass=mass, pos=centre, diaginertia=(y + z, x + z, x + y))
+
+
+def _add(parent: Element, tag: str, **attributes: Any) -> Element:
+    return SubElement(parent, tag, {name: _text(value) for name, value in attributes.items()})
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, tuple):
+        return " ".join(map(repr, value))
+    return str(value) if isinstance(value, str) else repr(value)
+
+
+def knee_at_height(thigh: float, shank: float, height: float) -> tuple[float, float, float]:
+    """Return hip pitch, knee and ankle pitch (rad) with the hip `height` (m) above the ankle.
+
+    Raises
+    ------
+    ValueError
+        The leg does not reach.
+    """
+    if not abs(thigh - shank) < height <= thigh + shank:
+        raise ValueError(
+            f"initial_hip_height ({height:g} m): the leg reaches {abs(thigh - shank):g} … "
+            f"{thigh + shank:g} m."
+        )
+    # Angles of the triangle hip, knee, ankle.
+    at_hip = math.acos((thigh**2 + height**2 - shank**2) / (2.0 * thigh * height))
+    at_ankle = math.acos((shank**2 + height**2 - thigh**2) / (2.0 * shank * height))
+    return -at_hip, at_hip + at_ankle, -at_ankle

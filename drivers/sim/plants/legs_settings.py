@@ -1,0 +1,65 @@
+"""Parameters of the legs' plant.
+
+Sources of the defaults as in `drivers.sim.plants.settings`: E, an estimate. Dimensions, masses and
+what the servos can give are the profile's geometry.
+"""
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Interval, Le, Unit
+
+
+@dataclass(frozen=True, slots=True)
+class LegServoSettings:
+    """One joint's servo: a spring to the commanded angle, cut at the maker's peak torque.
+
+    Parameters
+    ----------
+    stiffness : float
+        Of the position loop, N m/rad. E: the robot sags by a few millimetres, as such robots do.
+    damping : float
+        Of the velocity loop on the difference to the commanded rate, N m s/rad. E.
+    inertia : float
+        Of motor and gear at the joint, kg m². E.
+    friction : float
+        Dry friction of the gear at the joint, N m. E.
+    viscous : float
+        Viscous friction, N m s/rad. E.
+    """
+
+    stiffness: Annotated[float, Unit("N m/rad"), Gt(0), Le(2000)] = 150.0
+    damping: Annotated[float, Unit("N m s/rad"), Ge(0), Le(50)] = 2.0
+    inertia: Annotated[float, Unit("kg m^2"), Gt(0)] = 0.005
+    friction: Annotated[float, Unit("N m"), Ge(0)] = 0.05
+    viscous: Annotated[float, Unit("N m s/rad"), Ge(0)] = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class LegsPlantSettings:
+    """The legs, their upper body and the floor.
+
+    Parameters
+    ----------
+    servo : LegServoSettings
+        Of all twelve joints.
+    floor_friction : float
+        Coefficient between sole and floor. E.
+    mass_spread, friction_spread : float
+        Bounds of the relative deviations of each link's mass, and of each joint's friction and
+        the floor's, from unit to unit.
+    initial_hip_height : float
+        Of the hips above the ankles while the robot stands ready, m.
+    fallen_tilt : float
+        Lean of the waist beyond which the robot has fallen, rad.
+    timestep : float
+        Of the integration, s.
+    """
+
+    servo: LegServoSettings = field(default_factory=LegServoSettings)
+    floor_friction: Annotated[float, Gt(0), Le(2)] = 0.8
+    mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.02
+    friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.2
+    initial_hip_height: Annotated[float, Unit("m"), Gt(0)] = 0.190
+    fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
+    timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
