@@ -1,11 +1,13 @@
 """One servo's registers, read and written with an answer: configuration, outside the cycle."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
-from drivers.dynamixel.protocol import Status, encode_ping, encode_read, encode_write
+from drivers.dynamixel.protocol import BROADCAST_ID, Status, encode_ping, encode_read, encode_write
 from drivers.dynamixel.registers import ALERT, Register, describe_status_error
 from rig.hal import ConnectionFailed
+
+_SCAN_TIME: Final = 0.3  # s; servos answer a ping to all in turn, the one with id k after k ms
 
 if TYPE_CHECKING:
     from drivers.dynamixel.bus import SerialBus
@@ -166,7 +168,19 @@ class RegisterClient:
                 "its answers are garbled; there are two servos with this id, or the cable is bad",
                 register=what,
             )
-        raise self.failed("it does not answer", register=what)
+        raise self.failed(f"it does not answer{self._others()}", register=what)
+
+    def _others(self) -> str:
+        """Return who else is on the chain, in words."""
+        bus = self._bus
+        found, _ = bus.ask(encode_ping(BROADCAST_ID), lambda answers: False, _SCAN_TIME)
+        if not found:
+            return (
+                f", nor does any servo at {bus.settings.baudrate} bit/s; look at the power, the "
+                "cable and the baud rate"
+            )
+        ids = ", ".join(str(status.id) for status in sorted(found))
+        return f"; on this chain answer: {ids}"
 
     def _compare(self, kept: int, expected: int, what: str) -> None:
         if kept != expected:

@@ -82,7 +82,7 @@ class HealthWatch:
     def accept(self, k: int, error: int, watchdog: int, voltage: int, temperature: int) -> bool:
         """Take what servo `k` says, in counts; return whether its motion can be trusted."""
         if error:
-            self._latch(
+            self.latch(
                 k,
                 f"reports a hardware error: {table.describe_hardware_error(error)}",
                 table.HARDWARE_ERROR,
@@ -102,7 +102,7 @@ class HealthWatch:
 
     def accept_alert(self, k: int) -> None:
         """Take that servo `k` has a hardware error of which no more is known."""
-        self._latch(k, "reports a hardware error, which its register tells", table.HARDWARE_ERROR)
+        self.latch(k, "reports a hardware error, which its register tells", table.HARDWARE_ERROR)
 
     def check(self) -> None:
         """Raise the first fault.
@@ -133,7 +133,7 @@ class HealthWatch:
             bound=bound,
         )
 
-    def _latch(
+    def latch(
         self,
         k: int,
         what: str,
@@ -141,12 +141,13 @@ class HealthWatch:
         value: str | None = None,
         bound: str | None = None,
     ) -> None:
-        if self._trouble is None:  # the first one is the cause
+        """Keep a fault of servo `k` for `check`; the first one is the cause and stays."""
+        if self._trouble is None:
             self._trouble = self.describe(k, what, register, value, bound)
 
     def _miss_watchdog(self, k: int, found: int) -> bool:
         if found == table.WATCHDOG_TRIPPED:
-            self._latch(
+            self.latch(
                 k,
                 "has stopped by itself: its bus watchdog tripped, because nothing reached it "
                 "for too long; it takes no setpoints until it is connected and armed again",
@@ -157,7 +158,7 @@ class HealthWatch:
             return False
         self._unguarded[k] += 1
         if self._unguarded[k] >= _CONFIRMED:
-            self._latch(
+            self.latch(
                 k,
                 "has lost its settings: its bus watchdog is not what was written. It rebooted, "
                 "perhaps for want of power",
@@ -169,7 +170,7 @@ class HealthWatch:
 
     def _latch_unfit(self, k: int, voltage: int, temperature: int, *, is_hot: bool) -> None:
         if is_hot:
-            self._latch(
+            self.latch(
                 k,
                 "is too hot",
                 table.TEMPERATURE,
@@ -177,7 +178,7 @@ class HealthWatch:
                 f"{self._hottest - table.CELSIUS:g} °C",
             )
         else:
-            self._latch(
+            self.latch(
                 k,
                 "has not the voltage that it needs",
                 table.INPUT_VOLTAGE,

@@ -8,6 +8,7 @@ Present Current … Present Position (126 … 135).
 """
 
 import struct
+from collections.abc import Sequence
 from math import inf
 from typing import Final
 
@@ -25,6 +26,7 @@ from rig.hal import DeviceFault, Reading, Vector
 
 _ATTEMPTS: Final = 3
 _NEVER: Final = -inf
+_JUMP: Final = 2.0  # times the greatest speed: faster is no motion that was asked for
 
 
 class DynamixelServos:
@@ -107,6 +109,7 @@ class DynamixelServos:
         self._following = tuple(
             FollowingWatch(settings.following_window, settings.following_time) for _ in joints
         )
+        self._held: list[float | None] = [None] * len(joints)
         self._armed = False
         self._enabled = False
 
@@ -240,7 +243,7 @@ class DynamixelServos:
         self._guard.check_velocities(velocities)
         if self._is_velocity:
             self._guard.positions = self._positions.value
-            self._send_velocities(velocities)
+            self._send_velocities([self._creep(k, v) for k, v in enumerate(velocities)])
             return
         period = self._period
         self.command_positions(
@@ -291,10 +294,28 @@ class DynamixelServos:
             torques.append(torque_step * sample[0])
             velocities.append(velocity_step * sample[1])
             positions.append(step * (sample[2] - origin))
+        if self._enabled:
+            self._check_jump(positions, t)
         self._positions = Reading(tuple(positions), t)
         self._velocities = Reading(tuple(velocities), t)
         self._torques = Reading(tuple(torques), t)
         self._samples = samples
+
+    def _check_jump(self, positions: list[float], t: float) -> None:
+        """Find positions that no joint can have reached since the last reading."""
+        before, then = self._positions
+        for k, (position, last, fastest) in enumerate(
+            zip(positions, before, self._speeds, strict=True)
+        ):
+            reach = _JUMP * fastest * (t - then) + 2.0 * abs(self._scales[k].step)
+            if not -reach <= position - last <= reach:
+                self._health.latch(
+                    k,
+                    "jumped; somebody moved its zero, or the joint was struck",
+                    table.PRESENT_POSITION,
+                    f"{position - last:+.3g} rad",
+                    f"{reach:.3g} rad in {1e3 * (t - then):.1f} ms",
+                )
 
     def _are_trusted(self, samples: list[tuple[int, ...]]) -> bool:
         """Look at what the servos say of themselves; return whether they are what they were."""
@@ -345,6 +366,7 @@ class DynamixelServos:
     def _hold_here(self) -> None:
         """Make the present positions, or standstill, the setpoints: the first makes no bump."""
         positions = self._guard.positions = self._positions.value
+        self._held = [None] * len(positions)
         if self._is_velocity:
             self._goals.payload = self._goal.same(0)
         else:
@@ -362,9 +384,20 @@ class DynamixelServos:
         ):
             velocity = (position - last) / period + gain * (position - measured)
             velocities.append(min(max(velocity, -fastest), fastest))
-        self._send_velocities(tuple(velocities))
+        self._held = [None] * len(velocities)
+        self._send_velocities(velocities)
 
-    def _send_velocities(self, velocities: Vector) -> None:
+    def _creep(self, k: int, velocity: float) -> float:
+        """Return what keeps a joint that shall stand where it came to a stand."""
+        if velocity:
+            self._held[k] = None
+            return velocity
+        position, held, fastest = self._positions.value[k], self._held[k], self._speeds[k]
+        if held is None:
+            held = self._held[k] = position
+        return min(max(self.settings.position_gain * (held - position), -fastest), fastest)
+
+    def _send_velocities(self, velocities: Sequence[float]) -> None:
         self._goals.payload = self._goal.pack(map(encode_velocity, self._scales, velocities))
         for watch, velocity, position in zip(
             self._following, velocities, self._positions.value, strict=True

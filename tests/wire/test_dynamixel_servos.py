@@ -97,7 +97,11 @@ def test_watchdog_is_armed_with_the_first_cycle_and_not_before():
 @pytest.mark.parametrize(
     ("break_it", "words"),
     [
-        (lambda b: b.node.inject("joint_2.silent"), "joint_2 (id 2): it does not answer"),
+        (
+            lambda b: b.node.inject("joint_2.silent"),
+            "joint_2 (id 2): it does not answer; on this chain answer: 1, 3",
+        ),
+        (lambda b: b.node.inject("silent"), "nor does any servo at 4000000 bit/s; look at the"),
         (
             lambda b: b.node.inject("joint_2.overheated"),
             "joint_2 (id 2): it has a hardware error: over",
@@ -417,6 +421,26 @@ def test_a_blocked_joint_does_not_follow():
     cycles, fault = bench.cycles_until_fault(limit=40)
     assert "joint_2 (id 2) does not follow its setpoint" in str(fault)
     assert cycles * PERIOD == pytest.approx(0.1, abs=4 * PERIOD)
+
+
+def test_a_position_that_jumps_is_a_fault():
+    bench = Bench(2, joints=joints(2, max_speed=2.0)).start()
+
+    def strike():
+        bench.plant.blocked.add(1)
+        bench.plant.angles[1] += 0.1
+
+    cycles, fault = cycles_from(bench, strike)
+    assert cycles <= RUNNING_FAULT_CYCLES
+    assert "joint_2 (id 2) jumped" in str(fault)
+
+
+def test_a_joint_at_rest_is_held_in_velocity_mode():
+    bench = Bench(1, mode="velocity").start()
+    bench.cycle(lambda device: device.command_velocities((0.0,)), count=5)
+    bench.plant.angles[0] += 0.02  # it is pushed
+    bench.cycle(lambda device: device.command_velocities((0.0,)), count=100)
+    assert bench.plant.angles[0] == pytest.approx(0.0, abs=0.024 / 10.0 + STEP)
 
 
 def test_a_lost_packet_is_counted_and_the_reading_held(fast):

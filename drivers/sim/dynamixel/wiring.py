@@ -24,7 +24,7 @@ class _FreeJoint:
         self._angle = angle
 
     def command_joint(
-        self, channel: int, position: float, velocity: float, torque_on: bool
+        self, channel: int, position: float | None, velocity: float, torque_on: bool
     ) -> None:
         """Do nothing."""
 

@@ -116,16 +116,27 @@ class ArmPlant:
     # Ports of the drives --------------------------------------------------------------
 
     def command_joint(
-        self, channel: int, position: float, velocity: float, torque_on: bool
+        self, channel: int, position: float | None, velocity: float, torque_on: bool
     ) -> None:
-        """Give a joint's drive its reference (rad, rad/s), and switch its power stage.
+        """Give a joint's drive its reference, and switch its power stage.
+
+        Parameters
+        ----------
+        channel : int
+            The joint.
+        position : float or None
+            Where it shall be now, rad; None: it follows the velocity alone.
+        velocity : float
+            How fast the reference moves, rad/s.
+        torque_on : bool
+            Whether the power stage is on; without it the joint is on its brake.
 
         Raises
         ------
         ValueError
             A reference is not a finite number.
         """
-        if not math.isfinite(position) or not math.isfinite(velocity):
+        if not math.isfinite(velocity) or not (position is None or math.isfinite(position)):
             raise ValueError(f"{JOINTS[channel]}: {position} rad, {velocity} rad/s is no reference")
         drives = self._drives
         drives.command(channel, position, velocity, self._asked)

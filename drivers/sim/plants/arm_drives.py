@@ -42,15 +42,15 @@ class ArmDrives:
         self._limits = settings.torque_limits
         self._hold_after = settings.hold_after
         count = len(self._gains)
-        self._positions = [0.0] * count
+        self._positions: list[float | None] = [0.0] * count
         self._velocities = [0.0] * count
         self._since = [0.0] * count
         self._integrals = [0.0] * count
         self.torques = [0.0] * count
         self.has_torque = [False] * count
 
-    def command(self, k: int, position: float, velocity: float, now: float) -> None:
-        """Take a reference of drive `k`: rad, rad/s, and since when, s."""
+    def command(self, k: int, position: float | None, velocity: float, now: float) -> None:
+        """Take a reference of drive `k`: rad (None: velocity alone), rad/s, and since when, s."""
         self._positions[k] = position
         self._velocities[k] = velocity
         self._since[k] = now
@@ -76,14 +76,13 @@ class ArmDrives:
         for k, has_torque in enumerate(self.has_torque):
             if not has_torque:
                 continue
-            velocity = self._velocities[k]
+            velocity, position = self._velocities[k], self._positions[k]
             elapsed = now - self._since[k]
-            if elapsed > hold_after:
-                reference = self._positions[k] + velocity * hold_after
-                velocity = 0.0
-            else:
-                reference = self._positions[k] + velocity * elapsed
-            error = velocity + stiffness * (reference - angles[k]) - speeds[k]
+            is_over = elapsed > hold_after
+            error = (0.0 if is_over else velocity) - speeds[k]
+            if position is not None:
+                reference = position + velocity * (hold_after if is_over else elapsed)
+                error += stiffness * (reference - angles[k])
             limit = self._limits[k]
             wanted = self._gains[k] * error + integrals[k]
             if -limit < wanted < limit:

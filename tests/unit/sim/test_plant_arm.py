@@ -35,7 +35,7 @@ FRICTIONLESS = ArmDriveSettings(friction=(0.0,) * 6, viscous=(0.0,) * 6)
 EXACT = ArmPlantSettings(mass_spread=0.0, friction_spread=0.0, start=START)
 
 
-def make(settings=EXACT, seed=0, geometry=Dimensions()):  # noqa: B008 - frozen
+def make(settings=EXACT, seed=0, geometry=Dimensions()):
     return ArmPlant(settings, seed, geometry)
 
 
@@ -199,6 +199,17 @@ def test_a_slow_ramp_is_followed():
             wanted = [q + rate * now for q, rate in zip(START, rates, strict=True)]
             worst = max(worst, *np.abs(np.subtract(angles_of(plant), wanted)))
     assert worst < 0.2e-3
+
+
+def test_a_velocity_alone_is_followed():
+    plant = make()
+    hold(plant, START)
+    plant.advance(0.5)
+    for _ in range(200):
+        plant.command_joint(3, None, 0.4, True)
+        plant.advance(plant.time + PERIOD)
+    assert plant.joint_velocity(3) == pytest.approx(0.4, abs=1e-3)
+    assert plant.joint_position(3) == pytest.approx(START[3] + 0.4, abs=0.01)
 
 
 def amplitude(plant, k, frequency):
