@@ -17,16 +17,15 @@ from drivers.dynamixel.bus import SerialBus, SyncWrite
 from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.configure import configure_servo, watchdog_units
 from drivers.dynamixel.health import Health, HealthWatch, decode_health
+from drivers.dynamixel.motion import MotionWatch, VelocityReference
 from drivers.dynamixel.payload import SyncPayload
 from drivers.dynamixel.scaling import JointScale, encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.commands import JointGuard
-from drivers.servos.following import FollowingWatch
-from rig.hal import DeviceFault, Reading, Vector
+from rig.hal import Reading, Vector
 
 _ATTEMPTS: Final = 3
 _NEVER: Final = -inf
-_JUMP: Final = 2.0  # times the greatest speed: faster is no motion that was asked for
 
 
 class DynamixelServos:
@@ -104,12 +103,11 @@ class DynamixelServos:
         self._positions = self._velocities = self._torques = nothing
         self._samples: list[tuple[int, ...]] = []
         self._guard = JointGuard(name, joints, bus.period)
-        self._speeds = tuple(joint.max_speed for joint in joints.values())
         self._health = HealthWatch(name, settings, self._watchdog_units)
-        self._following = tuple(
-            FollowingWatch(settings.following_window, settings.following_time) for _ in joints
+        self._motion = MotionWatch(settings, [scale.step for scale in self._scales], self._health)
+        self._velocity_reference = VelocityReference(
+            settings.position_gain, [joint.max_speed for joint in joints.values()], bus.period
         )
-        self._held: list[float | None] = [None] * len(joints)
         self._armed = False
         self._enabled = False
 
@@ -220,7 +218,8 @@ class DynamixelServos:
         before = self._guard.positions
         self._guard.check_positions(positions)
         if self._is_velocity:
-            self._follow(positions, before)
+            measured = self._positions.value
+            self._send(self._velocity_reference.follow(positions, before, measured))
             return
         goals = []
         for position, (step, origin, _, _, first, last) in zip(
@@ -242,8 +241,8 @@ class DynamixelServos:
             return
         self._guard.check_velocities(velocities)
         if self._is_velocity:
-            self._guard.positions = self._positions.value
-            self._send_velocities([self._creep(k, v) for k, v in enumerate(velocities)])
+            measured = self._guard.positions = self._positions.value
+            self._send(self._velocity_reference.turn(velocities, measured))
             return
         period = self._period
         self.command_positions(
@@ -273,7 +272,9 @@ class DynamixelServos:
             if link.missed or link.doubled:
                 read.check(link)
         if self._enabled:
-            self._check_following()
+            if not self._is_velocity:
+                self._motion.refer(self._guard.positions)
+            self._motion.check(self._positions)
 
     # Inside ---------------------------------------------------------------------------
 
@@ -295,27 +296,11 @@ class DynamixelServos:
             velocities.append(velocity_step * sample[1])
             positions.append(step * (sample[2] - origin))
         if self._enabled:
-            self._check_jump(positions, t)
+            self._motion.find_jump(self._positions, positions, t)
         self._positions = Reading(tuple(positions), t)
         self._velocities = Reading(tuple(velocities), t)
         self._torques = Reading(tuple(torques), t)
         self._samples = samples
-
-    def _check_jump(self, positions: list[float], t: float) -> None:
-        """Find positions that no joint can have reached since the last reading."""
-        before, then = self._positions
-        for k, (position, last, fastest) in enumerate(
-            zip(positions, before, self._speeds, strict=True)
-        ):
-            reach = _JUMP * fastest * (t - then) + 2.0 * abs(self._scales[k].step)
-            if not -reach <= position - last <= reach:
-                self._health.latch(
-                    k,
-                    "jumped; somebody moved its zero, or the joint was struck",
-                    table.PRESENT_POSITION,
-                    f"{position - last:+.3g} rad",
-                    f"{reach:.3g} rad in {1e3 * (t - then):.1f} ms",
-                )
 
     def _are_trusted(self, samples: list[tuple[int, ...]]) -> bool:
         """Look at what the servos say of themselves; return whether they are what they were."""
@@ -366,62 +351,17 @@ class DynamixelServos:
     def _hold_here(self) -> None:
         """Make the present positions, or standstill, the setpoints: the first makes no bump."""
         positions = self._guard.positions = self._positions.value
-        self._held = [None] * len(positions)
         if self._is_velocity:
             self._goals.payload = self._goal.same(0)
         else:
             self._goals.payload = self._goal.pack(map(encode_position, self._scales, positions))
-        now = self._bus.clock.now()
-        for watch, position in zip(self._following, positions, strict=True):
-            watch.reset(position, now)
+        self._velocity_reference.reset()
+        self._motion.reset(positions, self._bus.clock.now())
 
-    def _follow(self, positions: Vector, before: Vector) -> None:
-        """Follow positions with velocities: the setpoints' own, and the error times a gain."""
-        gain, period = self.settings.position_gain, self._period
-        velocities = []
-        for position, last, measured, fastest in zip(
-            positions, before, self._positions.value, self._speeds, strict=True
-        ):
-            velocity = (position - last) / period + gain * (position - measured)
-            velocities.append(min(max(velocity, -fastest), fastest))
-        self._held = [None] * len(velocities)
-        self._send_velocities(velocities)
-
-    def _creep(self, k: int, velocity: float) -> float:
-        """Return what keeps a joint that shall stand where it came to a stand."""
-        if velocity:
-            self._held[k] = None
-            return velocity
-        position, held, fastest = self._positions.value[k], self._held[k], self._speeds[k]
-        if held is None:
-            held = self._held[k] = position
-        return min(max(self.settings.position_gain * (held - position), -fastest), fastest)
-
-    def _send_velocities(self, velocities: Sequence[float]) -> None:
+    def _send(self, velocities: Sequence[float]) -> None:
+        """Make velocities the setpoints of servos in velocity mode, rad/s."""
         self._goals.payload = self._goal.pack(map(encode_velocity, self._scales, velocities))
-        for watch, velocity, position in zip(
-            self._following, velocities, self._positions.value, strict=True
-        ):
-            watch.drift(velocity, position, self._period)
-
-    def _check_following(self) -> None:
-        positions, t = self._positions
-        setpoints = self._guard.positions
-        for k, watch in enumerate(self._following):
-            if not self._is_velocity:
-                watch.reference = setpoints[k]
-            duration = watch.exceeds(positions[k], t)
-            if duration:
-                raise self._fault_of_following(k, watch, duration)
-
-    def _fault_of_following(self, k: int, watch: FollowingWatch, duration: float) -> DeviceFault:
-        return self._health.describe(
-            k,
-            "does not follow its setpoint; it is blocked, overloaded or without torque",
-            table.PRESENT_POSITION,
-            f"{watch.error:+.3g} rad for {duration:.2f} s",
-            f"{watch.window:g} rad for {watch.time:g} s",
-        )
+        self._motion.drift(velocities, self._positions.value, self._period)
 
     def _rest(self) -> None:
         self._armed = self._enabled = False

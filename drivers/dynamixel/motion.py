@@ -1,0 +1,149 @@
+"""Whether joints do what they are told, and how a velocity servo is told a position."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from drivers.dynamixel import registers as table
+from drivers.dynamixel.health import HealthWatch
+from drivers.dynamixel.settings import DynamixelSettings
+from drivers.servos.following import FollowingWatch
+from rig.hal import Reading, Vector
+
+_JUMP: Final = 2.0  # times the greatest speed: faster is no motion that was asked for
+
+
+class MotionWatch:
+    """Finds joints that do not follow, and positions that cannot be true.
+
+    Parameters
+    ----------
+    settings : DynamixelSettings
+        Bounds.
+    steps : sequence of float
+        Of each joint's position, rad.
+    health : HealthWatch
+        Keeps the faults.
+    """
+
+    def __init__(
+        self, settings: DynamixelSettings, steps: Sequence[float], health: HealthWatch
+    ) -> None:
+        joints = settings.joints.values()
+        self._fastest = tuple(_JUMP * joint.max_speed for joint in joints)
+        self._slacks = tuple(2.0 * abs(step) for step in steps)
+        self._joints = tuple(
+            FollowingWatch(settings.following_window, settings.following_time) for _ in joints
+        )
+        self._health = health
+
+    def reset(self, positions: Vector, now: float) -> None:
+        """Start from where the joints stand, rad."""
+        for watch, position in zip(self._joints, positions, strict=True):
+            watch.reset(position, now)
+
+    def drift(self, velocities: Sequence[float], positions: Vector, period: float) -> None:
+        """Move the references of joints on that follow velocities (rad/s) for a period (s)."""
+        for watch, velocity, position in zip(self._joints, velocities, positions, strict=True):
+            watch.drift(velocity, position, period)
+
+    def refer(self, setpoints: Vector) -> None:
+        """Take the references of joints that follow positions, rad."""
+        for watch, setpoint in zip(self._joints, setpoints, strict=True):
+            watch.reference = setpoint
+
+    def check(self, reading: Reading[Vector]) -> None:
+        """Raise if a joint is off its reference.
+
+        Raises
+        ------
+        DeviceFault
+            One has been farther off than it may for longer than it may.
+        """
+        positions, t = reading
+        for k, (watch, position) in enumerate(zip(self._joints, positions, strict=True)):
+            duration = watch.exceeds(position, t)
+            if duration:
+                raise self._health.describe(
+                    k,
+                    "does not follow its setpoint; it is blocked, overloaded or without torque",
+                    table.PRESENT_POSITION,
+                    f"{watch.error:+.3g} rad for {duration:.2f} s",
+                    f"{watch.window:g} rad for {watch.time:g} s",
+                )
+
+    def find_jump(self, before: Reading[Vector], positions: Sequence[float], t: float) -> None:
+        """Latch a fault if a joint cannot have come so far since the last reading."""
+        last, then = before
+        elapsed = t - then
+        for k, (position, fastest, slack) in enumerate(
+            zip(positions, self._fastest, self._slacks, strict=True)
+        ):
+            reach = fastest * elapsed + slack
+            if not -reach <= position - last[k] <= reach:
+                self._health.latch(
+                    k,
+                    "jumped; somebody moved its zero, or the joint was struck",
+                    table.PRESENT_POSITION,
+                    f"{position - last[k]:+.3g} rad",
+                    f"{reach:.3g} rad in {1e3 * elapsed:.1f} ms",
+                )
+
+
+class VelocityReference:
+    """Tells velocity servos positions: those commanded, and the one where a joint shall stand.
+
+    A servo that holds a velocity of zero lets its joint creep.
+
+    Parameters
+    ----------
+    gain : float
+        Velocity for an error in position, 1/s.
+    speeds : sequence of float
+        The greatest of each joint, rad/s.
+    period : float
+        Of the cycle, s.
+    """
+
+    def __init__(self, gain: float, speeds: Sequence[float], period: float) -> None:
+        self._gain = gain
+        self._speeds = tuple(speeds)
+        self._period = period
+        self._held: list[float | None] = [None] * len(self._speeds)
+
+    def reset(self) -> None:
+        """Hold no joint any more."""
+        self._held = [None] * len(self._speeds)
+
+    def follow(self, positions: Vector, before: Vector, measured: Vector) -> list[float]:
+        """Return velocities for positions: their own, and the error times the gain.
+
+        Parameters
+        ----------
+        positions, before : tuple of float
+            The setpoints of this cycle and of the one before, rad.
+        measured : tuple of float
+            Where the joints are, rad.
+        """
+        self.reset()
+        return [
+            self._limited(k, (position - before[k]) / self._period, position - measured[k])
+            for k, position in enumerate(positions)
+        ]
+
+    def turn(self, velocities: Vector, measured: Vector) -> list[float]:
+        """Return velocities for velocities; a joint that shall stand is held where it is."""
+        turned = []
+        for k, velocity in enumerate(velocities):
+            if velocity:
+                self._held[k] = None
+                turned.append(velocity)
+                continue
+            held = self._held[k]
+            if held is None:
+                held = self._held[k] = measured[k]
+            turned.append(self._limited(k, 0.0, held - measured[k]))
+        return turned
+
+    def _limited(self, k: int, velocity: float, error: float) -> float:
+        fastest = self._speeds[k]
+        return min(max(velocity + self._gain * error, -fastest), fastest)
