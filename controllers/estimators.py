@@ -220,7 +220,7 @@ class MotionEstimator:
     """
 
     def __init__(self, gains: Gains, period: float) -> None:
-        self._gains = gains
+        self._gain_x, self._gain_v, self._gain_a = gains
         self._period = period
         self.position = 0.0
         """m, at the time of the last reading."""
@@ -236,14 +236,14 @@ class MotionEstimator:
 
     def update(self, position: float) -> None:
         """Take the next reading, m."""
-        period, (gain_x, gain_v, gain_a) = self._period, self._gains
+        period = self._period
         acceleration = self.acceleration
         velocity = self.velocity
         predicted = self.position + period * (velocity + 0.5 * period * acceleration)
         error = position - predicted
-        self.position = predicted + gain_x * error
-        self.velocity = velocity + period * acceleration + gain_v * error
-        self.acceleration = acceleration + gain_a * error
+        self.position = predicted + self._gain_x * error
+        self.velocity = velocity + period * acceleration + self._gain_v * error
+        self.acceleration = acceleration + self._gain_a * error
 
     def predict(self, ahead: float) -> tuple[float, float]:
         """Return position (m) and velocity (m/s) `ahead` seconds after the last reading."""
@@ -272,7 +272,7 @@ class ForceObserver:
     """
 
     def __init__(self, gains: Gains, mass: float, period: float) -> None:
-        self._gains = gains
+        self._gain_x, self._gain_v, self._gain_d = gains
         self._per_mass = 1.0 / mass
         self._period = period
         self._force = 0.0
@@ -292,14 +292,14 @@ class ForceObserver:
 
     def update(self, position: float, force: float) -> None:
         """Take the next readings: position (m) and force (N), of the same moment."""
-        period, (gain_x, gain_v, gain_d) = self._period, self._gains
+        period = self._period
         mean_force = 0.5 * (self._force + force)
         gained = period * self._per_mass * (mean_force + self.disturbance)
         predicted = self.position + period * (self.velocity + 0.5 * gained)
         error = position - predicted
-        self.position = predicted + gain_x * error
-        self.velocity += gained + gain_v * error
-        self.disturbance += gain_d * error
+        self.position = predicted + self._gain_x * error
+        self.velocity += gained + self._gain_v * error
+        self.disturbance += self._gain_d * error
         self._force = force
 
     def predict(self, ahead: float) -> tuple[float, float]:

@@ -120,6 +120,10 @@ class Cascade:
 
     def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
         self._settings = settings
+        self._position_rate = settings.position_rate
+        self._force_trust = settings.force_trust
+        self._disturbance_gain = settings.disturbance_gain
+        self._trim_limit = settings.trim_limit
         self._area = model.area
         self._per_area = 1.0 / model.area
         self._range = DifferentialRange(model, settings.pressure_floor, settings.differential_limit)
@@ -148,7 +152,7 @@ class Cascade:
         differential = self._range.clip(state.agonist - state.antagonist)
         force = self._area * (state.agonist - state.antagonist)
         self._standstill.reset(state.position)
-        self._observer.reset(state.position, self._settings.force_trust * force)
+        self._observer.reset(state.position, self._force_trust * force)
         self._lead.reset(differential)
         self._feedforward.reset()
         self._integral = self._area * differential
@@ -167,40 +171,44 @@ class Cascade:
         load : float
             Force that the motion is known to take beyond the pair's own, N: what hangs on it.
         """
-        settings, lead, observer = self._settings, self._lead, self._observer
-        force = self._area * (state.agonist - state.antagonist)
-        trusted = settings.force_trust * force
-        sticks = self._standstill.update(state.position)
-        observer.update(state.position, trusted)
+        lead, observer = self._lead, self._observer
+        _, measured, agonist, antagonist = state
+        wanted, wanted_velocity, wanted_acceleration = reference
+        difference = agonist - antagonist
+        force = self._area * difference
+        trusted = self._force_trust * force
+        sticks = self._standstill.update(measured)
+        observer.update(measured, trusted)
         position, velocity = observer.predict(self._delay)
-        error = reference.position - position
+        error = wanted - position
         disturbance = observer.disturbance + trusted - force
-        rests = abs(reference.velocity) + _REST_TIME * abs(reference.acceleration) < _REST_SPEED
+        rests = abs(wanted_velocity) + _REST_TIME * abs(wanted_acceleration) < _REST_SPEED
         feedforward = self._feedforward.update(
-            reference, error if abs(velocity) < _CREEP_SPEED else 0.0
+            reference, error if -_CREEP_SPEED < velocity < _CREEP_SPEED else 0.0
         )
         feedforward += load
         direct = feedforward + self._velocity_gain * (
-            reference.velocity - velocity + settings.position_rate * error
+            wanted_velocity - velocity + self._position_rate * error
         )
-        if settings.disturbance_gain > 0.0:
+        integral = self._integral
+        if self._disturbance_gain > 0.0:
             # What the feedforward and the integral do not explain of the observed disturbance.
-            missing = -disturbance - feedforward - self._integral
+            missing = -disturbance - feedforward - integral
             self._residual += self._disturbance_share * (missing - self._residual)
-            direct += settings.disturbance_gain * self._residual
+            direct += self._disturbance_gain * self._residual
         if not self._started:
             self._started = True
-            self._integral -= direct
-        wish = direct + self._integral
+            integral -= direct
+        wish = direct + integral
         self.correction = wish - feedforward
-        setpoint = lead.update(self._per_area * wish) + self._trim
+        trim = self._trim
+        setpoint = lead.update(self._per_area * wish) + trim
         if lead.saturation * error <= 0.0:
-            holding = sticks and rests
-            self._integral += (self._holding_step if holding else self._moving_step) * error
-        self._integral -= self._feedforward.learn(self._integral)
+            integral += (self._holding_step if sticks and rests else self._moving_step) * error
+        self._integral = integral - self._feedforward.learn(integral)
         # What the regulators are off, seen by their own monitors, needs no position error.
-        off = lead.pressure - (state.agonist - state.antagonist)
-        trim = self._trim + self._trim_step * off
-        self._trim = min(max(trim, -settings.trim_limit), settings.trim_limit)
+        trim += self._trim_step * (lead.pressure - difference)
+        most = self._trim_limit
+        self._trim = -most if trim < -most else most if trim > most else trim
         self.estimate = PairEstimate(velocity, disturbance)
         return self._range.split(self._range.clip(setpoint))

@@ -46,12 +46,14 @@ class DifferentialRange:
 
     def clip(self, differential: float) -> float:
         """Return the nearest differential (Pa) that both chambers can take."""
-        return min(max(differential, -self.limit), self.limit)
+        limit = self.limit  # compared, because min() and max() take five times as long
+        return -limit if differential < -limit else limit if differential > limit else differential
 
     def split(self, differential: float) -> PairCommand:
         """Return the setpoints for a differential (Pa) that is within the limit."""
         half = 0.5 * differential
-        mean = max(self._base, self._floor + abs(half))
+        base, lifted = self._base, self._floor + abs(half)
+        mean = lifted if lifted > base else base
         return PairCommand(mean + half, mean - half)
 
 
@@ -112,31 +114,23 @@ class RegulatorLead:
 
     def update(self, wish: float) -> float:
         """Return the setpoint differential (Pa) towards the wished one (Pa)."""
-        pressure, rate = self.pressure, self.rate
-        setpoint = self._setpoint(wish)
-        limit = self._limit
-        if setpoint > limit:
-            wish += (limit - setpoint) / self._slope
-            setpoint = limit
-            self.saturation = 1
-        elif setpoint < -limit:
-            wish += (-limit - setpoint) / self._slope
-            setpoint = -limit
-            self.saturation = -1
-        else:
-            self.saturation = 0
-        gap = pressure - wish
-        self.pressure = wish + self._gg * gap + self._gf * rate
-        self.rate = self._fg * gap + self._ff * rate
-        return setpoint
-
-    def _setpoint(self, wish: float) -> float:
-        pressure, rate = self.pressure, self.rate
-        gap = pressure - wish
-        new_pressure = wish + self._gg * gap + self._gf * rate
-        new_rate = self._fg * gap + self._ff * rate
-        return (
-            0.5 * (pressure + new_pressure)
-            + 0.5 * self._rate_gain * (rate + new_rate)
-            + self._jerk_gain * (new_rate - rate)
+        before, rate_before = self.pressure, self.rate
+        gap = before - wish
+        pressure = wish + self._gg * gap + self._gf * rate_before
+        rate = self._fg * gap + self._ff * rate_before
+        setpoint = (
+            0.5 * (before + pressure)
+            + 0.5 * self._rate_gain * (rate_before + rate)
+            + self._jerk_gain * (rate - rate_before)
         )
+        limit = self._limit
+        self.saturation = saturation = 1 if setpoint > limit else -1 if setpoint < -limit else 0
+        if saturation:  # slower, so that the setpoint is on the limit
+            wish += (saturation * limit - setpoint) / self._slope
+            setpoint = saturation * limit
+            gap = before - wish
+            pressure = wish + self._gg * gap + self._gf * rate_before
+            rate = self._fg * gap + self._ff * rate_before
+        self.pressure = pressure
+        self.rate = rate
+        return setpoint

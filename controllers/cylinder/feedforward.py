@@ -67,7 +67,7 @@ class Feedforward:
 
     def __init__(self, settings: FeedforwardSettings, model: PairModel, period: float) -> None:
         self._mass = model.mass
-        self._full = settings.gain * model.coulomb
+        self._sliding = 0.9 * (settings.gain * model.coulomb)
         self._learning_step = settings.learning_rate * period
         self._error_rate = settings.error_rate
         self._memory: PreslidingFriction | None = None
@@ -100,12 +100,12 @@ class Feedforward:
 
     def update(self, reference: PairReference, error: float) -> float:
         """Return the force (N) for a reference, given the position error (m)."""
-        velocity = reference.velocity
+        _, velocity, acceleration = reference
+        self._speed = abs(velocity)
         if -_NEAR < error < _NEAR:
             velocity += self._error_rate * error
-        self._speed = abs(reference.velocity)
-        self._nominal = self._friction(velocity)
-        return self._mass * reference.acceleration + self.scale * self._nominal
+        self._nominal = nominal = self._friction(velocity)
+        return self._mass * acceleration + self.scale * nominal
 
     def learn(self, integral: float) -> float:
         """Take over what an integral (N) holds against friction, and return that share, N.
@@ -113,10 +113,13 @@ class Feedforward:
         Called after `update`. The sum of integral and feedforward does not change, so nothing is
         felt before the next reversal. Only a pair that is asked to slide teaches.
         """
-        if self._speed < _LEAST_SPEED or abs(self._nominal) < 0.9 * self._full:
+        nominal, before = self._nominal, self.scale
+        if self._speed < _LEAST_SPEED or abs(nominal) < self._sliding:
             return 0.0
-        gained = self._learning_step * integral / self._nominal
-        scale = min(max(self.scale + gained, _LEAST_SCALE), _MOST_SCALE)
-        moved = (scale - self.scale) * self._nominal
+        scale = before + self._learning_step * integral / nominal
+        if scale < _LEAST_SCALE:
+            scale = _LEAST_SCALE
+        elif scale > _MOST_SCALE:
+            scale = _MOST_SCALE
         self.scale = scale
-        return moved
+        return (scale - before) * nominal

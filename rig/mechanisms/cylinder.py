@@ -8,6 +8,7 @@ from controllers.cylinder.types import PairCommand, PairModel, PairReference, Pa
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     ConfigurationError,
+    Device,
     EmergencyStop,
     EmergencyStopInput,
     LimitExceeded,
@@ -210,7 +211,8 @@ class AntagonisticPair:
         (agonist,), t_agonist = self._position_agonist()
         (antagonist,), t_antagonist = self._position_antagonist()
         (p_agonist, p_antagonist), t_pressure = self._pressure()
-        oldest, device = t_agonist, self._encoder_agonist
+        device: Device = self._encoder_agonist
+        oldest = t_agonist
         if t_antagonist < oldest:
             oldest, device = t_antagonist, self._encoder_antagonist
         if t_pressure < oldest:
