@@ -47,8 +47,8 @@ class MarkerEstimateSettings:
     """
 
     frame_period: Annotated[float, Unit("s"), Gt(0)] = 1.0 / 60.0
-    camera_noise: Annotated[float, Unit("m"), Gt(0)] = 30e-6
-    bias_acceleration: Annotated[float, Unit("m/s^2"), Gt(0)] = 15e-3
+    camera_noise: Annotated[float, Unit("m"), Gt(0)] = 15e-6
+    bias_acceleration: Annotated[float, Unit("m/s^2"), Gt(0)] = 5e-3
     max_age: Annotated[float, Unit("s"), Gt(0), Le(1)] = 0.2
     max_bias: Annotated[float, Unit("m"), Gt(0)] = 2e-3
     max_residual: Annotated[float, Unit("m"), Gt(0)] = 0.5e-3

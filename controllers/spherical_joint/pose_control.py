@@ -21,6 +21,7 @@ from controllers.cylinder.types import (
     PairState,
 )
 from controllers.spherical_joint.ball_friction import BallFriction
+from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
 from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.learning import (
     LapLearning,
@@ -102,12 +103,8 @@ class PoseControlSettings:
         Motion of a wire over which that friction turns round, m.
     stretch : float
         Share of the modelled stretch of the wires that the rods make up for.
-    camera : float
-        Share of the difference between camera and encoders by which the reference is corrected;
-        0 leaves the camera out.
-    camera_limit : float
-        Greatest correction, m at the marker: a camera that disagrees by more is not to be
-        followed.
+    camera : CameraLoopSettings
+        How the reference gives way to what the camera sees.
     estimate : MarkerEstimateSettings
         Of the marker.
     learning : JointLearningSettings, optional
@@ -119,8 +116,7 @@ class PoseControlSettings:
     ball_friction: Annotated[float, Ge(0), Le(2)] = 1.0
     friction_distance: Annotated[float, Unit("m"), Gt(0)] = 9e-6
     stretch: Annotated[float, Ge(0), Le(1)] = 1.0
-    camera: Annotated[float, Ge(0), Le(1)] = 0.0
-    camera_limit: Annotated[float, Unit("m"), Gt(0)] = 2e-3
+    camera: CameraLoopSettings = field(default_factory=CameraLoopSettings)
     estimate: MarkerEstimateSettings = field(default_factory=MarkerEstimateSettings)
     learning: JointLearningSettings | None = None
 
@@ -155,6 +151,7 @@ class PoseController:
         self._inverse = InverseKinematics(model.geometry, settings.wire, settings.pose)
         self._distribution = TensionDistribution(model.geometry)
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
+        self._camera = CameraLoop(settings.camera, period)
         wound = 0.5 * math.pi - model.geometry.ring_half_angle
         self._friction = BallFriction(
             settings.ball_friction * model.ring_friction,
@@ -212,6 +209,7 @@ class PoseController:
     def reset(self, state: JointState) -> None:
         """Start bumplessly: the first command is what was measured."""
         self._marker.reset()
+        self._camera.reset()
         self._friction.reset()
         if self.learning is not None:
             self.learning.reset()
@@ -275,6 +273,7 @@ class PoseController:
         self.marker = marker = self._marker.update(
             state.t, (wires[0], wires[1], wires[2], wires[3]), state.camera
         )
+        self._camera.update(marker)
         self.estimate = JointEstimate(
             marker.marker,
             marker.encoder_marker,
@@ -289,18 +288,11 @@ class PoseController:
     def _corrected(self, reference: JointReference) -> tuple[Vector, Vector]:
         """Return the axis to go for and its rate: camera and learning change the reference."""
         (x, y, z), (dx, dy, dz) = reference.axis, reference.velocity
-        share = self._settings.camera
-        changed = False
-        if share > 0.0 and self.marker.camera_age < math.inf:
-            share /= self._height
-            bias, rate = self.marker.bias, self.marker.bias_rate
-            limit = self._settings.camera_limit
-            size = math.hypot(*bias)
-            if size > limit:
-                share *= limit / size
-            x, y, z = x + share * bias[0], y + share * bias[1], z + share * bias[2]
+        offset, rate, share = self._camera.offset, self._camera.rate, 1.0 / self._height
+        changed = offset != (0.0, 0.0, 0.0)
+        if changed:
+            x, y, z = x + share * offset[0], y + share * offset[1], z + share * offset[2]
             dx, dy, dz = dx + share * rate[0], dy + share * rate[1], dz + share * rate[2]
-            changed = True
         lap = reference.lap
         if lap is not None and self.learning is not None:
             self.learning.start_cycle(lap)

@@ -8,6 +8,7 @@ import pytest
 
 from controllers.cylinder.types import PairReference, PairState
 from controllers.spherical_joint.ball_friction import BallFriction
+from controllers.spherical_joint.camera_loop import CameraLoopSettings
 from controllers.spherical_joint.laws import (
     JointCascade,
     JointPid,
@@ -196,11 +197,13 @@ def test_camera_loop_moves_the_reference_by_what_the_camera_sees():
     """Where the camera sees the marker 0.2 mm short of +X, the rods are sent as much further."""
     axis, offset = axis_from_tilt(0.35, 0.0), 0.2e-3
     short = np.subtract(MODEL.geometry.marker(axis), (offset, 0.0, 0.0))
-    controller = build(JointCascade, camera=1.0, ball_friction=0.0)
+    controller = build(
+        JointCascade, camera=CameraLoopSettings(gain=1.0, bandwidth=50.0), ball_friction=0.0
+    )
     pressures = pressures_at(axis)
     rods = rods_at(axis, pressures)
     controller.reset(JointState(0.0, rods, pressures))
-    for k in range(200):
+    for k in range(400):
         t = k * PERIOD
         sample = CameraSample(tuple(short.tolist()), t - t % 0.016)
         controller.update(JointState(t, rods, pressures, sample), resting(axis))
@@ -217,20 +220,18 @@ def test_camera_loop_moves_the_reference_by_what_the_camera_sees():
 
 
 def test_camera_that_disagrees_by_more_than_the_limit_is_followed_to_the_limit():
-    axis = axis_from_tilt(0.35, 0.0)
-    far = np.subtract(MODEL.geometry.marker(axis), (0.0, 8e-3, 0.0))
-    controller = build(JointCascade, camera=1.0, camera_limit=1e-3)
-    rods = rods_at(axis)
-    state = JointState(0.0, rods, BASE)
-    controller.reset(state)
-    start = None
-    for k in range(50):
-        state = JointState(k * PERIOD, rods, BASE, CameraSample(tuple(far.tolist()), 1e-4))
-        controller.update(state, resting(axis))
-        start = start or controller.estimate.rods
-    turned = 0.5 * np.subtract(controller.estimate.rods, start)
-    arm = MODEL.geometry.ball_radius / MODEL.geometry.marker_height
-    assert turned[0] - turned[2] == pytest.approx(1e-3 * arm, rel=0.1)
+    axis, geometry, limit = axis_from_tilt(0.35, 0.0), MODEL.geometry, 1e-3
+    far = CameraSample(tuple(np.subtract(geometry.marker(axis), (0.0, 8e-3, 0.0)).tolist()), 1e-4)
+    camera = CameraLoopSettings(gain=1.0, bandwidth=100.0, limit=limit)
+    controller = build(JointCascade, camera=camera, ball_friction=0.0)
+    pressures = pressures_at(axis)
+    rods = rods_at(axis, pressures)
+    controller.reset(JointState(0.0, rods, pressures))
+    for k in range(200):
+        controller.update(JointState(k * PERIOD, rods, pressures, far), resting(axis))
+    beyond = np.array(axis) + np.array((0.0, limit, 0.0)) / geometry.marker_height
+    beyond = tuple((beyond / np.linalg.norm(beyond)).tolist())
+    assert controller.estimate.rods == pytest.approx(rods_at(beyond, pressures), abs=20e-6)
     assert "bias" in controller.marker.alarms
 
 
