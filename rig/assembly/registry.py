@@ -52,6 +52,10 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "joint-pid-friction": _Class("controllers.spherical_joint.laws:JointPidFriction"),
         "joint-cascade": _Class("controllers.spherical_joint.laws:JointCascade"),
         "joint-super-twisting": _Class("controllers.spherical_joint.laws:JointSuperTwisting"),
+        "legs-inverse": _Class("controllers.gait.laws:InverseLaw"),
+        "sc": _Class("controllers.gait.laws:LimitedNormLaw"),
+        "sc-trapezoid": _Class("controllers.gait.laws:TrapezoidNormLaw"),
+        "min-jerk": _Class("controllers.gait.laws:MinimumJerkLaw"),
     },
     "mechanism": {
         "cylinder": _Class(
@@ -61,6 +65,7 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "joint": _Class(
             "rig.mechanisms.joint:SphericalJoint", "rig.mechanisms.joint_settings:JointSettings"
         ),
+        "legs": _Class("rig.mechanisms.legs:Legs", "rig.mechanisms.legs_settings:LegsSettings"),
     },
     "plant": {
         "antagonistic-pair": _Class(
@@ -70,6 +75,10 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "spherical-joint": _Class(
             "drivers.sim.plants.spherical_joint:SphericalJointPlant",
             "drivers.sim.plants.spherical_joint_settings:SphericalJointPlantSettings",
+        ),
+        "legs": _Class(
+            "drivers.sim.plants.legs:LegsPlant",
+            "drivers.sim.plants.legs_settings:LegsPlantSettings",
         ),
     },
     "reference": {
@@ -88,6 +97,12 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "joint-circle": _Class(
             "rig.experiment.references.joint:JointCircle",
             "rig.experiment.references.joint:JointCircle",
+        ),
+        "legs-walk": _Class(
+            "controllers.gait.motions:WalkSettings", "controllers.gait.motions:WalkSettings"
+        ),
+        "legs-squat": _Class(
+            "controllers.gait.motions:SquatSettings", "controllers.gait.motions:SquatSettings"
         ),
         "joint-poses": _Class(
             "rig.experiment.references.joint:JointPoses",

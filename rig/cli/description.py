@@ -93,12 +93,14 @@ def _unit(annotation: Any) -> str:
 
 def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
-    from rig.experiment.measures import MEASURES
+    from rig.experiment.measures import MEASURES, Measure
+    from rig.runtime.motion import Fact, facts_of
 
     experiment, motion = plan.experiment, plan.motion
+    known: dict[str, Measure | Fact] = {**MEASURES, **facts_of(motion)}
     metrics = []
     for name, spec in experiment.metrics.items():
-        measure = MEASURES[spec.measure or name]
+        measure = known[spec.measure or name]
         metrics.append(
             {
                 "name": name,

@@ -12,7 +12,7 @@ from rig.experiment.measures import MEASURES
 from rig.experiment.measures.base import Samples, Window
 from rig.hal import RigError
 from rig.runtime.log import LogError
-from rig.runtime.motion import Segment
+from rig.runtime.motion import Fact, Segment
 
 if TYPE_CHECKING:
     from rig.runtime.log import Log
@@ -101,7 +101,10 @@ class Metric(NamedTuple):
 
 
 def evaluate(
-    log: "Log", segments: Sequence[Segment], specs: Mapping[str, MetricSpec]
+    log: "Log",
+    segments: Sequence[Segment],
+    specs: Mapping[str, MetricSpec],
+    facts: Mapping[str, Fact] | None = None,
 ) -> list[Metric]:
     """Compute an experiment's metrics from a log.
 
@@ -114,6 +117,8 @@ def evaluate(
     specs : mapping of str to MetricSpec
         By the metric's name. One with both bounds gives two metrics, ``name`` for the upper
         and ``name.min`` for the lower.
+    facts : mapping of str to Fact, optional
+        What the motion's plan says of it; a metric may name one instead of a measure.
 
     Returns
     -------
@@ -127,9 +132,13 @@ def evaluate(
         to its end: a number over half of it would look like one over all of it.
     """
     samples = Samples(log)
-    metrics = []
+    metrics: list[Metric] = []
     for name, spec in specs.items():
         measure_name = spec.measure or name
+        fact = (facts or {}).get(measure_name)
+        if fact is not None:
+            metrics += _bounded(name, spec, measure_name, fact.value, fact.unit)
+            continue
         measure = MEASURES.get(measure_name)
         if measure is None:
             raise MetricError(
@@ -147,24 +156,33 @@ def evaluate(
             value = measure.compute(windows)
         except (ValueError, LogError) as error:
             raise MetricError(f"metric {name}: {error}") from error
-        bounds: list[tuple[str, float | None, str | None]] = []
-        if spec.max is not None or spec.min is None:
-            bounds.append((name, spec.max, "max" if spec.max is not None else None))
-        if spec.min is not None:
-            bounds.append((f"{name}.min" if bounds else name, spec.min, "min"))
-        for label, bound, kind in bounds:
-            metrics.append(
-                Metric(label, value, measure.unit, bound, kind, measure_name, spec.segments)
-            )
+        metrics += _bounded(name, spec, measure_name, value, measure.unit)
     return metrics
 
 
+def _bounded(name: str, spec: MetricSpec, measure: str, value: float, unit: str) -> list[Metric]:
+    """Hold a value against the bounds that a specification gives: one metric for each."""
+    bounds: list[tuple[str, float | None, str | None]] = []
+    if spec.max is not None or spec.min is None:
+        bounds.append((name, spec.max, "max" if spec.max is not None else None))
+    if spec.min is not None:
+        bounds.append((f"{name}.min" if bounds else name, spec.min, "min"))
+    return [
+        Metric(label, value, unit, bound, kind, measure, spec.segments)
+        for label, bound, kind in bounds
+    ]
+
+
 def evaluation_as_json(
-    segments: Sequence[Segment], specs: Mapping[str, MetricSpec], figures: Sequence[str] = ()
+    segments: Sequence[Segment],
+    specs: Mapping[str, MetricSpec],
+    figures: Sequence[str] = (),
+    facts: Mapping[str, Fact] | None = None,
 ) -> dict[str, Any]:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
         "figures": list(figures),
+        "facts": {name: fact._asdict() for name, fact in (facts or {}).items()},
         "segments": [segment._asdict() for segment in segments],
         "metrics": {
             name: {
@@ -176,6 +194,11 @@ def evaluation_as_json(
             for name, spec in specs.items()
         },
     }
+
+
+def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
+    """Return the facts of an ``evaluation.json``."""
+    return {name: Fact(**fact) for name, fact in content.get("facts", {}).items()}
 
 
 def evaluation_from_json(

@@ -18,9 +18,9 @@ from rig.config import (
     load_profile,
 )
 from rig.config.experiment import rig_of
-from rig.experiment.measures import MEASURES
+from rig.experiment.measures import MEASURES, Measure
 from rig.hal import ConfigurationError
-from rig.runtime.motion import Motion
+from rig.runtime.motion import Fact, Motion, facts_of
 
 
 class Plan(NamedTuple):
@@ -139,11 +139,13 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
 
 def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
     names = [segment.name for segment in motion.segments]
+    facts = facts_of(motion)
+    known: dict[str, Measure | Fact] = {**MEASURES, **facts}
     for name, spec in experiment.metrics.items():
-        measure = MEASURES.get(spec.measure or name)
+        measure = known.get(spec.measure or name)
         if measure is None:
-            near = difflib.get_close_matches(spec.measure or name, MEASURES, n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(MEASURES)}"
+            near = difflib.get_close_matches(spec.measure or name, known, n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(known)}"
             raise ConfigurationError(
                 f"metric {name}: no measure is called {spec.measure or name!r}{hint}"
             )

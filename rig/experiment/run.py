@@ -22,6 +22,7 @@ from rig.runtime.loop import (
     Progress,
     Timings,
 )
+from rig.runtime.motion import facts_of
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import Recorder
 from rig.runtime.states import RigState, StateMachine
@@ -148,7 +149,10 @@ def _create_folder(plan: Plan, backend: Backend, out: Path, overrides: Sequence[
         command=[shlex.join(command)],
     )
     folder.write_json(
-        EVALUATION, evaluation_as_json(plan.motion.segments, experiment.metrics, experiment.figures)
+        EVALUATION,
+        evaluation_as_json(
+            plan.motion.segments, experiment.metrics, experiment.figures, facts_of(plan.motion)
+        ),
     )
     return folder
 
@@ -207,6 +211,7 @@ def _run(
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any]:
     loop = plan.profile.loop
     rig.mechanism.controller = plan.controller
+    rig.mechanism.motion = plan.motion
     return Loop(
         clock=rig.clock,
         period=loop.period,
@@ -246,7 +251,7 @@ def _finish(plan: Plan, folder: RunFolder, status: RunStatus) -> list[Metric]:
         folder.write_timing(summarise_timing(log))
     if status is not RunStatus.OK:
         return []
-    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics)
+    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics, facts_of(plan.motion))
     folder.write_metrics(metrics)
     return metrics
 

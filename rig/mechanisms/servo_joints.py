@@ -291,13 +291,16 @@ class ServoJoints:
         """Return the reference to stay where the joints are."""
         return self._kinds.reference(self._applied or state.positions, self._still, False)
 
-    def approach_joints(self, start: Any, end: Any, duration: float, t: float) -> Any:
-        """Return the minimum-jerk way between two postures at `t`."""
+    @staticmethod
+    def approach_joints(
+        kind: Callable[[Vector, Vector, bool], Any], start: Any, end: Any, duration: float, t: float
+    ) -> Any:
+        """Return the minimum-jerk way between two postures at `t`, as a reference of a kind."""
         moves = [
             minimum_jerk(a, b, duration, t)
             for a, b in zip(start.positions, end.positions, strict=True)
         ]
-        return self._kinds.reference(
+        return kind(
             tuple([position for position, _, _ in moves]),
             tuple([velocity for _, velocity, _ in moves]),
             False,

@@ -2,7 +2,13 @@
 
 from pathlib import Path
 
-from rig.experiment.metrics import Metric, MetricError, evaluate, evaluation_from_json
+from rig.experiment.metrics import (
+    Metric,
+    MetricError,
+    evaluate,
+    evaluation_from_json,
+    facts_from_json,
+)
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.timing import summarise_timing
@@ -60,12 +66,14 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     problems : list of str
         Why the others could not.
     """
-    segments, specs = evaluation_from_json(folder.read_json(EVALUATION))
+    content = folder.read_json(EVALUATION)
+    segments, specs = evaluation_from_json(content)
+    facts = facts_from_json(content)
     metrics: list[Metric] = []
     problems: list[str] = []
     for name, spec in specs.items():
         try:
-            metrics += evaluate(log, segments, {name: spec})
+            metrics += evaluate(log, segments, {name: spec}, facts)
         except MetricError as error:
             problems.append(str(error))
     return metrics, problems

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Any, Generic, NamedTuple, Protocol
 
 from controllers.base import Controller
-from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
+from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled, SafetyError
 from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
 from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
@@ -376,6 +376,7 @@ class _Run(Generic[State, Reference, Command]):
         self._mechanism = loop.mechanism
         self._controller = loop.controller
         self._motion = motion
+        self._waits: bool = getattr(motion, "waits", False)
         self._timings = timings
         self._start: State | None = None
         self._controlling = False
@@ -392,7 +393,9 @@ class _Run(Generic[State, Reference, Command]):
             self._home = mechanism.reference_of(state)
             mechanism.start_limiting(state)
         energise, approach, _ = self._timings
-        self.reference_time = reference_time = t - energise - approach
+        # A motion that waits is held by a late cycle: nothing of it is left out.
+        held = self.missed * self._loop.period if self._waits else 0.0
+        self.reference_time = reference_time = t - energise - approach - held
 
         if self.phase is not _STOP and (stops or reference_time >= self.duration):
             self._begin_stop(t, state)
@@ -415,7 +418,10 @@ class _Run(Generic[State, Reference, Command]):
         else:
             self.phase = _RUN
             reference = self._motion.at(reference_time)
-        return reference, self._controller.update(state, reference)
+        try:
+            return reference, self._controller.update(state, reference)
+        except ValueError as error:
+            raise SafetyError(f"the controller cannot go on: {error}") from error
 
     def _begin_stop(self, t: float, state: State) -> None:
         self.phase = _STOP

@@ -1,5 +1,6 @@
 """What the loop follows, and the stretches of it that metrics look at."""
 
+from collections.abc import Mapping
 from typing import NamedTuple, Protocol, TypeVar
 
 Followed = TypeVar("Followed", covariant=True)
@@ -37,3 +38,27 @@ class Motion(Protocol[Followed]):
     def at(self, t: float) -> Followed:
         """Return the reference at `t` seconds, 0 … `duration`."""
         ...
+
+
+class Fact(NamedTuple):
+    """A number that is known of a motion before it is done: it may be a metric like a measured one.
+
+    Parameters
+    ----------
+    value : float
+        SI.
+    unit : str
+        SI unit, empty for a ratio.
+    description : str
+        For reports.
+    """
+
+    value: float
+    unit: str
+    description: str
+
+
+def facts_of(motion: "Motion[object]") -> Mapping[str, Fact]:
+    """Return what is known of a motion before it is done; empty for one that was only drawn."""
+    facts: Mapping[str, Fact] = getattr(motion, "facts", {})
+    return facts

@@ -4,4 +4,6 @@ from rig.experiment.measures.base import Measure
 from rig.experiment.measures.joint import JOINT_MEASURES
 from rig.experiment.measures.pair import PAIR_MEASURES
 
+__all__ = ["MEASURES", "Measure"]
+
 MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES}

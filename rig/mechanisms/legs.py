@@ -1,0 +1,185 @@
+"""Two walking legs on servo drives."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.plan import GaitPlan
+from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
+from rig.mechanisms.legs_settings import LegsSettings
+from rig.mechanisms.servo_joints import JointLimits, Kinds, ServoJoints, servo_columns
+from rig.runtime.columns import Column
+from rig.runtime.motion import Fact, Segment
+
+_FINE = 1e-3
+"""Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
+grows as the steps get finer."""
+_RESOLUTION = np.deg2rad(1.0 / 209.0)
+"""Of HOAP's servos, rad: 209 pulses per degree; the legs' mismatch is given for it as well."""
+
+
+class PlannedGait:
+    """A plan of a law as the loop follows it, with what is known of it beforehand.
+
+    Parameters
+    ----------
+    plan : GaitPlan
+        At the loop's period.
+    fine : GaitPlan
+        The same at 1 kHz, for peak rates.
+    """
+
+    waits = True
+    """A late cycle holds the motion: what a law has not commanded must not be left out."""
+
+    def __init__(self, plan: GaitPlan, fine: GaitPlan) -> None:
+        self.plan = plan
+        margin, static = plan.balance.margin, plan.balance.static_margin
+        self._rows: list[tuple[float, ...]] = np.column_stack(
+            [
+                plan.waist,
+                plan.feet.reshape(len(plan.t), 6),
+                plan.balance.centre[:, :2],
+                plan.balance.zero_moment,
+                static,
+                margin,
+                plan.phase_number,
+                plan.path,
+            ]
+        ).tolist()
+        self.facts: Mapping[str, Fact] = {
+            "peak_knee_rate": Fact(fine.peak_knee_rate, "rad/s", "greatest knee rate, at 1 kHz"),
+            "peak_norm_rate": Fact(fine.peak_norm, "rad/s", "greatest norm of the joint rates"),
+            "rate_jump": Fact(fine.greatest_jump, "rad/s", "greatest jump of a rate in 1 ms"),
+            "advance": Fact(plan.advance, "m", "how far the planned joints carry the waist"),
+            "leg_mismatch": Fact(plan.mismatch(), "m", "disagreement of the legs on the waist"),
+            "leg_mismatch_quantised": Fact(
+                plan.mismatch(float(_RESOLUTION)), "m", "the same at 209 pulses per degree"
+            ),
+            "static_margin": Fact(plan.static_margin, "m", "centre of mass inside the support"),
+            "balance_margin": Fact(plan.margin, "m", "centre of mass and zero-moment point"),
+            "near_singular_windows": Fact(
+                float(len(plan.near_singular_windows)), "", "stretches with a knee below 5 deg"
+            ),
+        }
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return self.plan.duration
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The whole motion, and each phase."""
+        return (
+            Segment("all", 0.0, self.plan.duration),
+            *(Segment(*segment) for segment in self.plan.segments),
+        )
+
+    def at(self, t: float) -> LegsReference:
+        """Return what the legs should do at `t`."""
+        return self.plan.at(t)
+
+    def sample(self, number: int) -> tuple[float, ...]:
+        """Return the plan's columns of a cycle."""
+        return tuple(self._rows[min(max(number, 0), len(self._rows) - 1)])
+
+
+class Legs(ServoJoints):
+    """The loop's view of two legs.
+
+    Parameters
+    ----------
+    settings : LegsSettings
+        Geometry and limits.
+    devices : mapping
+        The rig's devices by name.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices do not have each of the twelve joints exactly once.
+    """
+
+    Settings = LegsSettings
+
+    columns = (
+        *servo_columns(JOINT_NAMES),
+        *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
+        *(
+            Column(f"reference.{leg}_foot_{axis}", "m", "planned sole under the ankle")
+            for leg in ("right", "left")
+            for axis in "xyz"
+        ),
+        *(Column(f"plan.mass_{axis}", "m", "centre of mass") for axis in "xy"),
+        *(Column(f"plan.zero_moment_{axis}", "m", "zero-moment point") for axis in "xy"),
+        Column("plan.static_margin", "m", "centre of mass inside the support polygon"),
+        Column("plan.margin", "m", "the nearer of both inside the support polygon"),
+        Column("plan.phase", "", "number of the phase"),
+        Column("plan.path", "", "path parameter in it, 0 … 1"),
+    )
+
+    def __init__(self, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> None:
+        limits = settings.geometry.limits
+        super().__init__(
+            JointLimits(
+                JOINT_NAMES,
+                tuple([lower for lower, _ in limits]),
+                tuple([upper for _, upper in limits]),
+                (settings.geometry.max_rate,) * len(JOINT_NAMES),
+            ),
+            settings.limits,
+            *self.pick("legs", settings, devices),
+            Kinds(LegsState, LegsReference, LegsCommand),
+            period,
+        )
+        self.settings = settings
+        self.controller: Any = None
+        self.motion: PlannedGait | None = None
+        self._followed = 0
+
+    @classmethod
+    def assemble(cls, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> "Legs":
+        """Pick the devices that the settings name."""
+        return cls(settings, devices, period)
+
+    @classmethod
+    def model_of(cls, settings: LegsSettings) -> GaitModel:
+        """Return what the laws are told of the legs."""
+        return GaitModel(settings.geometry, settings.balance)
+
+    @classmethod
+    def plan(
+        cls, settings: LegsSettings, reference: Any, controller: Any, period: float
+    ) -> PlannedGait:
+        """Have the law work out the whole motion; see `Mechanism.plan`."""
+        if not hasattr(reference, "phases"):
+            raise ValueError("the reference is not one for legs")
+        law = type(controller)
+        fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
+        return PlannedGait(controller.prepare(reference), fine)
+
+    @classmethod
+    def approach(
+        cls, start: LegsReference, end: LegsReference, duration: float, t: float
+    ) -> LegsReference:
+        """Return the minimum-jerk way between two postures at `t`."""
+        return cls.approach_joints(LegsReference, start, end, duration, t)  # type: ignore[no-any-return]
+
+    def start_limiting(self, state: Any) -> None:
+        """See `ServoJoints.start_limiting`."""
+        super().start_limiting(state)
+        self._followed = 0
+
+    def row(
+        self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 17
+        if reference.follow:
+            self._followed += 1
+        return (*self.joint_row(state, reference, command, applied), *planned)
