@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.gait.curve import PhaseCurve, joints_of
+from controllers.gait.curve import PhaseCurve
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.phases import Phase
 
@@ -62,9 +62,9 @@ def measure(geometry: LegGeometry, phase: Phase) -> Arcs:
 
 @lru_cache(maxsize=256)
 def _measure(geometry: LegGeometry, phase: Phase) -> Arcs:
-    curve = PhaseCurve(geometry, phase)
+    curve = PhaseCurve(geometry, phase, 1.0)
     xi = np.sin(np.linspace(0.0, 0.5 * math.pi, _SAMPLES + 1)) ** 2
-    joints = np.array([joints_of(curve.state_at(x)) for x in xi.tolist()])
+    joints = np.array([curve.joints_at(x) for x in xi.tolist()])
     steps = np.diff(joints, axis=0)
     fine = np.linalg.norm(steps, axis=1)
     coarse = np.linalg.norm(steps[::2] + steps[1::2], axis=1)

@@ -12,9 +12,9 @@ from typing import ClassVar, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from controllers.gait.arcs import Arcs, measure
-from controllers.gait.curve import PhaseCurve, check_limits
+from controllers.gait.curve import PhaseCurve
 from controllers.gait.fastest import fastest
-from controllers.gait.geometry import LegGeometry
+from controllers.gait.geometry import JOINT_NAMES, LegGeometry
 from controllers.gait.motions import LegsMotion, WalkSettings
 from controllers.gait.paces import LimitedNormPace, Pace, TrapezoidNormPace
 from controllers.gait.phases import Phase
@@ -30,6 +30,10 @@ from controllers.gait.types import (
 from controllers.motion import InfeasibleMotion
 
 Chosen = TypeVar("Chosen")
+
+_REST: Joints = (0.0,) * 12
+_ROUNDING = 1e-9
+"""By which a joint may pass its limit, rad."""
 
 
 class TimedPhase(NamedTuple):
@@ -56,7 +60,7 @@ class TimedPhase(NamedTuple):
         return self.last - self.first
 
 
-class _Leg(NamedTuple):
+class _Stretch(NamedTuple):
     curve: PhaseCurve
     pace: Pace
     cycles: int
@@ -88,14 +92,16 @@ class GaitLaw(ABC, Generic[Chosen]):
         self.settings = settings
         self.model = model
         self.period = period
-        self.estimate = GaitEstimate(0, 0.0)
-        """Phase and path parameter of the last command."""
-        self._schedule: tuple[_Leg, ...] = ()
+        self._schedule: tuple[_Stretch, ...] = ()
         self._number = 0
         self._cycle = 0
-        self._positions: Joints = ()
-        self._rest: Joints = (0.0,) * 12
         self._started = False
+
+    @property
+    def estimate(self) -> GaitEstimate:
+        """Phase and path parameter of the last command."""
+        path = self._schedule[self._number].curve.path if self._schedule else 0.0
+        return GaitEstimate(self._number, path)
 
     @abstractmethod
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
@@ -125,7 +131,7 @@ class GaitLaw(ABC, Generic[Chosen]):
         make = self._pace_maker(timed, motion.speed)
         paces = [_make_pace(make, entry) for entry in timed]
         self._schedule = tuple(
-            _Leg(PhaseCurve(geometry, entry.phase), pace, entry.cycles)
+            _Stretch(PhaseCurve(geometry, entry.phase, self.period), pace, entry.cycles)
             for entry, pace in zip(timed, paces, strict=True)
         )
         plan = self._sample(timed, paces)
@@ -148,24 +154,19 @@ class GaitLaw(ABC, Generic[Chosen]):
         """
         if not reference.follow:
             return LegsCommand(reference.positions, reference.velocities)
+        if self._started:
+            moved = self._advance()
+            curve = self._schedule[self._number].curve
+            return LegsCommand(curve.joints, curve.velocities if moved else _REST)
         if not self._schedule:
             raise RuntimeError(f"the law {self.name} was asked to run before it prepared a motion")
-        if not self._started:
-            self._started = True
-            return LegsCommand(self._positions, self._rest)
-        before = self._positions
-        if not self._advance():
-            return LegsCommand(before, self._rest)
-        after = self._positions
-        rate = 1.0 / self.period
-        return LegsCommand(after, tuple([rate * (b - a) for a, b in zip(before, after)]))  # noqa: B905
+        self._started = True
+        return LegsCommand(self._schedule[0].curve.joints, _REST)
 
     def _restart(self) -> None:
         self._number = self._cycle = 0
         self._started = False
         self._schedule[0].curve.begin()
-        self._positions = self._schedule[0].curve.joints
-        self.estimate = GaitEstimate(0, 0.0)
 
     def _advance(self) -> bool:
         """Move on by one period; return whether anything was left to do."""
@@ -179,18 +180,16 @@ class GaitLaw(ABC, Generic[Chosen]):
             curve.begin()
         pace.advance(curve, self._cycle)
         self._cycle += 1
-        self._positions = curve.joints
-        self.estimate = GaitEstimate(self._number, curve.path)
         return True
 
     def _sample(self, timed: Sequence[TimedPhase], paces: Sequence[Pace]) -> GaitPlan:
         self._restart()
-        joints, numbers, path = [self._positions], [0], [0.0]
+        joints, numbers, path = [self._schedule[0].curve.joints], [0], [0.0]
         while self._advance():
-            joints.append(self._positions)
-            number, xi = self.estimate
-            numbers.append(number)
-            path.append(xi)
+            curve = self._schedule[self._number].curve
+            joints.append(curve.joints)
+            numbers.append(self._number)
+            path.append(curve.path)
         q = np.array(joints)
         walked = [timed[number].phase for number in numbers]
         waist = np.array([phase.waist_at(xi) for phase, xi in zip(walked, path, strict=True)])
@@ -222,11 +221,14 @@ class GaitLaw(ABC, Generic[Chosen]):
 
     def _check(self, plan: GaitPlan) -> None:
         limits = np.array(plan.geometry.limits)
-        beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1]).max(axis=1)
-        worst = int(np.argmax(beyond))
-        message = check_limits(plan.geometry, tuple(plan.q[worst].tolist()))
-        if message is not None:
-            raise InfeasibleMotion(f"at {plan.t[worst]:.3f} s {message}.")
+        beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1])
+        worst, joint = divmod(int(np.argmax(beyond)), len(JOINT_NAMES))
+        if beyond[worst, joint] > _ROUNDING:
+            low, high = np.degrees(limits[joint]).tolist()
+            raise InfeasibleMotion(
+                f"at {plan.t[worst]:.3f} s {JOINT_NAMES[joint]} would be at "
+                f"{math.degrees(plan.q[worst, joint]):.3f} deg, outside {low:g} … {high:g} deg."
+            )
         bound = self.model.balance.min_margin
         worst = int(np.argmin(plan.balance.margin))
         if plan.margin < bound:

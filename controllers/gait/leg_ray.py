@@ -1,9 +1,4 @@
-"""The ray of one leg in closed form, in scalars.
-
-Two forms. `leg_ray` takes any waist twist and any posture and is the adjugate, term by term.
-`upright_ray` is what remains of it while the waist stays parallel to the foot (the gait): the same
-direction, divided by the two factors of the determinant that do not vanish there.
-"""
+"""The ray of one leg in closed form: the adjugate times any waist twist, in any posture."""
 
 import math
 from typing import NamedTuple
@@ -24,25 +19,6 @@ class LegRay(NamedTuple):
     """
 
     joints: LegAngles
-    path: float
-
-
-class UprightRay(NamedTuple):
-    """The three rates that count while the waist stays upright, up to one scale.
-
-    Hip yaw stands still, hip roll undoes the ankle's roll, hip pitch the sum of knee and ankle.
-
-    Parameters
-    ----------
-    knee, ankle_pitch, ankle_roll : float
-        Joint rates per scale.
-    path : float
-        Rate of the path parameter per scale; never negative with the knee bent forwards.
-    """
-
-    knee: float
-    ankle_pitch: float
-    ankle_roll: float
     path: float
 
 
@@ -98,39 +74,4 @@ def leg_ray(
     return LegRay(
         (-tz, -c2 * tx, s2 * tz - c2 * gy, -c2 * rz * n4, -c2 * rz * n5, -c2 * d * vy),
         -d * rz * c2,
-    )
-
-
-def upright_ray(
-    thigh: float,
-    shank: float,
-    knee: float,
-    ankle_pitch: float,
-    ankle_roll: float,
-    velocity: Vector,
-) -> UprightRay:
-    """Return the ray of a leg under an upright waist.
-
-    Parameters
-    ----------
-    thigh, shank : float
-        Lengths, m.
-    knee, ankle_pitch, ankle_roll : float
-        Joint angles, rad.
-    velocity : tuple of float
-        Of the waist seen from the foot, per path parameter, m.
-    """
-    q45 = knee + ankle_pitch
-    s45, c45 = math.sin(q45), math.cos(q45)
-    s6, c6 = math.sin(ankle_roll), math.cos(ankle_roll)
-    forward = -shank * math.sin(ankle_pitch) - thigh * s45
-    height = shank * math.cos(ankle_pitch) + thigh * c45
-    path = thigh * shank * math.sin(knee)
-    vx, vy, vz = velocity
-    radial = vy * s6 + vz * c6
-    return UprightRay(
-        -forward * vx - height * radial,
-        thigh * (c45 * radial - s45 * vx),
-        path * (vy * c6 - vz * s6) / height,
-        path,
     )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from controllers.gait.curve_kernel import upright_ray
 from controllers.gait.geometry import JOINT_NAMES, LegGeometry
 from controllers.gait.kinematics import (
     determinant_factors,
@@ -15,7 +16,7 @@ from controllers.gait.kinematics import (
     jacobian,
     waist_from_foot,
 )
-from controllers.gait.leg_ray import leg_ray, upright_ray
+from controllers.gait.leg_ray import leg_ray
 from controllers.motion import InfeasibleMotion
 from controllers.singularity.ray import adjugate
 
@@ -122,12 +123,13 @@ def test_upright_ray_is_the_same_direction(knee, ankle_pitch, ankle_roll, veloci
     q = (0.0, -ankle_roll, -knee - ankle_pitch, knee, ankle_pitch, ankle_roll)
     ray = leg_ray(GEOMETRY, 0, q, velocity)
     factors = determinant_factors(GEOMETRY, q)
-    short = upright_ray(GEOMETRY.thigh, GEOMETRY.shank, knee, ankle_pitch, ankle_roll, velocity)
-    scale = factors.height * factors.gimbal
-    long = (0.0, -short.ankle_roll, -short.knee - short.ankle_pitch, *short[:3], short.path)
-    np.testing.assert_allclose(
-        (*ray.joints, ray.path), [scale * value for value in long], atol=1e-15
+    knee_rate, pitch_rate, roll_rate, path = upright_ray(
+        GEOMETRY.thigh, GEOMETRY.shank, knee, ankle_pitch, ankle_roll, *velocity
     )
+    hip = (0.0, -roll_rate, -knee_rate - pitch_rate)
+    scale = factors.height * factors.gimbal
+    short = [scale * rate for rate in (*hip, knee_rate, pitch_rate, roll_rate, path)]
+    np.testing.assert_allclose((*ray.joints, ray.path), short, atol=1e-15)
 
 
 def test_straight_leg_has_a_ray_where_it_has_no_inverse():
