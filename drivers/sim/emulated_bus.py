@@ -7,7 +7,7 @@ from math import inf
 from typing import cast
 
 from drivers.sim.frame_faults import FrameFaults
-from drivers.sim.nodes.base import EmulatedNode
+from drivers.sim.nodes.bus_node import BusNode
 from rig.hal.bus import CanBus, Frame
 
 
@@ -20,7 +20,7 @@ class EmulatedBus:
         The bus's name in the profile.
     bus : CanBus
         The simulated end.
-    nodes : sequence of EmulatedNode
+    nodes : sequence of BusNode
         With different node numbers.
 
     Attributes
@@ -38,7 +38,7 @@ class EmulatedBus:
         Two nodes have the same number or name.
     """
 
-    def __init__(self, name: str, bus: CanBus, nodes: Sequence[EmulatedNode]) -> None:
+    def __init__(self, name: str, bus: CanBus, nodes: Sequence[BusNode]) -> None:
         import can
 
         for attribute in ("node_id", "name"):
@@ -142,7 +142,7 @@ class EmulatedBus:
 
             self._post(latency + delay, arrive)
 
-    def _sender(self, sender: EmulatedNode) -> Callable[[int, bytes], None]:
+    def _sender(self, sender: BusNode) -> Callable[[int, bytes], None]:
         others = [node for node in self.nodes if node is not sender]
 
         def send(can_id: int, data: bytes) -> None:
@@ -156,9 +156,7 @@ class EmulatedBus:
 
         return send
 
-    def _from_node(
-        self, others: Sequence[EmulatedNode], can_id: int, data: bytes, now: float
-    ) -> None:
+    def _from_node(self, others: Sequence[BusNode], can_id: int, data: bytes, now: float) -> None:
         self._to_master(can_id, data, now)
         for node in others:
             node.receive(can_id, data, now)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Literal
 
-from drivers.sim.nodes.base import EmulatedNode
+from drivers.sim.nodes.bus_node import BusNode
 
 Kind = Literal["drop", "delay", "duplicate", "truncate", "corrupt"]
 _KINDS: tuple[Kind, ...] = ("drop", "delay", "duplicate", "truncate", "corrupt")
@@ -52,7 +52,7 @@ class FrameFaults:
         """Let all frames pass again."""
         self._faults.clear()
 
-    def offer(self, node: EmulatedNode) -> None:
+    def offer(self, node: BusNode) -> None:
         """Make the faults of a node's frames known to it by name.
 
         ``drop_frames`` (value: how many, default 1), ``delay_frames`` (value: s, default
@@ -63,7 +63,7 @@ class FrameFaults:
         for kind in _KINDS:
             node.add_fault(f"{kind}_frames", partial(self._inject, node, kind), self.clear)
 
-    def _inject(self, node: EmulatedNode, kind: Kind, value: float | None) -> None:
+    def _inject(self, node: BusNode, kind: Kind, value: float | None) -> None:
         if value is not None and (value < 0.0 or (kind != "delay" and value != int(value))):
             raise ValueError(f"{node.name}: {kind}_frames does not take {value:g}")
         count = int(value) if kind == "drop" and value is not None else 1

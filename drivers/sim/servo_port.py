@@ -11,7 +11,7 @@ class ServoPort(Protocol):
     """
 
     def command_joint(
-        self, channel: int, position: float | None, velocity: float, torque_on: bool
+        self, channel: int, position: float, velocity: float, torque_on: bool
     ) -> None:
         """Give a joint's servo loop its reference.
 
@@ -19,8 +19,8 @@ class ServoPort(Protocol):
         ----------
         channel : int
             The joint.
-        position : float or None
-            Where it shall be now, rad; None from drives that follow a velocity alone.
+        position : float
+            Where it shall be now, rad; drives that follow a velocity integrate it.
         velocity : float
             How fast this reference moves, rad/s. A drive repeats the call at the rate of its
             own loop while the reference moves.

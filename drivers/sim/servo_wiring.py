@@ -5,7 +5,9 @@ from typing import Any
 
 from drivers.servos.cia402_settings import Cia402Settings
 from drivers.servos.joint_settings import JointSettings
+from drivers.servos.odrive_settings import OdriveEndpoints, OdriveSettings
 from drivers.sim.nodes.cia402 import EmulatedCia402
+from drivers.sim.nodes.odrive import EmulatedOdrive, Endpoint
 
 
 def emulate_cia402(
@@ -27,6 +29,46 @@ def emulate_cia402(
         )
         for (joint, drive), channel in zip(settings.joints.items(), channels, strict=True)
     )
+
+
+def emulate_odrive(
+    name: str, settings: OdriveSettings, plant: Any, channels: tuple[int, ...], serial: int
+) -> tuple[EmulatedOdrive, ...]:
+    """Return one emulated axis per joint, mounted and set up as the driver's settings say."""
+    numbers = settings.endpoints
+    # What the driver can write is as the maker ships it; the rest was set by hand.
+    endpoints = {} if numbers is None else _endpoints(numbers)
+    by_hand = {"watchdog": settings.watchdog} if numbers is None else {}
+    if numbers is None or numbers.heartbeat_period is None:
+        by_hand["heartbeat"] = settings.heartbeat
+    if numbers is None or numbers.encoder_period is None:
+        by_hand["encoder_period"] = settings.encoder_period
+    return tuple(
+        EmulatedOdrive(
+            f"{name}.{joint}",
+            axis.axis,
+            plant,
+            channel,
+            gear=signed_gear(axis),
+            zero=axis.offset,
+            serial=serial if axis.serial is None else axis.serial,
+            endpoints=endpoints,
+            **by_hand,
+        )
+        for (joint, axis), channel in zip(settings.joints.items(), channels, strict=True)
+    )
+
+
+def _endpoints(numbers: OdriveEndpoints) -> dict[int, Endpoint]:
+    made: dict[int, Endpoint] = {
+        numbers.enable_watchdog: ("enable_watchdog", "?"),
+        numbers.watchdog_timeout: ("watchdog_timeout", "f"),
+    }
+    if numbers.heartbeat_period is not None:
+        made[numbers.heartbeat_period] = ("heartbeat_msg_rate_ms", "I")
+    if numbers.encoder_period is not None:
+        made[numbers.encoder_period] = ("encoder_msg_rate_ms", "I")
+    return made
 
 
 def signed_gear(joint: JointSettings) -> float:

@@ -9,12 +9,16 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
 from drivers.servos.cia402 import Cia402Servos
 from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
+from drivers.servos.odrive import OdriveServos
+from drivers.servos.odrive_bus import OdriveBus
+from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, OdriveSettings
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulation import EmulatedRig
-from drivers.sim.servo_wiring import emulate_cia402
+from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive
 
 PERIOD = 0.005
+_AXIS_FIELDS = [field.name for field in fields(AxisSettings)]
 _DRIVE_FIELDS = [field.name for field in fields(DriveSettings)]
 
 
@@ -46,8 +50,8 @@ class LaggedJoints:
             if k in self.blocked:
                 pass
             elif self.powered[k]:
+                # the servo loop is much faster than the calls: its reference moves on
                 reference[0] += reference[1] * dt
-                # lags behind a ramp by nothing: the velocity is fed forward
                 self.angles[k] += reference[1] * dt
                 self.angles[k] += (reference[0] - self.angles[k]) * share
             else:
@@ -80,10 +84,8 @@ class Wire:
 
     # the master's interface
     def send_data(self, can_id, data):
-        self.to_nodes.append(CanFrame(can_id, bytes(data)))
-
-    def send_remote(self, can_id):
-        self.to_nodes.append(CanFrame(can_id, b"", is_remote_frame=True))
+        remote = bool(can_id & 0x4000_0000)
+        self.to_nodes.append(CanFrame(can_id & 0x7FF, bytes(data), is_remote_frame=remote))
 
     def drain(self, limit=256):
         frames, self.to_master[:] = self.to_master[:limit], self.to_master[limit:]
@@ -125,7 +127,7 @@ class ServoRig:
         self.bus.open()
         self.driver.connect()
 
-    def start(self, cycles=40):
+    def start(self, cycles=60):
         """Connect, arm, and cycle until the joints follow."""
         self.open()
         self.driver.arm()
@@ -200,6 +202,44 @@ def cia402_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
         plant,
         lambda open_bus, clock: CanopenBus("can0", can, open_bus, clock, PERIOD),
         lambda bus: Cia402Servos("arm", settings, bus),
+        nodes,
+        faults=faults,
+        loss=loss,
+    )
+
+
+def odrive_settings(joints=2, **changes):
+    """Axes that differ in sign, offset and gear."""
+    own = {key: changes.pop(key) for key in list(changes) if key in _AXIS_FIELDS}
+    return OdriveSettings(
+        joints={
+            f"q{k + 1}": AxisSettings(
+                **{
+                    "axis": k + 1,
+                    "gear": 8.0 + k,
+                    "reversed": bool(k % 2),
+                    "offset": 0.1 * k,
+                    "limits": (-2.0, 2.0),
+                    "deceleration": 8.0,
+                    **own,
+                }
+            )
+            for k in range(joints)
+        },
+        **changes,
+    )
+
+
+def odrive_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, **changes):
+    """Return a rig of emulated ODrives under the production driver."""
+    settings = odrive_settings(joints, **changes)
+    plant = plant or LaggedJoints(joints)
+    nodes = emulate_odrive("arm", settings, plant, tuple(range(joints)), 0x1234)
+    can = OdriveBusSettings("virtual", "can0", **(bus_settings or {}))
+    return ServoRig(
+        plant,
+        lambda open_bus, clock: OdriveBus("can0", can, open_bus, clock, PERIOD),
+        lambda bus: OdriveServos("arm", settings, bus),
         nodes,
         faults=faults,
         loss=loss,

@@ -1,0 +1,66 @@
+"""Frames as an identifier with flags and bytes, on any interface.
+
+SocketCAN offers it itself; around python-can's interfaces it is made here.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from drivers.can.frame import (
+    ERROR_FLAG,
+    EXTENDED_FLAG,
+    EXTENDED_MASK,
+    REMOTE_FLAG,
+)
+from rig.hal import CanBus, Frame
+
+Drain = Callable[[int], list[tuple[int, bytes]]]
+Send = Callable[[int, bytes], None]
+
+
+def drain_of(bus: CanBus) -> Drain:
+    """Return ``drain(limit)``: the waiting frames, with the flags of `drivers.can.frame`."""
+    own: Drain | None = getattr(bus, "drain", None)
+    if own is not None:
+        return own
+    recv = bus.recv
+
+    def drain(limit: int) -> list[tuple[int, bytes]]:
+        frames: list[tuple[int, bytes]] = []
+        for _ in range(limit):
+            frame = recv(0.0)
+            if frame is None:
+                break
+            can_id = frame.arbitration_id
+            if frame.is_error_frame:
+                can_id |= ERROR_FLAG
+            elif frame.is_extended_id:
+                can_id |= EXTENDED_FLAG
+            if frame.is_remote_frame:
+                can_id |= REMOTE_FLAG
+            frames.append((can_id, bytes(frame.data)))
+        return frames
+
+    return drain
+
+
+def send_of(bus: CanBus) -> Send:
+    """Return ``send(can_id, data)``; the identifier may bear flags of `drivers.can.frame`."""
+    own: Send | None = getattr(bus, "send_data", None)
+    if own is not None:
+        return own
+    import can
+
+    message: Callable[..., Any] = can.Message
+    send = bus.send
+
+    def send_data(can_id: int, data: bytes) -> None:
+        frame: Frame = message(
+            arbitration_id=can_id & EXTENDED_MASK,
+            data=data,
+            is_extended_id=bool(can_id & EXTENDED_FLAG),
+            is_remote_frame=bool(can_id & REMOTE_FLAG),
+        )
+        send(frame)
+
+    return send_data
