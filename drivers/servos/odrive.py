@@ -117,15 +117,16 @@ class OdriveServos(ServoChain[OdriveAxis]):
         settings = self.settings.joints.values()
         longest = max(joint.max_speed / joint.deceleration for joint in settings)
         deadline = clock.now() + 2.0 * longest
-        moving = [drive for drive in self.drives if drive.setpoint.active]
-        while moving and clock.now() < deadline:
+        active = [drive for drive in self.drives if drive.setpoint.active]
+        while active and clock.now() < deadline:
             now = clock.now()
             bus.transmit(now)
             clock.sleep_until(now + self._period)
             bus.receive(clock.now())
-            for drive in moving:
+            if all(drive.is_still for drive in active):
+                break
+            for drive in active:
                 drive.stop()
-            moving = [drive for drive in moving if not drive.is_still]
         for drive in self.drives:
             drive.release()
 
