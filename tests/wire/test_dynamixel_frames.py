@@ -197,7 +197,7 @@ def test_parser_ignores_the_echo_of_an_instruction():
 def fast_reply(count, size=4):
     line = framing.begin_common_status(size, count)
     for servo in range(1, count + 1):
-        line += framing.build_block(line, servo, 0, bytes((servo,)) * size)
+        line += framing.build_block(framing.checksum(line), servo, 0, bytes((servo,)) * size)
     return line
 
 
@@ -222,9 +222,9 @@ def test_damage_on_the_way_to_us_costs_one_block_only(at):
 
 def test_damage_that_all_heard_costs_one_block_only():
     line = framing.begin_common_status(4, 3)
-    block = framing.build_block(line, 1, 0, b"\1\1\1\1")
+    block = framing.build_block(framing.checksum(line), 1, 0, b"\1\1\1\1")
     line += bytes(byte & 0x5A for byte in block)  # two spoke at once, and all heard that
     for servo in (2, 3):
-        line += framing.build_block(line, servo, 0, bytes(4))
+        line += framing.build_block(framing.checksum(line), servo, 0, bytes(4))
     found = protocol.decode_fast_status(line, 4)
     assert [status and status.id for status in found] == [None, 2, 3]

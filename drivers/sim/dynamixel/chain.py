@@ -219,23 +219,22 @@ class EmulatedChain:
 
     def _read_together(self, address: int, size: int, servos: bytes, now: float) -> bytes:
         """Answer in one packet, each its block, when it has heard all that comes before."""
-        line = b""
+        line = framing.begin_common_status(size, len(servos))
+        heard = framing.checksum(line)
         for k, number in enumerate(servos):
             station = self._station(number)
             if station is None:
-                break
-            start = framing.begin_common_status(size, len(servos)) if k == 0 else b""
+                return line if k else b""  # the first one's header comes with its block
             blocks = []
             for servo in station.servos():
                 error, data = servo.read(address, size, now)
-                before = line + start
-                blocks.append(
-                    framing.build_block(before, servo.id, error | servo.alert, data or bytes(size))
-                )
-            said = start + station.say(blocks)[: len(blocks[0])]  # its place ends here
+                error |= servo.alert
+                blocks.append(framing.build_block(heard, servo.id, error, data or bytes(size)))
+            said = station.say(blocks)[: len(blocks[0])]  # its place ends here
             line += said
-            if len(said) < len(start) + len(blocks[0]):
+            if len(said) < len(blocks[0]):
                 break
+            heard = framing.checksum(said, heard)
         return line
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 EEPROM_END = 64
 INDIRECT_COUNT = 28
 SIZE = 768
+_POINTERS = range(168, 168 + 2 * INDIRECT_COUNT)
 
 
 class Item(NamedTuple):
@@ -109,10 +110,11 @@ class ControlTable:
     def __init__(self, indirect_data: int = 224) -> None:
         self._bytes = bytearray(SIZE)
         self._pointers = tuple(
-            Item(168 + 2 * k, 2, indirect_data + k, 0, SIZE - 1) for k in range(INDIRECT_COUNT)
+            Item(_POINTERS[2 * k], 2, indirect_data + k, 0, SIZE - 1) for k in range(INDIRECT_COUNT)
         )
         self._items = {item.address: item for item in (*ITEMS, *self._pointers)}
         self._indirect = range(indirect_data, indirect_data + INDIRECT_COUNT)
+        self._targets = [0] * INDIRECT_COUNT
         for item in self._items.values():
             self[item] = item.initial
 
@@ -123,12 +125,15 @@ class ControlTable:
                 self[item] = item.initial
 
     def __getitem__(self, item: Item) -> int:
-        content = self._bytes[item.address : item.address + item.size]
-        return int.from_bytes(content, "little", signed=item.signed)
+        address, size, _, low, _, _ = item
+        content = self._bytes[address : address + size]
+        return int.from_bytes(content, "little", signed=low < 0)
 
     def __setitem__(self, item: Item, value: int) -> None:
-        content = value.to_bytes(item.size, "little", signed=item.signed)
-        self._bytes[item.address : item.address + item.size] = content
+        address, size, _, low, _, _ = item
+        self._bytes[address : address + size] = value.to_bytes(size, "little", signed=low < 0)
+        if address in _POINTERS:
+            self._targets[(address - _POINTERS.start) // 2] = value
 
     def item_at(self, address: int) -> Item | None:
         """Return what begins at an address."""
@@ -142,10 +147,14 @@ class ControlTable:
         """Return where a byte really is: indirect data stand elsewhere."""
         if address not in self._indirect:
             return address
-        return self[self._pointers[address - self._indirect.start]]
+        return self._targets[address - self._indirect.start]
 
     def read(self, address: int, size: int) -> bytes:
         """Return bytes, following indirect addresses."""
         if address not in self._indirect:
             return bytes(self._bytes[address : address + size])
-        return bytes(self._bytes[self.resolve(address + k)] for k in range(size))
+        start = address - self._indirect.start
+        memory = self._bytes
+        followed = bytes([memory[target] for target in self._targets[start : start + size]])
+        rest = size - len(followed)
+        return followed + bytes(memory[address + len(followed) :][:rest]) if rest else followed

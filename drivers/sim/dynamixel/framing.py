@@ -121,10 +121,20 @@ def begin_common_status(size: int, count: int) -> bytes:
     return _PREFIX + bytes([BROADCAST]) + length.to_bytes(2, "little") + bytes([STATUS])
 
 
-def build_block(before: bytes, servo: int, error: int, data: bytes) -> bytes:
-    """Return a servo's block in a fast reply, after what it heard of the reply so far."""
+def build_block(heard: int, servo: int, error: int, data: bytes) -> bytes:
+    """Return a servo's block in a fast reply, after what it heard of the reply so far.
+
+    Parameters
+    ----------
+    heard : int
+        The CRC of all that.
+    servo, error : int
+        Its id and error number.
+    data : bytes
+        What was asked for.
+    """
     body = bytes([error, servo]) + data
-    return body + checksum(before + body).to_bytes(2, "little")
+    return body + checksum(body, heard).to_bytes(2, "little")
 
 
 def _with_stuffing(content: bytes) -> bytes:

@@ -94,8 +94,10 @@ class EmulatedServo:
         self._channel = channel
         self._mounting = mounting
         self._torque_constant = torque_constant
-        self._heard_at = 0.0
         self._now = 0.0
+        self._rate = 0.0  # of its reference, rad/s
+        self.due = inf
+        """When its watchdog will trip, s."""
         self._reference = plant.joint_position(channel)  # of its velocity controller, rad
         self._registered: tuple[int, bytes] | None = None
         self.table[table.ID] = servo
@@ -116,26 +118,21 @@ class EmulatedServo:
         """Return the bit that goes with every status while there is a hardware error."""
         return HARDWARE_ALERT if self.table[table.HARDWARE_ERROR] else 0
 
-    @property
-    def due(self) -> float:
-        """Return when its watchdog will trip, s."""
-        units = self.table[table.WATCHDOG]
-        return self._heard_at + units * _WATCHDOG_UNIT if units > 0 else inf
-
     def hear(self, now: float) -> None:
         """Take that something for it came: the watchdog starts anew."""
         self.tick(now)
-        self._heard_at = now
+        self._feed_watchdog()
 
     def tick(self, now: float) -> None:
         """Let time pass."""
-        self._reference += (now - self._now) * self._velocity()
+        self._reference += (now - self._now) * self._rate
         self._now = now
         if now >= self.due:
             self.table[table.WATCHDOG] = -1
             self.table[table.PROFILE_ACCELERATION] = self.table[table.PROFILE_VELOCITY] = 0
             self.table[table.GOAL_VELOCITY] = 0
             self.table[table.GOAL_POSITION] = self._counts()
+            self._feed_watchdog()
             self._drive()
 
     # Instructions ---------------------------------------------------------------------
@@ -195,6 +192,7 @@ class EmulatedServo:
         """Start afresh; EEPROM stays."""
         self.table.power_on()
         self._registered = None
+        self._feed_watchdog()
         self._drive()
 
     # What may go wrong ----------------------------------------------------------------
@@ -238,7 +236,13 @@ class EmulatedServo:
             memory[table.GOAL_POSITION] = self._counts()
         if item in (table.TORQUE, table.GOAL_POSITION, table.GOAL_VELOCITY, table.OPERATING_MODE):
             self._drive()
+        elif item is table.WATCHDOG:
+            self._feed_watchdog()
         return 0
+
+    def _feed_watchdog(self) -> None:
+        units = self.table[table.WATCHDOG]
+        self.due = self._now + units * _WATCHDOG_UNIT if units > 0 else inf
 
     def _within_limits(self, counts: int) -> bool:
         memory = self.table
@@ -258,7 +262,8 @@ class EmulatedServo:
         else:
             counts = memory[table.GOAL_POSITION] - memory[table.HOMING_OFFSET]
             self._reference = self._mounting.angle(counts)
-        self._plant.command_joint(self._channel, self._reference, self._velocity(), torque_on)
+        self._rate = self._velocity()
+        self._plant.command_joint(self._channel, self._reference, self._rate, torque_on)
 
     def _velocity(self) -> float:
         """Return how fast the reference moves, rad/s."""
