@@ -6,6 +6,7 @@ from typing import Any
 
 from rig.assembly.registry import REGISTRY
 from rig.config import BusEntry, Profile
+from rig.config.registry import controller_key
 from rig.hal import Clock, ConfigurationError, CyclicBus, Device, MotionRefused
 from rig.runtime.motion import Motion
 
@@ -82,7 +83,8 @@ def make_controller(profile: Profile, name: str) -> Any:
             f"it has {', '.join(profile.controllers)}"
         )
     model = REGISTRY.load("mechanism", profile.mechanism).model_of(profile.mechanism_settings)
-    return REGISTRY.load("controller", name)(profile.controllers[name], model, profile.loop.period)
+    key = controller_key(REGISTRY, profile.mechanism, name)
+    return REGISTRY.load("controller", key)(profile.controllers[name], model, profile.loop.period)
 
 
 def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any]:

@@ -16,7 +16,7 @@ from rig.config.document import (
 )
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
 from rig.config.names import find_file, is_name
-from rig.config.registry import Registry
+from rig.config.registry import Registry, controller_names
 from rig.config.sections import Sections
 from rig.config.settings import build
 from rig.config.source import Node
@@ -150,7 +150,7 @@ def _metric(node: Node, problems: Problems) -> MetricSpec | None:
 
 
 def _check_names(head: Head, root: Node, registry: Registry, problems: Problems) -> None:
-    controllers = registry.names("controller")
+    controllers = controller_names(registry)
     if head.controller not in controllers:
         place, _ = root.descend(("controller",))
         problems.add(

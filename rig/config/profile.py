@@ -26,7 +26,7 @@ from rig.config.models import (
     SimulationSettings,
 )
 from rig.config.names import find_file, is_name
-from rig.config.registry import Registry
+from rig.config.registry import Registry, controller_key, controller_names
 from rig.config.sections import Sections
 from rig.config.settings import build
 from rig.config.source import BROKEN, Node
@@ -262,9 +262,20 @@ class _Reader:
         return build(settings, entry, self._problems)
 
     def _controller(self, name: str, node: Node) -> Any:
-        named = Node(name, node.heading)
-        settings = self._sections.settings_of("controller", name, named)
-        return None if settings is None else build(settings, node, self._problems)
+        mechanism = self._root.get("mechanism")
+        of = mechanism.value if mechanism is not None else None
+        scope = of if isinstance(of, str) else None
+        known = controller_names(self._registry, scope)
+        if name not in known:
+            message = f"no controller is called {shown(name)}"
+            self._problems.add(node.heading, message, nearest(name, known))
+            return None
+        key = name if scope is None else controller_key(self._registry, scope, name)
+        try:
+            settings = self._registry.settings("controller", key)
+        except KeyError:  # the mechanism is missing, which is said elsewhere
+            return None
+        return build(settings, node, self._problems)
 
     def _bus(self, node: Node) -> BusEntry | None:
         assert isinstance(node.value, dict)

@@ -25,3 +25,21 @@ class Registry(Protocol):
             There is no such name.
         """
         ...
+
+
+def controller_key(registry: Registry, mechanism: str, name: str) -> str:
+    """Return the registry's name of a controller that a mechanism's profile calls `name`.
+
+    Laws of different mechanisms may have one name, ``inverse``; the registry tells them apart
+    as ``arm/inverse`` and ``legs/inverse``.
+    """
+    own = f"{mechanism}/{name}"
+    return own if own in registry.names("controller") else name
+
+
+def controller_names(registry: Registry, mechanism: str | None = None) -> tuple[str, ...]:
+    """Return the names that profiles may give controllers: of one mechanism, or of any."""
+    scoped = (name.rpartition("/") for name in registry.names("controller"))
+    return tuple(
+        sorted({name for scope, _, name in scoped if mechanism is None or scope in ("", mechanism)})
+    )

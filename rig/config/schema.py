@@ -11,7 +11,7 @@ from rig.config.experiment import Head as ExperimentHead
 from rig.config.models import MetricSpec
 from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead
 from rig.config.profile import Head as ProfileHead
-from rig.config.registry import Kind, Registry
+from rig.config.registry import Kind, Registry, controller_names
 from rig.config.settings import annotation, closed_mapping, entries_of
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
@@ -40,10 +40,11 @@ def profile_schema(registry: Registry) -> dict[str, Any]:
     mechanisms = registry.names("mechanism")
     device = {**entries_of(DeviceHead), "calibration": NotRequired[_Wish]}
     mapping: Any = dict  # its values are known at run time only
-    controllers = {
-        name: NotRequired[annotation(registry.settings("controller", name))]
-        for name in registry.names("controller")
-    }
+    alike: dict[str, list[Any]] = {}
+    for name in registry.names("controller"):
+        settings = annotation(registry.settings("controller", name))
+        alike.setdefault(name.rpartition("/")[2], []).append(settings)
+    controllers = {name: NotRequired[reduce(or_, kinds)] for name, kinds in alike.items()}
     entries: dict[str, Any] = {
         "extends": NotRequired[_Extends],
         **entries_of(ProfileHead),
@@ -77,7 +78,7 @@ def experiment_schema(registry: Registry) -> dict[str, Any]:
     entries: dict[str, Any] = {
         "extends": NotRequired[_Extends],
         **entries_of(ExperimentHead),
-        "controller": Required[_one_of(registry.names("controller"))],
+        "controller": Required[_one_of(controller_names(registry))],
         "reference": Required[_alternatives(registry, "reference", "kind", {})],
         "metrics": NotRequired[mapping[str, metric]],
     }
