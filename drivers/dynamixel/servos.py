@@ -329,8 +329,9 @@ class DynamixelServos:
                 return
         self._health.check()
         missing = [k for k, link in enumerate(self._links) if not link.fresh]
+        hint = "; old firmware needs fast_sync: false" if bus.settings.fast_sync else ""
         raise self._clients[missing[0] if missing else 0].failed(
-            "it sends no readings", register=self._block_name
+            f"it sends no readings{hint}", register=self._block_name
         )
 
     def _energise(self, client: RegisterClient, scale: JointScale, position: float) -> None:

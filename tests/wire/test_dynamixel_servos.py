@@ -146,6 +146,14 @@ def test_arming_outside_the_range_is_refused():
     assert not bench.plant.torque_on[0]
 
 
+def test_firmware_that_does_not_know_the_fast_reading_is_hinted_at():
+    bench = Bench(2)
+    bench.line.chain._read_together = lambda *_: b""
+    with pytest.raises(ConnectionFailed, match="old firmware needs fast_sync: false"):
+        bench.start()
+    assert not any(bench.plant.torque_on)
+
+
 # The cycle ----------------------------------------------------------------------------
 
 
