@@ -135,10 +135,10 @@ class OdriveClient:
         ConnectionFailed
             None comes.
         """
+        bus = self._bus
+        bus.receive(bus.clock.now())  # what waits already may be old
         before = self.heartbeats
-        if not self._bus.wait_until(
-            lambda: self.heartbeats > before, self._bus.settings.boot_timeout
-        ):
+        if not bus.wait_until(lambda: self.heartbeats > before, bus.settings.boot_timeout):
             raise self.failed(
                 "no heartbeat comes; is it powered, and are its node number, the bit rate and "
                 "heartbeat_msg_rate_ms right?",

@@ -182,8 +182,9 @@ class EmulatedOdrive(FaultInjection):
 
     def _drive(self, now: float) -> None:
         """Move the reference of the velocity loop on, and watch the speed."""
-        self._motion.advance(now)
-        self._pass_on(self._motion.velocity)
+        if self.control_mode == VELOCITY_CONTROL:
+            self._motion.advance(now)
+            self._pass_on(self._motion.velocity)
         self._motion_due = now + _SERVO_PERIOD if self.axis_state == CLOSED_LOOP else inf
         speed = abs(self._port.joint_velocity(self._channel) * self._turns)
         if speed > _OVER_SPEED_AT * self.speed_limit:
