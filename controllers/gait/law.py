@@ -16,7 +16,7 @@ from controllers.gait.curve import PhaseCurve
 from controllers.gait.fastest import fastest
 from controllers.gait.geometry import JOINT_NAMES, LegGeometry
 from controllers.gait.motions import LegsMotion, WalkSettings
-from controllers.gait.paces import LimitedNormPace, Pace, TrapezoidNormPace
+from controllers.gait.paces import Pace
 from controllers.gait.phases import Phase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
 from controllers.gait.types import (
@@ -121,9 +121,13 @@ class GaitLaw(ABC, Generic[Chosen]):
             A leg does not reach, a joint would pass a limit, the time does not suffice, or the
             robot would be out of balance; with phase, instant, number and bound.
         """
-        if isinstance(motion, WalkSettings) and motion.fastest:
-            motion = fastest(self._prepare, motion)
-        return self._prepare(motion)
+        try:
+            if isinstance(motion, WalkSettings) and motion.fastest:
+                motion = fastest(self._prepare, motion)
+            return self._prepare(motion)
+        except InfeasibleMotion:
+            self._schedule = ()  # what was refused must not run
+            raise
 
     def _prepare(self, motion: LegsMotion) -> GaitPlan:
         geometry = self.model.geometry
@@ -156,12 +160,15 @@ class GaitLaw(ABC, Generic[Chosen]):
             return LegsCommand(reference.positions, reference.velocities)
         if self._started:
             moved = self._advance()
-            curve = self._schedule[self._number].curve
-            return LegsCommand(curve.joints, curve.velocities if moved else _REST)
+            return self._command(self._schedule[self._number].curve, moved)
         if not self._schedule:
             raise RuntimeError(f"the law {self.name} was asked to run before it prepared a motion")
         self._started = True
         return LegsCommand(self._schedule[0].curve.joints, _REST)
+
+    def _command(self, curve: PhaseCurve, moved: bool) -> LegsCommand:
+        """Return what the joints are told at this point of the curve."""
+        return LegsCommand(curve.joints, curve.velocities if moved else _REST)
 
     def _restart(self) -> None:
         self._number = self._cycle = 0
@@ -187,7 +194,7 @@ class GaitLaw(ABC, Generic[Chosen]):
         joints, numbers, path = [self._schedule[0].curve.joints], [0], [0.0]
         while self._advance():
             curve = self._schedule[self._number].curve
-            joints.append(curve.joints)
+            joints.append(self._command(curve, True).positions)
             numbers.append(self._number)
             path.append(curve.path)
         q = np.array(joints)
@@ -200,7 +207,15 @@ class GaitLaw(ABC, Generic[Chosen]):
             ]
         )
         planned = tuple(
-            _report(entry, pace, self.period) for entry, pace in zip(timed, paces, strict=True)
+            PlannedPhase(
+                phase=entry.phase,
+                first=entry.first,
+                last=entry.last,
+                path_length=entry.arcs.path_length,
+                joint_length=entry.arcs.joint_length,
+                pace=pace.summary,
+            )
+            for entry, pace in zip(timed, paces, strict=True)
         )
         return GaitPlan(
             geometry=self.model.geometry,
@@ -268,22 +283,3 @@ def _make_pace(make: PaceMaker, entry: TimedPhase) -> Pace:
         return make(entry)
     except InfeasibleMotion as error:
         raise InfeasibleMotion(f"{entry.phase.name}: {error}") from error
-
-
-def _report(entry: TimedPhase, pace: Pace, period: float) -> PlannedPhase:
-    norm_rate, raised_by, reach = math.inf, 1.0, 1.0
-    if isinstance(pace, TrapezoidNormPace):
-        norm_rate = pace.norm_rate
-    elif isinstance(pace, LimitedNormPace):
-        norm_rate, raised_by = pace.norm_rate, pace.raised_by
-        reach = pace.reach_unraised(entry.cycles * period)
-    return PlannedPhase(
-        phase=entry.phase,
-        first=entry.first,
-        last=entry.last,
-        path_length=entry.arcs.path_length,
-        joint_length=entry.arcs.joint_length,
-        norm_rate=norm_rate,
-        raised_by=raised_by,
-        reach_unraised=reach,
-    )

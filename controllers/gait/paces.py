@@ -4,7 +4,8 @@ A pace moves a `PhaseCurve` on by one period at a time and ends it exactly after
 cycles. All of them describe the same curve of the joints; they differ in when.
 """
 
-from typing import Protocol
+import math
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -16,8 +17,28 @@ from controllers.motion import InfeasibleMotion
 _BISECTIONS = 60
 
 
+class PaceSummary(NamedTuple):
+    """What a pace has decided.
+
+    Parameters
+    ----------
+    norm_rate : float
+        Norm of the twelve joint rates that it holds or reaches, rad/s; infinite without a bound.
+    raised_by : float
+        By what the path's speed is raised to keep the distance; 1 if it is not.
+    reach_unraised : float
+        Share of the path that would be done in time without that.
+    """
+
+    norm_rate: float = math.inf
+    raised_by: float = 1.0
+    reach_unraised: float = 1.0
+
+
 class Pace(Protocol):
     """How one phase passes."""
+
+    summary: PaceSummary
 
     def advance(self, curve: PhaseCurve, cycle: int) -> None:
         """Move on by one period; `cycle` counts from 0."""
@@ -38,6 +59,7 @@ class ConstantPathPace:
     """
 
     def __init__(self, arcs: Arcs, cycles: int) -> None:
+        self.summary = PaceSummary()
         self._step = arcs.path_length / cycles
         self._last = cycles - 1
 
@@ -64,6 +86,7 @@ class MinimumJerkPace:
     """
 
     def __init__(self, arcs: Arcs, cycles: int) -> None:
+        self.summary = PaceSummary()
         self._length = arcs.path_length
         self._cycles = cycles
 
@@ -112,11 +135,11 @@ class LimitedNormPace:
         duration = cycles * period
         self._period = period
         self._arcs = arcs
-        self.norm_rate = norm_rate
-        self.mean_speed = arcs.path_length / duration
-        self.raised_by = self._solve(duration)
-        """By what the path's speed is raised, to keep the distance."""
-        self._speed = self.mean_speed * self.raised_by
+        self._norm_rate = norm_rate
+        self._mean_speed = arcs.path_length / duration
+        raised_by = self._solve(duration)
+        self._speed = self._mean_speed * raised_by
+        self.summary = PaceSummary(norm_rate, raised_by, self._reach_unraised(duration))
         self._last = cycles - 1
         self._left = arcs.joint_length
 
@@ -128,17 +151,17 @@ class LimitedNormPace:
             curve.finish()
             return
         norm, path = curve.rates()
-        if self._speed * norm < self.norm_rate * path:
+        if self._speed * norm < self._norm_rate * path:
             curve.follow_path(self._speed * self._period)
             norm_after, path_after = curve.rates()
             per_path = 0.5 * (norm / path + norm_after / path_after)
             self._left -= self._speed * self._period * per_path
         else:
-            step = min(self.norm_rate * self._period, max(self._left, 0.0))
+            step = min(self._norm_rate * self._period, max(self._left, 0.0))
             curve.follow_joints(step)
             self._left -= step
 
-    def reach_unraised(self, duration: float) -> float:
+    def _reach_unraised(self, duration: float) -> float:
         """Return the share of the path that is done in time (s) if the speed is not raised."""
         times = np.cumsum(self._times(1.0))
         lengths = np.cumsum(self._arcs.path_pieces)
@@ -147,16 +170,16 @@ class LimitedNormPace:
     def _times(self, raised_by: float) -> np.ndarray:
         arcs = self._arcs
         times: np.ndarray = np.maximum(
-            arcs.path_pieces / (raised_by * self.mean_speed), arcs.joint_pieces / self.norm_rate
+            arcs.path_pieces / (raised_by * self._mean_speed), arcs.joint_pieces / self._norm_rate
         )
         return times
 
     def _solve(self, duration: float) -> float:
-        least = self._arcs.joint_length / self.norm_rate
+        least = self._arcs.joint_length / self._norm_rate
         if least >= duration:
             raise InfeasibleMotion(
                 f"the joints' curve of {self._arcs.joint_length:.4g} rad takes {least:.4g} s at a "
-                f"norm of {self.norm_rate:.4g} rad/s, but the phase lasts {duration:.4g} s."
+                f"norm of {self._norm_rate:.4g} rad/s, but the phase lasts {duration:.4g} s."
             )
         low, high = 1.0, 2.0
         while float(np.sum(self._times(high))) > duration:
@@ -205,11 +228,11 @@ class TrapezoidNormPace:
         self._duration = duration
         self._period = period
         self._cycles = cycles
-        self.norm_rate = arcs.joint_length / (duration - self._ramp)
-        """Height of the trapezoid, rad/s."""
-        if self.norm_rate > most:
+        self._norm_rate = arcs.joint_length / (duration - self._ramp)
+        self.summary = PaceSummary(self._norm_rate)
+        if self._norm_rate > most:
             raise InfeasibleMotion(
-                f"the joint rates would reach a norm of {self.norm_rate:.4g} rad/s, at which one "
+                f"the joint rates would reach a norm of {self._norm_rate:.4g} rad/s, at which one "
                 f"joint passes its limit ({most:.4g} rad/s); the phase needs at least "
                 f"{arcs.joint_length / most + self._ramp:.4g} s instead of {duration:.4g} s."
             )
@@ -225,8 +248,8 @@ class TrapezoidNormPace:
     def _covered(self, t: float) -> float:
         ramp, left = self._ramp, self._duration - t
         if t < ramp:
-            return 0.5 * self.norm_rate * t * t / ramp
+            return 0.5 * self._norm_rate * t * t / ramp
         if left < ramp:
-            whole = self.norm_rate * (self._duration - ramp)
-            return whole - 0.5 * self.norm_rate * left * left / ramp
-        return self.norm_rate * (t - 0.5 * ramp)
+            whole = self._norm_rate * (self._duration - ramp)
+            return whole - 0.5 * self._norm_rate * left * left / ramp
+        return self._norm_rate * (t - 0.5 * ramp)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
 from controllers.gait.geometry import KNEES, LegGeometry
+from controllers.gait.paces import PaceSummary
 from controllers.gait.phases import Phase
 from controllers.gait.postures import leg_posture, mismatch, quantised, waist_from_foot
 from controllers.gait.types import BalanceSettings, LegsReference
@@ -40,12 +41,8 @@ class PlannedPhase(NamedTuple):
         m.
     joint_length : float
         Of the curve of all twelve joints, rad.
-    norm_rate : float
-        Norm of the joint rates that the law holds or reaches, rad/s; infinite without a bound.
-    raised_by : float
-        By what the path's speed was raised to keep the distance; 1 if it was not.
-    reach_unraised : float
-        Share of the path that would have been done in time without that.
+    pace : PaceSummary
+        What the law has decided.
     """
 
     phase: Phase
@@ -53,9 +50,7 @@ class PlannedPhase(NamedTuple):
     last: int
     path_length: float
     joint_length: float
-    norm_rate: float
-    raised_by: float
-    reach_unraised: float
+    pace: PaceSummary
 
 
 class Balance(NamedTuple):
@@ -169,6 +164,11 @@ class GaitPlan:
             if not (right and left):
                 feet[other] = waist[planned.last] - seen[other][planned.last]
         return waist
+
+    @property
+    def off_path(self) -> float:
+        """How far the joints at most leave the waist's or a landing foot's path, m."""
+        return float(np.max(np.linalg.norm(self.odometry() - self.waist, axis=1)))
 
     @property
     def advance(self) -> float:

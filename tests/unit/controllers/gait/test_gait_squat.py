@@ -7,6 +7,7 @@ from controllers.gait.curve import PhaseCurve
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import LAWS
 from controllers.gait.motions import SquatSettings
+from controllers.gait.phases import Phase
 from controllers.gait.types import GaitModel
 from controllers.motion import InfeasibleMotion
 
@@ -58,6 +59,29 @@ def test_unequal_straight_legs_start_at_the_rates_that_keep_them_together():
     np.testing.assert_allclose(curve.joints, curve.joints_at(curve.path), atol=1e-7)
     right, left = (curve.joints[knee] for knee in KNEES)
     assert right != pytest.approx(left, rel=0.05)
+
+
+def test_straight_leg_without_demand_does_not_stop_the_other():
+    """The literal equation of both legs would multiply everything by its zero determinant."""
+    geometry = LegGeometry()
+    spacing = geometry.hip_half_spacing
+    phase = Phase(
+        name="swing right",
+        duration=1.0,
+        standing=(False, True),
+        waist=(0.0, 0.0, geometry.reach + geometry.ankle_height),
+        waist_travel=(0.0, 0.0, 0.0),
+        feet=((0.0, -spacing, 0.001), (0.0, spacing, 0.0)),
+        lift=0.03,
+    )
+    curve = PhaseCurve(geometry, phase, 1e-3)
+    standing = curve.joints[6:]
+    assert standing[3] == 0.0
+    for _ in range(500):
+        curve.follow_joints(1e-3)
+    assert curve.path > 0.05
+    assert curve.joints[6:] == standing
+    np.testing.assert_allclose(curve.joints, curve.joints_at(curve.path), atol=1e-9)
 
 
 def test_law_that_would_leave_the_reach_is_refused():

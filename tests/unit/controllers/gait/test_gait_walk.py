@@ -123,9 +123,9 @@ def test_lengths_of_the_joints_curve(plan):
 
 
 def test_without_raised_speed_the_phases_stop_short(plan):
-    reached = [planned.reach_unraised for planned in plan("sc").phases]
+    reached = [planned.pace.reach_unraised for planned in plan("sc").phases]
     assert reached == pytest.approx((1.0, 0.986, 0.952, 0.936, 0.952, 0.936, 0.952), abs=1e-3)
-    raised = [planned.raised_by for planned in plan("sc").phases]
+    raised = [planned.pace.raised_by for planned in plan("sc").phases]
     assert raised == pytest.approx((1.0, 1.056, 1.122, 1.181, 1.122, 1.181, 1.122), abs=2e-3)
 
 
@@ -135,11 +135,11 @@ def test_a_phase_that_is_stepped_without_raised_speed_stops_there_too(plan):
     speed = planned.path_length / planned.phase.duration
     for _ in range(round(planned.phase.duration / 1e-3)):
         norm, path = curve.rates()
-        if speed * norm < planned.norm_rate * path:
+        if speed * norm < planned.pace.norm_rate * path:
             curve.follow_path(speed * 1e-3)
         else:
-            curve.follow_joints(planned.norm_rate * 1e-3)
-    assert curve.path == pytest.approx(planned.reach_unraised, abs=2e-4)
+            curve.follow_joints(planned.pace.norm_rate * 1e-3)
+    assert curve.path == pytest.approx(planned.pace.reach_unraised, abs=2e-4)
 
 
 @pytest.mark.parametrize("law", NAMES)

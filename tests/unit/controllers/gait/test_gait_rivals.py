@@ -1,0 +1,47 @@
+"""What the singularity-consistent law is compared with leaves the path; it does not."""
+
+import numpy as np
+import pytest
+
+from controllers.gait.geometry import KNEES, LegGeometry
+from controllers.gait.laws import TrapezoidNormLaw
+from controllers.gait.motions import WalkSettings
+from controllers.gait.rivals import ClampedLaw, DampedLaw, DampedSettings
+from controllers.gait.types import BalanceSettings, GaitModel
+
+GEOMETRY = LegGeometry()
+MODEL = GaitModel(GEOMETRY, BalanceSettings(min_margin=1e-6, response_time=1.0))
+FAST = WalkSettings(speed=5.0, landings=1)
+
+
+def test_clamped_joints_tear_the_waist_between_the_feet():
+    made = ClampedLaw(ClampedLaw.Settings(), MODEL, 1e-3).prepare(FAST)
+    assert made.peak_rates.max() == pytest.approx(GEOMETRY.max_rate)
+    assert made.mismatch() > 2e-3
+    assert made.off_path > 1e-3
+
+
+@pytest.mark.parametrize(("damping", "mismatch"), [(0.01, 0.005e-3), (0.05, 0.05e-3)])
+def test_damping_trades_rates_for_the_path(damping, mismatch):
+    law = DampedLaw(DampedSettings(damping), MODEL, 2e-3)
+    made = law.prepare(FAST)
+    plain = 19.0  # at this period
+    assert 4.0 < made.peak_knee_rate < 0.8 * plain
+    assert made.mismatch() > mismatch
+    assert np.degrees(made.q[:, list(KNEES)].min()) > 1.2
+
+
+def test_singularity_consistent_law_stays_on_the_path():
+    law = TrapezoidNormLaw(TrapezoidNormLaw.Settings(), MODEL, 1e-3)
+    made = law.prepare(FAST)
+    assert made.off_path < 1e-9
+    assert made.mismatch() < 1e-9
+    assert made.peak_knee_rate < 1.3
+
+
+def test_rivals_online_are_their_plans():
+    law = DampedLaw(DampedSettings(), MODEL, 5e-3)
+    made = law.prepare(FAST)
+    for sample in range(len(made.t)):
+        command = law.update(None, made.at(0.0))
+        np.testing.assert_array_equal(command.positions, made.q[sample])
