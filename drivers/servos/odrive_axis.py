@@ -30,6 +30,7 @@ _JUMP: Final = 2.0  # readings that imply so many times the greatest speed are n
 _COUNTED: Final = 8  # estimates over which their rate is measured
 _SLOWEST: Final = 1.5  # times the period that the profile says
 _STILL: Final = 0.01  # of the greatest speed
+_REQUESTS: Final = 4  # of a state, before it is a fault
 _ANSWERS_IN: Final = 2.0  # heartbeats; what the first one says may be older than the request
 
 
@@ -85,8 +86,7 @@ class OdriveAxis:
         self._trouble: DeviceFault | None = None
         self._wanted = False
         self._follows = False
-        self._asked: float | None = None
-        self._beat = shared.heartbeat
+        self._asks_again = -inf
         self._speed = 0.0  # of the setpoint, rad/s
         command = Command.SET_INPUT_VEL if self._follows_velocity else Command.SET_INPUT_POS
         self.setpoint = Setpoint(can_id(settings.axis, command), bytes(8))
@@ -185,7 +185,7 @@ class OdriveAxis:
         """Hold the joint where it is and close the loop, or slow it down and open it."""
         self._wanted = enabled
         self._follows = False
-        self._asked = None
+        self._asks_again = -inf
         if enabled:
             self._hold_here()
             self.setpoint.active = True
@@ -193,8 +193,8 @@ class OdriveAxis:
     def step(self) -> None:
         """Ask for the state that is wanted; its setpoints have fed the watchdog before.
 
-        A request is repeated when heartbeats after it still show the old state. The error of a
-        watchdog that expired before anything fed it, as after every run, is cleared first.
+        A request is repeated after a while, should it have been lost. The error of a watchdog
+        that expired before anything fed it, as after every run, is cleared first.
         """
         now = self._bus.clock.now()
         if not self._wanted and self._speed:
@@ -202,13 +202,13 @@ class OdriveAxis:
             return
         client = self.client
         state = AxisState.CLOSED_LOOP_CONTROL if self._wanted else AxisState.IDLE
-        waits = self._asked is not None and client.heard < self._asked + _ANSWERS_IN * self._beat
-        if client.state == state or waits:
+        if client.state == state or now < self._asks_again:
             return
-        self._asked = now
         if client.errors == WATCHDOG_TIMER_EXPIRED:
+            self._asks_again = now + _ANSWERS_IN * self._shared.heartbeat
             client.send(Command.CLEAR_ERRORS, bytes(1))
             return
+        self._asks_again = now + self._shared.enable_time / _REQUESTS
         self._hold_here()
         client.send(Command.SET_AXIS_STATE, encode_axis_state(state))
 
