@@ -11,6 +11,9 @@ from rig.runtime.recorder import Recorder
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
+AMPLITUDE = 8.727e-3  # of the sine, m
+PERIODS = 2
+
 
 class Run(NamedTuple):
     """What a run took: cycles, and seconds on the rig's clock."""
@@ -35,6 +38,11 @@ def columns_of(rig):
     return (*RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns)
 
 
+def frequency_of(seconds):
+    """Return the frequency of the sine, Hz, in a run of so many seconds."""
+    return PERIODS / (seconds - sum(Timings()))
+
+
 def run(rig, log, seconds, *, clock=None):
     """Run the cascade through one slow sine, in so many seconds, recorded to `log`."""
     controller = make_controller(rig.profile, "cascade")
@@ -52,8 +60,7 @@ def run(rig, log, seconds, *, clock=None):
         states=states,
         truth=rig.truth,
     )
-    moving = seconds - sum(Timings())
-    motion = Sine(8.727e-3, (SineTone(2.0 / moving, 2),))
+    motion = Sine(AMPLITUDE, (SineTone(frequency_of(seconds), PERIODS),))
     events = []
     with Recorder(log, columns_of(rig)) as recorder:
         start = clock.now()

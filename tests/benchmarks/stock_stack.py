@@ -1,19 +1,23 @@
 """The cylinder rig's cycle as it is usually written: python-can, canopen, filterpy, numpy, mcap.
 
-It does what ours does: the same frames, checks, feedforward, cascade, lead and limits, and a log
-with the same columns. It is written to be quick for what it is: PDO variables are looked up once,
-the filters and arrays made before the first cycle.
+It does what ours does: the same frames both ways with the heartbeat, the same checks, one filter
+and the same cascade (`stock_control`), the same limits, and a log with as many columns; the
+benchmark compares its setpoints with ours. It is written to be quick for what it is: PDO variables
+are looked up once, filter and constant arrays are made before the first cycle, no value is computed
+twice.
 """
 
 import struct
 import time
 
 import numpy as np
+from stock_control import StockCascade
 
 from drivers.canopen.mapping import pack
+from rig.mechanisms.cylinder import AntagonisticPair
 
 PERIOD = 2e-3
-AREA = 1.814e-4
+ENERGISE, APPROACH = 1.0, 2.0
 SPAN = 500e3
 _TYPES = {"i8": 2, "i16": 3, "i32": 4, "u8": 5, "u16": 6, "u32": 7}  # CiA 301, table 44
 _SIZES = {2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
@@ -32,12 +36,14 @@ class StockCycle:
         How many numbers a row of the log has.
     file : binary file
         The log.
+    sine : tuple
+        Amplitude (m) and frequency (Hz) of the reference.
     threaded : bool
         Receive in canopen's own thread (`Network.connect`, as its documentation says) rather than
         drain the bus in the cycle.
     """
 
-    def __init__(self, profile, bus, width, file, *, threaded):
+    def __init__(self, profile, bus, width, file, sine, *, threaded):
         from canopen import Network
         from mcap.writer import Writer
 
@@ -62,28 +68,43 @@ class StockCycle:
         self.encoders = []
         for name in ("encoder-agonist", "encoder-antagonist"):
             position, speed, alarms = nodes[name].tpdo[1].map
-            position.od.factor, speed.od.factor = 1e-6, 1e-5
+            position.od.factor = 1e-6
             self.encoders.append((position, speed, alarms))
-        self.filters = [_filter() for _ in range(2)]
-        self.low, self.high = np.zeros(2), np.full(2, SPAN)
-        self.largest_change = np.full(2, 50e6 * PERIOD)
-        self.gains = np.array([30.0, 200.0 * 0.138, 2.0e4 * PERIOD])
-        self.lead = np.zeros(2)
-        self.lead_step, self.lead_input = _lead(600.0)
-        self.lead_output = np.array([1.0, 2.0 / 40.0]), np.array([0.0, 1.0 / (40.0**2 * PERIOD)])
+        pair = profile.mechanism_settings
+        model = AntagonisticPair.model_of(pair)
+        self.cascade = StockCascade(model, PERIOD)
+        self.limits, self.middle = pair.limits, pair.home
+        self.largest_change = pair.limits.pressure_rate * PERIOD
+        self.most_apart = pair.limits.pair_force / pair.area
+        self.base = np.full(2, pair.base_pressure)
+        self.amplitude, self.frequency = sine
+        bus_settings = next(iter(profile.buses.values())).settings
+        self.master, self.heartbeat = bus_settings.master_id, bus_settings.heartbeat
+        self.patience = 60.0  # the frames are fed faster or slower than the rig's own time
+        self.next_heartbeat = 0.0
+        self.samples = {
+            node.id: [pdo for pdo in node.tpdo.values() if pdo.map] for node in nodes.values()
+        }
+        self.missed = dict.fromkeys(self.samples, 0)
+        self.most_missed = 1000 if threaded else 2  # the thread may lag behind the feeding
+        self.monitor_zero = 3277 * SPAN / 13107
+        self.broken_below = 0.5 / 4.0 * SPAN - SPAN / 4.0
+        self.extension = self.at_rest = self.home = None
+        self.controlling = False
         self.previous = (0.0, 0.0)
-        self.followed = np.zeros(2)
+        self.followed, self.followed_at = np.zeros(2), np.zeros(2)
         self.applied = np.zeros(2)
-        self.integral = 0.0
         self.frames = 0
         self.count = 0
-        self.unused = [0.0] * (width - 20)
+        self.unused = [0.0] * (width - 19)
         self.pack = struct.Struct(f"<4siIQd{width}d").pack
         self.file = file
         self.writer = Writer(file, use_chunking=False)
         self.writer.start("ros2", "benchmark")
         schema = self.writer.register_schema("rig_msgs/msg/Cycle", "ros2msg", b"")
         self.channel = self.writer.register_channel("/rig/cycle", "cdr", schema)
+        for node in nodes.values():  # as if it had configured and started them
+            node.nmt.on_heartbeat(0x700 + node.id, b"\x05", time.time())
         if threaded:
             self.network.connect()
 
@@ -96,21 +117,17 @@ class StockCycle:
                 self.frames += 1
         received = time.perf_counter()
 
-        extension = np.array([position.phys for position, _, _ in self.encoders]) + 0.03
-        speed = np.array([variable.phys for _, variable, _ in self.encoders])
-        pressure = np.array([monitor.phys for monitor in self.monitors]) - 3277 * SPAN / 13107
+        extension = np.array([position.phys for position, _, _ in self.encoders])
+        pressure = np.array([monitor.phys for monitor in self.monitors]) - self.monitor_zero
         self.check(t, extension, pressure)
+        position = 0.5 * (extension[1] - extension[0])
         read = time.perf_counter()
 
-        for kalman, value in zip(self.filters, extension, strict=True):
-            kalman.predict()
-            kalman.update(value)
-        states = np.array([(kalman.F @ kalman.x)[:, 0] for kalman in self.filters])
-        position, velocity, _ = 0.5 * (states[1] - states[0])
-        desired = self.reference(t)
-        command = self.control(desired, position, velocity)
+        desired, command = self.control(t, position, pressure)
+        difference = np.clip(command[0] - command[1], -self.most_apart, self.most_apart)
+        command = 0.5 * (command[0] + command[1]) + difference * np.array([0.5, -0.5])
         change = np.clip(command - self.applied, -self.largest_change, self.largest_change)
-        self.applied = np.clip(self.applied + change, self.low, self.high)
+        self.applied = np.clip(self.applied + change, *self.limits.pressure)
         for setpoint, value in zip(self.setpoints, self.applied, strict=True):
             setpoint.phys = float(value)
         self.supply.raw = 1
@@ -119,12 +136,15 @@ class StockCycle:
         for pdo in self.receive_pdos:
             pdo.transmit()
         self.network.sync.transmit()
+        if t >= self.next_heartbeat:
+            self.network.send_message(0x700 + self.master, b"\x05")
+            self.next_heartbeat += self.heartbeat
         sent = time.perf_counter()
 
         timing = [received - began, read - received, controlled - read, sent - controlled]
         row = np.concatenate(
-            [extension, speed, pressure, desired, [position, velocity], command, self.applied,
-             [t], timing, self.unused]
+            [[t, position], extension, pressure, desired, self.cascade.estimate, command,
+             self.applied, timing, self.unused]
         )  # fmt: skip
         stamp = int(t * 1e9)
         seconds, nanoseconds = divmod(stamp, 1_000_000_000)
@@ -133,52 +153,73 @@ class StockCycle:
         self.file.flush()
         self.count += 1
 
-    def check(self, t, extension, pressure):
-        """Raise if something is not as it must be; the values are far from their bounds."""
-        alarms = any(alarm.raw for *_, alarm in self.encoders)
-        if alarms or self.stop.raw & 1 != 1 or not np.all(np.isfinite(extension)):
-            raise RuntimeError("an alarm, the emergency stop or a broken reading")
-        for node in self.nodes.values():
-            if node.emcy.active or node.nmt.state == "STOPPED":
-                raise RuntimeError("a node is not well")
-            if node.tpdo[1].timestamp is None or node.tpdo[1].timestamp < 0.0:
-                raise RuntimeError("a node is silent")
-        if np.any(extension < -0.01) or np.any(extension > 0.1):
-            raise RuntimeError("outside the stroke")
-        if abs(np.mean(extension) - 0.03) > 1.0:
-            raise RuntimeError("the rods do not agree")
-        position = 0.5 * (extension[1] - extension[0])
-        if t - self.previous[0] >= 0.01:
-            if abs(position - self.previous[1]) > 5.0 * (t - self.previous[0]):
-                raise RuntimeError("too fast")
-            self.previous = (t, position)
-        self.followed += (self.applied - self.followed) * (PERIOD / 0.1)
-        if np.any(np.abs(self.followed - pressure) > 2.0 * SPAN):
-            raise RuntimeError("a regulator does not follow")
+    def control(self, t, position, pressure):
+        """Return the reference and the setpoints of this cycle, Pa, as the rig's run has them."""
+        if t < ENERGISE:
+            if self.at_rest is None:
+                self.at_rest, self.applied = pressure, pressure
+            self.home = position
+            share = t / ENERGISE
+            return np.array([position, 0.0, 0.0]), self.base * share + self.at_rest * (1.0 - share)
+        if not self.controlling:
+            self.controlling = True
+            self.home = position
+            self.cascade.reset(position, pressure)
+        desired = self.reference(t - ENERGISE - APPROACH)
+        return desired, self.cascade.update(position, pressure, desired)
 
     def reference(self, t):
         """Return position, velocity and acceleration, as an array."""
-        w = 2.0 * np.pi * 0.2
-        return 2e-3 * np.array([np.cos(w * t), -w * np.sin(w * t), -w * w * np.cos(w * t)])
-
-    def control(self, desired, position, velocity):
-        """Return the setpoints of the cascade: feedforward, two loops, integral, lead."""
-        error = desired[:2] - np.array([position, velocity])
-        friction = 7.0 + 3.0 * np.exp(-((desired[1] / 8e-3) ** 2))
-        force = (
-            self.gains[1] * (error[1] + self.gains[0] * error[0])
-            + 0.138 * desired[2]
-            + friction * np.tanh(desired[1] / 1e-3)
-            + self.integral
+        if t < 0.0:
+            s = 1.0 + t / APPROACH
+            basis = np.array([s**3, s**2 / APPROACH, s / APPROACH**2])
+            shape = np.array(
+                [10 - 15 * s + 6 * s**2, 30 * (1 - s) ** 2, 60 * (1 - 3 * s + 2 * s**2)]
+            )
+            return np.array([self.home, 0.0, 0.0]) + (self.amplitude - self.home) * basis * shape
+        w = 2.0 * np.pi * self.frequency
+        return self.amplitude * np.array(
+            [np.cos(w * t), -w * np.sin(w * t), -w * w * np.cos(w * t)]
         )
-        after = self.lead_step @ self.lead + self.lead_input * force / AREA
-        level, change = self.lead_output
-        wish = level @ (0.5 * (self.lead + after)) + change @ (after - self.lead)
-        difference = np.clip(wish, -200e3, 200e3)
-        self.lead = after
-        if difference == wish:
-            self.integral += self.gains[2] * error[0]
-        return 120e3 + 0.5 * difference * np.array([1.0, -1.0])
+
+    def check(self, t, extension, pressure):
+        """Raise if something is not as it must be: what the drivers and the loop look at."""
+        limits = self.limits
+        for node in self.nodes.values():
+            if node.emcy.active or node.nmt.state != "OPERATIONAL":
+                raise RuntimeError("a node is not well")
+            if node.nmt.timestamp is None or time.time() - node.nmt.timestamp > self.patience:
+                raise RuntimeError("a node is silent")
+            for pdo in self.samples[node.id]:
+                self.missed[node.id] = 0 if pdo.is_received else self.missed[node.id] + 1
+                pdo.is_received = False
+                if self.missed[node.id] > self.most_missed:
+                    raise RuntimeError("a node does not answer SYNC any more")
+        if any(alarm.raw for *_, alarm in self.encoders) or self.stop.raw & 1 != 1:
+            raise RuntimeError("an alarm or the emergency stop")
+        if np.any(pressure < self.broken_below):
+            raise RuntimeError("a monitor's wire is broken")
+        if not np.all(np.isfinite(extension)):
+            raise RuntimeError("a broken reading")
+        if np.any(extension < -0.002) or np.any(extension > 0.062):
+            raise RuntimeError("outside the stroke")
+        if self.extension is not None and np.any(np.abs(extension - self.extension) > 2.002e-3):
+            raise RuntimeError("an encoder jumped")
+        self.extension = extension
+        if abs(np.mean(extension) - self.middle) > limits.mismatch:
+            raise RuntimeError("the rods do not agree")
+        position = 0.5 * (extension[1] - extension[0])
+        if not limits.position[0] <= position <= limits.position[1]:
+            raise RuntimeError("the pair is outside its range")
+        if t - self.previous[0] >= 0.01:
+            if abs(position - self.previous[1]) > limits.speed * (t - self.previous[0]):
+                raise RuntimeError("too fast")
+            self.previous = (t, position)
+        self.followed += (self.applied - self.followed) * (PERIOD / (0.1 + PERIOD))
+        good = np.abs(self.followed - pressure) <= 80e3
+        self.followed_at = np.where(good, t, self.followed_at)
+        if np.any(t - self.followed_at > 0.5):
+            raise RuntimeError("a regulator does not follow")
 
     def close(self):
         self.writer.finish()
@@ -222,22 +263,3 @@ def _dictionary(sent, taken):
             objects.add_object(ODRecord(f"record {entry.object:X}", entry.object))
         objects[entry.object].add_member(variable)
     return objects
-
-
-def _lead(bandwidth):
-    """Return the exact step of a critically damped low-pass over a period."""
-    x, decay = bandwidth * PERIOD, np.exp(-bandwidth * PERIOD)
-    step = decay * np.array([[1.0 + x, PERIOD], [-bandwidth * x, 1.0 - x]])
-    return step, np.array([1.0, 0.0]) - step[:, 0]
-
-
-def _filter():
-    from filterpy.common import Q_discrete_white_noise
-    from filterpy.kalman import KalmanFilter
-
-    kalman = KalmanFilter(dim_x=3, dim_z=1)
-    kalman.F = np.array([[1.0, PERIOD, 0.5 * PERIOD**2], [0.0, 1.0, PERIOD], [0.0, 0.0, 1.0]])
-    kalman.H = np.array([[1.0, 0.0, 0.0]])
-    kalman.R *= 1e-12 / 12.0
-    kalman.Q = Q_discrete_white_noise(3, PERIOD, var=1.0)
-    return kalman
