@@ -88,7 +88,7 @@ def test_answers_to_remote_frames(talk):
 
 def test_it_closes_its_loop_and_follows(talk):
     talk.tell("Set_Controller_Mode", Control_Mode=3, Input_Mode=1)
-    talk.tell("Set_Limits", Velocity_Limit=5.0, Current_Limit=10.0)
+    talk.tell("Set_Limits", Velocity_Limit=50.0, Current_Limit=10.0)
     talk.tell("Set_Axis_State", Axis_Requested_State=8)
     talk.tell("Set_Input_Pos", Input_Pos=0.5, Vel_FF=0.0, Torque_FF=0.0)
     heard = talk.run(0.1)
