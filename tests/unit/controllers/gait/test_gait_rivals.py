@@ -5,9 +5,11 @@ import pytest
 
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import TrapezoidNormLaw
+from controllers.gait.mink_rival import MinkLaw, MinkSettings
 from controllers.gait.motions import WalkSettings
 from controllers.gait.rivals import ClampedLaw, DampedLaw, DampedSettings
 from controllers.gait.types import BalanceSettings, GaitModel
+from controllers.motion import InfeasibleMotion
 
 GEOMETRY = LegGeometry()
 MODEL = GaitModel(GEOMETRY, BalanceSettings(min_margin=1e-6, response_time=1.0))
@@ -45,3 +47,18 @@ def test_rivals_online_are_their_plans():
     for sample in range(len(made.t)):
         command = law.update(None, made.at(0.0))
         np.testing.assert_array_equal(command.positions, made.q[sample])
+
+
+def test_mink_keeps_the_rates_and_leaves_the_path():
+    pytest.importorskip("mink")
+    pytest.importorskip("daqp")
+    made = MinkLaw(MinkSettings(), MODEL, 2e-3).prepare(FAST)
+    assert made.peak_rates.max() <= GEOMETRY.max_rate * (1.0 + 1e-6)
+    assert made.off_path > 0.05e-3
+
+
+def test_mink_says_what_is_not_installed():
+    with pytest.raises(
+        InfeasibleMotion, match=r"needs the package (mink|no_such_solver), which is not installed"
+    ):
+        MinkLaw(MinkSettings(solver="no_such_solver"), MODEL, 2e-3)
