@@ -1,10 +1,13 @@
 """Pose control: inverse kinematics over two antagonistic pairs, and tensions that keep wires taut.
 
 The joint's four cylinders are two pairs. Each pair's position follows the difference of its wires'
-shortenings under one of the laws for a pair of cylinders; what is left, the mean pressure of each
-pair, holds the wires taut without turning the ring. A wire's own length is not controlled: round a
-circle at 20 degrees the sum of two opposite ones changes by 1.3 mm, so that a position loop on each
-would make the two fight.
+shortenings under one of the laws for a pair of cylinders. What is left of the four tensions holds
+the wires taut without turning the ring: the laws see and command only the *force of a pair*, what
+tilts the ring, and the pose says which tensions amount to it. Two equal tensions of a pair cancel
+at home only; at 60 degrees they tilt the ring half as much as an equal difference.
+
+A wire's own length is not controlled: round a circle at 20 degrees the sum of two opposite ones
+changes by 1.3 mm, so that a position loop on each would make the two fight.
 """
 
 import math
@@ -22,7 +25,7 @@ from controllers.cylinder.types import (
 )
 from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
-from controllers.spherical_joint.geometry import PAIRS
+from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.learning import (
     LapLearning,
     LapMemory,
@@ -49,8 +52,8 @@ from controllers.spherical_joint.types import (
 )
 from controllers.spherical_joint.wires import InverseKinematics, WireKind
 
-_MEAN_TIME = 0.2
-"""With which the mean pressures go from the measured ones to the wanted ones at the start, s."""
+_START_TIME = 0.2
+"""With which the tensions that are found at the start give way to the wanted ones, s."""
 
 
 class PairLaw(Protocol):
@@ -142,12 +145,11 @@ class PoseController:
     """Makes the law of a pair from its settings."""
 
     def __init__(self, settings: Any, model: JointModel, period: float) -> None:
-        self._settings: PoseControlSettings = settings
         self.settings: PoseControlSettings = settings
         """As the profile gives them."""
         self._area = model.area
         self._height = model.geometry.marker_height
-        self._compliance = 0.5 / model.wire_stiffness
+        self._compliance = settings.stretch / model.wire_stiffness
         self._inverse = InverseKinematics(model.geometry, settings.wire, settings.pose)
         self._distribution = TensionDistribution(model.geometry)
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
@@ -159,19 +161,19 @@ class PoseController:
             settings.friction_distance,
             period,
         )
-        # What the seals may take away from the pull of a chamber.
+        # What the seals may take away from the pull of a chamber, or add to it.
         seal = 0.5 * model.breakaway
-        self._least = model.least_tension + seal
+        self._least = max(model.least_tension + seal, model.area * model.pressure_min)
+        self._most = min(model.most_tension - seal, model.area * model.pressure_max)
         self._total = 4.0 * model.area * model.base_pressure
-        self._floor = max(self._least / model.area, model.pressure_min)
-        self._ceiling = min((model.most_tension - seal) / model.area, model.pressure_max)
+        self._base = 0.5 * (self._least + self._most) / model.area
         pair = PairModel(
             area=model.area,
             mass=model.mass,
-            # The law only splits around it; its differential may take the whole range.
-            base_pressure=0.5 * (self._floor + self._ceiling),
-            pressure_min=self._floor,
-            pressure_max=self._ceiling,
+            # Only its difference is used: it may take the whole range.
+            base_pressure=self._base,
+            pressure_min=self._least / model.area,
+            pressure_max=self._most / model.area,
             regulator_bandwidth=model.regulator_bandwidth,
             regulator_damping=model.regulator_damping,
             coulomb=model.coulomb,
@@ -183,8 +185,8 @@ class PoseController:
             self.law(settings.pair, pair, period),
             self.law(settings.pair, pair, period),
         )
-        self._mean_share = 1.0 - math.exp(-period / _MEAN_TIME)
-        self._means = [0.0, 0.0]
+        self._start_decay = math.exp(-period / _START_TIME)
+        self._start: Quadruple | None = None
         self._rate = 0.5 / period
         self._force_memory: LapMemory | None = None
         self._axis_memory: LapMemory | None = None
@@ -213,9 +215,7 @@ class PoseController:
         self._friction.reset()
         if self.learning is not None:
             self.learning.reset()
-        for number, (law, (one, other)) in enumerate(zip(self._laws, PAIRS, strict=True)):
-            law.reset(_pair_state(state, one, other))
-            self._means[number] = 0.5 * (state.pressures[one] + state.pressures[other])
+        self._start = None
 
     def update(self, state: JointState, reference: JointReference) -> JointCommand:
         """Return the four setpoints of this period.
@@ -225,65 +225,74 @@ class PoseController:
         ValueError
             No pose explains the wires, or no tensions hold the reference.
         """
-        settings = self._settings
+        area = self._area
         axis, velocity = self._corrected(reference)
-        motion = self._inverse.motion(axis, velocity, reference.acceleration)
-        tensions = self._distribution.hold(natural_rotation(axis), self._least, self._total)
-        # Both pairs' velocities are needed before either's friction is known.
-        velocities = [0.5 * (motion.velocity[one] - motion.velocity[other]) for one, other in PAIRS]
-        sums = [tensions[one] + tensions[other] for one, other in PAIRS]
-        friction = self._friction.update((velocities[0], velocities[1]), (sums[0], sums[1]))
-        lap = reference.lap if self.learning is not None and self.learning.active else None
-        learnt = (0.0, 0.0)
-        if lap is not None and self._force_memory is not None:
-            learnt = self._force_memory.at(lap.tick)  # type: ignore[assignment]
-        setpoints = [0.0] * 4
-        rods = [0.0] * 4
-        wires = [0.0] * 4
-        errors = 0.0
-        for number, (one, other) in enumerate(PAIRS):
-            hold = tensions[one] - tensions[other]
-            load = hold + friction[number]
-            pair = _pair_state(state, one, other)
-            # The rods pull in by what the wires stretch: pulled apart by the load, together by
-            # the mean of the two pressures.
-            apart = settings.stretch * self._compliance * load
-            common = (
-                settings.stretch * self._compliance * self._area * (pair.agonist + pair.antagonist)
-            )
-            wanted = 0.5 * (motion.position[one] - motion.position[other]) + apart
-            law = self._laws[number]
-            command = law.update(
-                pair,
-                PairReference(
-                    wanted,
-                    velocities[number],
-                    0.5 * (motion.acceleration[one] - motion.acceleration[other]),
-                ),
-                load + learnt[number],
-            )
-            half = 0.5 * (command.agonist - command.antagonist)
-            mean = self._mean(number, 0.5 * sums[number] / self._area, abs(half))
-            setpoints[one], setpoints[other] = mean + half, mean - half
-            rods[one] = motion.position[one] + common + apart
-            rods[other] = motion.position[other] + common - apart
-            wires[one] = state.rods[one] - common - apart
-            wires[other] = state.rods[other] - common + apart
-            errors += (wanted - pair.position) ** 2
-        self.marker = marker = self._marker.update(
-            state.t, (wires[0], wires[1], wires[2], wires[3]), state.camera
+        position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
+        pose = self._distribution.at(natural_rotation(axis))
+        pull = _scaled(area, state.pressures)
+        hold = pose.raised(_scaled(self._total, pose.shares), self._least)
+        friction = self._friction.update(
+            (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1])),
+            (hold[0] + hold[2], hold[3] + hold[1]),
         )
+        # The rods pull in by what the wires stretch under what they bear.
+        stretch = _spread(_scaled(sum(pull) / sum(hold), hold), friction)
+        stretch = _scaled(self._compliance, stretch)
+        rods = _sum(position, stretch)
+        self._estimate(state, stretch, rods, hold)
+
+        lap = reference.lap if self.learning is not None and self.learning.active else None
+        learnt: tuple[float, ...] = (0.0, 0.0)
+        if lap is not None and self._force_memory is not None:
+            learnt = self._force_memory.at(lap.tick)
+        forces = pose.pair_forces(pull)
+        measured = [
+            PairState(
+                state.t,
+                0.5 * (state.rods[one] - state.rods[other]),
+                self._base + 0.5 * force / area,
+                self._base - 0.5 * force / area,
+            )
+            for force, (one, other) in zip(forces, PAIRS, strict=True)
+        ]
+        if self._start is None:
+            # What the chambers hold beyond that at the start fades away.
+            self._start = _sum(pull, _scaled(-1.0, _spread(hold, forces)))
+            for law, pair in zip(self._laws, measured, strict=True):
+                law.reset(pair)
+        wanted, squared = [], 0.0
+        for number, (one, other) in enumerate(PAIRS):
+            goal = PairReference(
+                0.5 * (rods[one] - rods[other]),
+                0.5 * (rate[one] - rate[other]),
+                0.5 * (acceleration[one] - acceleration[other]),
+            )
+            command = self._laws[number].update(
+                measured[number], goal, friction[number] + learnt[number]
+            )
+            wanted.append(area * (command.agonist - command.antagonist))
+            squared += (goal.position - measured[number].position) ** 2
+        if lap is not None:
+            self._learn(lap.tick, reference.axis, squared)
+        tensions = pose.kept_taut(
+            _spread(_sum(hold, self._start), (wanted[0], wanted[1])), self._least
+        )
+        self._start = _scaled(self._start_decay, self._start)
+        least, most = self._least, self._most
+        first, second, third, fourth = (
+            min(max(tension, least), most) / area for tension in tensions
+        )
+        return JointCommand(first, second, third, fourth)
+
+    def _estimate(
+        self, state: JointState, stretch: Quadruple, rods: Quadruple, hold: Quadruple
+    ) -> None:
+        wires = _sum(state.rods, _scaled(-1.0, stretch))
+        self.marker = marker = self._marker.update(state.t, wires, state.camera)
         self._camera.update(marker)
         self.estimate = JointEstimate(
-            marker.marker,
-            marker.encoder_marker,
-            marker.residual,
-            (rods[0], rods[1], rods[2], rods[3]),
-            tensions,
+            marker.marker, marker.encoder_marker, marker.residual, rods, hold
         )
-        if lap is not None:
-            self._learn(lap.tick, reference.axis, errors)
-        return JointCommand(setpoints[0], setpoints[1], setpoints[2], setpoints[3])
 
     def _corrected(self, reference: JointReference) -> tuple[Vector, Vector]:
         """Return the axis to go for and its rate: camera and learning change the reference."""
@@ -310,13 +319,6 @@ class PoseController:
         scale = 1.0 / math.sqrt(x * x + y * y + z * z)
         return (scale * x, scale * y, scale * z), (scale * dx, scale * dy, scale * dz)
 
-    def _mean(self, number: int, wanted: float, half: float) -> float:
-        """Return the mean pressure of a pair: as wanted, and higher where a wire would go slack."""
-        mean = self._means[number]
-        mean += self._mean_share * (wanted - mean)
-        self._means[number] = mean
-        return min(max(mean, self._floor + half), self._ceiling - half)
-
     def _learn(self, tick: int, axis: Vector, squared: float) -> None:
         learning = self.learning
         assert learning is not None
@@ -335,11 +337,17 @@ class PoseController:
         learning.add_score(squared)
 
 
-def _pair_state(state: JointState, one: int, other: int) -> PairState:
-    """Return what is measured of a pair; its position is half the difference of its rods'."""
-    return PairState(
-        state.t,
-        0.5 * (state.rods[one] - state.rods[other]),
-        state.pressures[one],
-        state.pressures[other],
-    )
+def _scaled(factor: float, values: Quadruple) -> Quadruple:
+    a, b, c, d = values
+    return (factor * a, factor * b, factor * c, factor * d)
+
+
+def _sum(first: Quadruple, second: Quadruple) -> Quadruple:
+    (a, b, c, d), (e, f, g, h) = first, second
+    return (a + e, b + f, c + g, d + h)
+
+
+def _spread(tensions: Quadruple, forces: tuple[float, float]) -> Quadruple:
+    """Return tensions with the pairs' forces, half on either wire (see `PAIRS`)."""
+    (a, b, c, d), (first, second) = tensions, forces
+    return (a + 0.5 * first, b - 0.5 * second, c - 0.5 * first, d + 0.5 * second)

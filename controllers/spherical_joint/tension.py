@@ -6,8 +6,9 @@ can be held and any slack taken out by pulling harder.
 """
 
 import math
+from typing import NamedTuple
 
-from controllers.spherical_joint.exact_wire import ExactWires
+from controllers.spherical_joint.exact_wire import ExactWires, Vectors
 from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
 
@@ -17,8 +18,93 @@ _BESIDE = (4e-4, 9e-4, 0.0)
 the anchors' azimuths. They move by less than 1e-4 over this."""
 
 
+_MOST_LIFTS = 8
+_LIFTED = 1e-3
+"""How often the lowest tension is lifted, which may lower another a little, and how nearly, N."""
+
+
 class SlackWire(ValueError):
     """No tensions hold the pose with every wire taut."""
+
+
+class PoseTensions(NamedTuple):
+    """What the wires' tensions do to the ring in one pose.
+
+    Parameters
+    ----------
+    shares : tuple of float
+        Tensions that turn the ring nowhere, of sum 1: the null vector of the wires' Jacobian. One
+        that is not positive means that no four taut wires hold this pose.
+    first, second : tuple of float
+        What a newton in each wire adds to the force of the pairs (1, 3) and (4, 2): the
+        difference of a pair's two tensions that alone would tilt the ring as much. At home that
+        is ±1 for the pair's own wires; the further the ring tilts, the more it is a matter of
+        all four, because two equal tensions of a pair no longer cancel.
+    """
+
+    shares: Quadruple
+    first: Quadruple
+    second: Quadruple
+
+    def pair_forces(self, tensions: Quadruple) -> tuple[float, float]:
+        """Return the force of each pair (N) that four tensions (N) amount to."""
+        a, b, c, d = tensions
+        e, f, g, h = self.first
+        k, m, n, p = self.second
+        return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
+
+    def raised(self, tensions: Quadruple, least: float) -> Quadruple:
+        """Return tensions (N) that turn the ring as much, none below `least`.
+
+        Raises
+        ------
+        SlackWire
+            The wires have no force closure here.
+        """
+        level = 0.0
+        for tension, share in zip(tensions, self.shares, strict=True):
+            if share <= 0.0:
+                number = self.shares.index(share) + 1
+                raise SlackWire(
+                    f"wire {number} would have to push: no tensions hold this pose with all "
+                    "wires taut"
+                )
+            if tension + level * share < least:
+                level = (least - tension) / share
+        if level == 0.0:
+            return tensions
+        (a, b, c, d), (e, f, g, h) = tensions, self.shares
+        return (a + level * e, b + level * f, c + level * g, d + level * h)
+
+    def kept_taut(self, tensions: Quadruple, least: float) -> Quadruple:
+        """Return tensions (N) that tilt the ring as much, none below `least`.
+
+        Unlike `raised` this leaves the spin to the friction of the seat, and so takes no more than
+        it must: where a wire's share is small, at great tilts, `raised` would multiply every
+        newton that a controller takes from that wire. For differences that come and go.
+        """
+        a, b, c, d = tensions
+        if a >= least and b >= least and c >= least and d >= least:
+            return tensions
+        values = [a, b, c, d]
+        for _ in range(_MOST_LIFTS):
+            lowest = min(values)
+            if lowest >= least - _LIFTED:
+                break
+            wire = values.index(lowest)
+            # A mean tension in the wire's own pair, and what makes up for the tilt by it.
+            (one, other), (third, fourth) = PAIRS if wire in PAIRS[0] else (PAIRS[1], PAIRS[0])
+            own, across = (
+                (self.first, self.second) if wire in PAIRS[0] else (self.second, self.first)
+            )
+            half = 0.5 * (own[one] + own[other])
+            along = 0.5 * (across[one] + across[other])
+            lift = (least - lowest) / (1.0 - half if wire == one else 1.0 + half)
+            values[one] += lift * (1.0 - half)
+            values[other] += lift * (1.0 + half)
+            values[third] -= lift * along
+            values[fourth] += lift * along
+        return values[0], values[1], values[2], values[3]
 
 
 class TensionDistribution:
@@ -35,28 +121,30 @@ class TensionDistribution:
         self._half_angle = geometry.ring_half_angle
         self._vanishing = 1e-9 * geometry.ball_radius**3
 
+    def at(self, rotation: Rotation) -> PoseTensions:
+        """Return what tensions do in a pose."""
+        rows = self._wires.jacobian(rotation)
+        # By how much a newton in each wire tilts the ring, about its own X and Y.
+        (x, _, _), (y, _, _), (z, _, _) = rotation
+        (_, p, _), (_, q, _), (_, r, _) = rotation
+        tilts = [(x * g[0] + y * g[1] + z * g[2], p * g[0] + q * g[1] + r * g[2]) for g in rows]
+        (one, other), (third, fourth) = PAIRS
+        a = 0.5 * (tilts[one][0] - tilts[other][0])
+        b = 0.5 * (tilts[one][1] - tilts[other][1])
+        c = 0.5 * (tilts[third][0] - tilts[fourth][0])
+        d = 0.5 * (tilts[third][1] - tilts[fourth][1])
+        scale = 1.0 / (a * d - b * c)
+        e, f, g, h = [scale * (u * d - v * c) for u, v in tilts]
+        k, m, n, o = [scale * (v * a - u * b) for u, v in tilts]
+        first, second = (e, f, g, h), (k, m, n, o)
+        shares = self._shares(rows)
+        if shares is None:
+            shares = self._limit_of_shares(rotation, first, second)
+        return PoseTensions(shares, first, second)
+
     def shares(self, rotation: Rotation) -> Quadruple:
-        """Return the tensions that turn the ring nowhere, as shares of their sum.
-
-        A share that is not positive means that no four taut wires hold this pose.
-
-        Returns
-        -------
-        tuple of float
-            The null vector of the wires' 3 × 4 Jacobian, of sum 1.
-        """
-        first, second, third, fourth = self._wires.jacobian(rotation)
-        a = _triple(second, third, fourth)
-        b = -_triple(first, third, fourth)
-        c = _triple(first, second, fourth)
-        d = -_triple(first, second, third)
-        total = a + b + c + d
-        if abs(total) < self._vanishing:
-            # No wire spins the ring where it tilts towards a wire: any two pairs are in balance.
-            # The shares beside such a pose tend to a limit, which is the one without a jump.
-            return self._limit_of_shares(rotation)
-        scale = 1.0 / total
-        return (scale * a, scale * b, scale * c, scale * d)
+        """Return the tensions that turn the ring nowhere, as shares of their sum."""
+        return self.at(rotation).shares
 
     def hold(
         self,
@@ -85,20 +173,12 @@ class TensionDistribution:
         SlackWire
             The wires have no force closure here.
         """
-        shares = self.shares(rotation)
-        if min(shares) <= 0.0:
-            number = shares.index(min(shares)) + 1
-            raise SlackWire(
-                f"wire {number} would have to push: no tensions hold this pose with all wires taut"
-            )
-        balance = (0.0, 0.0, 0.0, 0.0) if load == _NO_LOAD else self._balance(rotation, load)
-        level = total - sum(balance)
-        for tension, share in zip(balance, shares, strict=True):
-            level = max(level, (least - tension) / share)
+        pose = self.at(rotation)
+        balance = self._balance(rotation, load)
         first, second, third, fourth = (
-            tension + level * share for tension, share in zip(balance, shares, strict=True)
+            tension + total * share for tension, share in zip(balance, pose.shares, strict=True)
         )
-        return first, second, third, fourth
+        return pose.raised((first, second, third, fourth), least)
 
     def seating_margin(self, rotation: Rotation, tensions: Quadruple) -> float:
         """Return by how much the wires' net force stays within the ring's contact cone, rad.
@@ -118,43 +198,65 @@ class TensionDistribution:
         across = math.hypot(u_y * z - u_z * y, u_z * x - u_x * z, u_x * y - u_y * x)
         return self._half_angle - math.atan2(across, along)
 
-    def _limit_of_shares(self, rotation: Rotation) -> Quadruple:
-        """Return the shares of a pose beside, corrected so that they do not tilt the ring."""
+    def _shares(self, rows: Vectors) -> Quadruple | None:
+        """Return the null vector of the Jacobian, of sum 1; None where it is not unique."""
+        first, second, third, fourth = rows
+        a = _triple(second, third, fourth)
+        b = -_triple(first, third, fourth)
+        c = _triple(first, second, fourth)
+        d = -_triple(first, second, third)
+        total = a + b + c + d
+        if abs(total) < self._vanishing:
+            return None
+        scale = 1.0 / total
+        return (scale * a, scale * b, scale * c, scale * d)
+
+    def _limit_of_shares(
+        self, rotation: Rotation, first: Quadruple, second: Quadruple
+    ) -> Quadruple:
+        """Return the shares where the ring tilts towards a wire.
+
+        No wire spins the ring there, and any two pairs are in balance. The shares beside such a
+        pose tend to a limit, the choice without a jump; corrected so that they tilt nothing.
+        """
         axis = (rotation[0][2], rotation[1][2], rotation[2][2])
-        beside = self.shares(natural_rotation(move_axis(axis, _BESIDE, _NO_LOAD, 1.0)))
-        x, y, z = (
-            -sum(share * arm for share, arm in zip(beside, column, strict=True))
-            for column in zip(*self._wires.jacobian(rotation), strict=True)
+        beside = self._shares(
+            self._wires.jacobian(natural_rotation(move_axis(axis, _BESIDE, _NO_LOAD, 1.0)))
         )
-        first, second, third, fourth = (
-            share + correction
-            for share, correction in zip(beside, self._balance(rotation, (x, y, z)), strict=True)
-        )
-        return first, second, third, fourth
+        assert beside is not None
+        shares = list(beside)
+        for (one, other), coefficients in zip(PAIRS, (first, second), strict=True):
+            half = 0.5 * sum(a * b for a, b in zip(coefficients, beside, strict=True))
+            shares[one] -= half
+            shares[other] += half
+        return shares[0], shares[1], shares[2], shares[3]
 
     def _balance(self, rotation: Rotation, load: Vector) -> Quadruple:
         """Return tensions of sum 0 that balance the tilting part of a load, N."""
+        if load == _NO_LOAD:
+            return (0.0, 0.0, 0.0, 0.0)
         rows = self._wires.jacobian(rotation)
-        arms = [
-            tuple(0.5 * (a - b) for a, b in zip(rows[one], rows[other], strict=True))
-            for one, other in PAIRS
-        ]
-        ring_x, ring_y, _ = zip(*rotation, strict=True)
-        (a, b), (c, d), (x, y) = (
+        (ax, ay), (bx, by), (x, y) = (
             (
-                sum(p * q for p, q in zip(vector, ring_x, strict=True)),
-                sum(p * q for p, q in zip(vector, ring_y, strict=True)),
+                sum(p * row[0] for p, row in zip(vector, rotation, strict=True)),
+                sum(p * row[1] for p, row in zip(vector, rotation, strict=True)),
             )
-            for vector in (*arms, load)
+            for vector in (
+                *(
+                    tuple(0.5 * (a - b) for a, b in zip(rows[one], rows[other], strict=True))
+                    for one, other in PAIRS
+                ),
+                load,
+            )
         )
-        determinant = a * d - b * c
+        half = 0.5 / (ax * by - ay * bx)
         tensions = [0.0, 0.0, 0.0, 0.0]
-        differences = ((x * d - y * c) / determinant, (a * y - b * x) / determinant)
-        for (one, other), difference in zip(PAIRS, differences, strict=True):
-            tensions[one] = 0.5 * difference
-            tensions[other] = -0.5 * difference
-        first, second, third, fourth = tensions
-        return first, second, third, fourth
+        for (one, other), force in zip(
+            PAIRS, (half * (x * by - y * bx), half * (ax * y - ay * x)), strict=True
+        ):
+            tensions[one] = force
+            tensions[other] = -force
+        return tensions[0], tensions[1], tensions[2], tensions[3]
 
 
 def pair_pressures(

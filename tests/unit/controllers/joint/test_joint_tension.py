@@ -142,6 +142,50 @@ def test_ring_sits_where_contacts_that_only_push_balance_the_wires(axis, tension
         assert (missing < 1e-6 * np.linalg.norm(pull)) == (margin > 0.0)
 
 
+@given(axes(most=65.0), st.lists(st.floats(0.0, 60.0), min_size=4, max_size=4))
+def test_pair_forces_tilt_the_ring_as_the_tensions_do(axis, tensions):
+    rotation = natural_rotation(axis)
+    pose = TENSIONS.at(rotation)
+    first, second = pose.pair_forces(tuple(tensions))
+    alone = (0.5 * first, -0.5 * second, -0.5 * first, 0.5 * second)
+    left = (torque_of(rotation, tensions) - torque_of(rotation, alone)) @ np.array(rotation)
+    assert left[:2] == pytest.approx(0.0, abs=1e-9)
+    # Virtual work: a pair's force times its motion, half the difference of its shortenings.
+    assert pose.pair_forces(pose.shares) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_pairs_are_on_their_own_at_home():
+    pose = TENSIONS.at(natural_rotation((0.0, 0.0, 1.0)))
+    assert pose.first == pytest.approx((1.0, 0.0, -1.0, 0.0), abs=1e-12)
+    assert pose.second == pytest.approx((0.0, -1.0, 0.0, 1.0), abs=1e-12)
+
+
+@given(axes(most=65.0), st.tuples(st.floats(-30.0, 30.0), st.floats(-30.0, 30.0)))
+def test_tensions_are_kept_taut_without_tilting_the_ring(axis, forces):
+    pose = TENSIONS.at(natural_rotation(axis))
+    first, second = 0.5 * forces[0], 0.5 * forces[1]
+    hold = pose.raised(tuple(80.0 * share for share in pose.shares), 10.0)
+    spread = (first, -second, -first, second)
+    tensions = tuple(a + b for a, b in zip(hold, spread, strict=True))
+    taut = pose.kept_taut(tensions, 10.0)
+    assert min(taut) > 10.0 - 2e-3
+    assert pose.pair_forces(taut) == pytest.approx(forces, abs=1e-6)
+    if min(tensions) >= 10.0:
+        assert taut == tensions
+    else:
+        # Never more than it takes with only the pair's own two wires.
+        assert sum(taut) < sum(tensions) + 8.0 * (10.0 - min(tensions))
+
+
+def test_keeping_a_wire_taut_at_a_great_tilt_takes_a_newton_for_a_newton():
+    """Raising all tensions together would take 14 for one: that wire's share is 0.07."""
+    pose = TENSIONS.at(natural_rotation(axis_from_tilt(math.radians(60.0), 0.0)))
+    hold = pose.raised(tuple(80.0 * share for share in pose.shares), 10.0)
+    slack = (hold[0], hold[1] + 2.0, hold[2], hold[3] - 2.0)
+    assert sum(pose.kept_taut(slack, 10.0)) < sum(slack) + 5.0
+    assert sum(pose.raised(slack, 10.0)) > sum(slack) + 25.0
+
+
 def test_pressures_of_tensions():
     area = 181.5e-6
     first, second = pair_pressures((20.0, 21.0, 22.0, 25.0), area)
