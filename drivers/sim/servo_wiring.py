@@ -1,13 +1,21 @@
 """From the settings of servo drivers to the simulated drives on their other side."""
 
-from math import pi
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivers.servos.cia402_settings import Cia402Settings
+from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
 from drivers.servos.joint_settings import JointSettings
-from drivers.servos.odrive_settings import OdriveEndpoints, OdriveSettings
+from drivers.servos.odrive_settings import AxisSettings, OdriveEndpoints, OdriveSettings
 from drivers.sim.nodes.cia402 import EmulatedCia402
-from drivers.sim.nodes.odrive import EmulatedOdrive, Endpoint
+from drivers.sim.nodes.odrive import (
+    SHIPPED_ENCODER,
+    SHIPPED_HEARTBEAT,
+    STEPS_PER_TURN,
+    EmulatedOdrive,
+    Endpoint,
+)
+from drivers.sim.servos import SimulatedServos
+from rig.hal import Clock
 
 
 def emulate_cia402(
@@ -37,12 +45,8 @@ def emulate_odrive(
     """Return one emulated axis per joint, mounted and set up as the driver's settings say."""
     numbers = settings.endpoints
     # What the driver can write is as the maker ships it; the rest was set by hand.
-    endpoints = {} if numbers is None else _endpoints(numbers)
-    by_hand = {"watchdog": settings.watchdog} if numbers is None else {}
-    if numbers is None or numbers.heartbeat_period is None:
-        by_hand["heartbeat"] = settings.heartbeat
-    if numbers is None or numbers.encoder_period is None:
-        by_hand["encoder_period"] = settings.encoder_period
+    writes_heartbeat = numbers is not None and numbers.heartbeat_period is not None
+    writes_encoder = numbers is not None and numbers.encoder_period is not None
     return tuple(
         EmulatedOdrive(
             f"{name}.{joint}",
@@ -52,8 +56,10 @@ def emulate_odrive(
             gear=signed_gear(axis),
             zero=axis.offset,
             serial=serial if axis.serial is None else axis.serial,
-            endpoints=endpoints,
-            **by_hand,
+            watchdog=settings.watchdog if numbers is None else 0.0,
+            heartbeat=SHIPPED_HEARTBEAT if writes_heartbeat else settings.heartbeat,
+            encoder_period=SHIPPED_ENCODER if writes_encoder else settings.encoder_period,
+            endpoints={} if numbers is None else _endpoints(numbers),
         )
         for (joint, axis), channel in zip(settings.joints.items(), channels, strict=True)
     )
@@ -71,11 +77,59 @@ def _endpoints(numbers: OdriveEndpoints) -> dict[int, Endpoint]:
     return made
 
 
+def simulate_cia402(
+    name: str, settings: Cia402Settings, plant: Any, channels: tuple[int, ...], clock: Clock
+) -> SimulatedServos:
+    """Return simulated joints with the resolution and limits of the drives'."""
+    return _simulate(
+        name,
+        settings.joints,
+        [drive.counts_per_turn for drive in settings.joints.values()],
+        plant,
+        channels,
+        clock,
+    )
+
+
+def simulate_odrive(
+    name: str, settings: OdriveSettings, plant: Any, channels: tuple[int, ...], clock: Clock
+) -> SimulatedServos:
+    """Return simulated joints with the limits of the axes', and the emulated encoders' steps."""
+    return _simulate(
+        name,
+        settings.joints,
+        [float(STEPS_PER_TURN)] * len(settings.joints),
+        plant,
+        channels,
+        clock,
+    )
+
+
+def _simulate(
+    name: str,
+    joints: Mapping[str, DriveSettings] | Mapping[str, AxisSettings],
+    steps_per_turn: Sequence[float],
+    plant: Any,
+    channels: tuple[int, ...],
+    clock: Clock,
+) -> SimulatedServos:
+    settings: list[DriveSettings | AxisSettings] = [*joints.values()]
+    return SimulatedServos(
+        name,
+        joints,
+        plant,
+        channels,
+        clock,
+        resolutions=[
+            1.0 / abs(joint.turns_per_radian * steps)
+            for joint, steps in zip(settings, steps_per_turn, strict=True)
+        ],
+        decelerations=[joint.deceleration for joint in settings],
+        windows=[joint.following_window for joint in settings],
+        times=[joint.following_time for joint in settings],
+    )
+
+
 def signed_gear(joint: JointSettings) -> float:
     """Return the turns of a drive's shaft for one turn of its joint, with their sign."""
     return -joint.gear if joint.reversed else joint.gear
-
-
-def resolution_of(joint: JointSettings, steps_per_turn: float) -> float:
-    """Return the angle of one step of a drive at its joint, rad."""
-    return 2.0 * pi / (steps_per_turn * joint.gear)

@@ -15,7 +15,7 @@ from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, Odri
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulation import EmulatedRig
-from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive
+from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
 
 PERIOD = 0.005
 _AXIS_FIELDS = [field.name for field in fields(AxisSettings)]
@@ -233,7 +233,7 @@ def odrive_settings(joints=2, **changes):
 def odrive_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, **changes):
     """Return a rig of emulated ODrives under the production driver."""
     settings = odrive_settings(joints, **changes)
-    plant = plant or LaggedJoints(joints)
+    plant = plant or LaggedJoints(joints, lag=0.05)  # the maker's gain: 20 (turn/s)/turn
     nodes = emulate_odrive("arm", settings, plant, tuple(range(joints)), 0x1234)
     can = OdriveBusSettings("virtual", "can0", **(bus_settings or {}))
     return ServoRig(
@@ -244,3 +244,35 @@ def odrive_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
         faults=faults,
         loss=loss,
     )
+
+
+class SimRig(ServoRig):
+    """Joints straight on the plant, with the calls of the other rigs."""
+
+    def __init__(self, plant, settings):
+        self.plant = plant
+        self.clock = SimClock(plant)
+        self.bus = NoBus()
+        self.driver = simulate_cia402(
+            "arm", settings, plant, tuple(range(len(plant.angles))), self.clock
+        )
+
+    def inject(self, device, fault, value=None):
+        name, _, joint = device.partition(".")
+        assert name == self.driver.name
+        self.driver.inject(f"{joint}.{fault}", value)
+
+
+class NoBus:
+    """What is left of a bus where there is none."""
+
+    def open(self):
+        pass
+
+    receive = transmit = check = lambda self, now: None
+    make_safe = close = open
+
+
+def sim_rig(joints=2, *, plant=None, **changes):
+    """Return a rig of simulated servos on the settings of CiA 402 drives."""
+    return SimRig(plant or LaggedJoints(joints), cia402_settings(joints, **changes))

@@ -17,6 +17,8 @@ from drivers.sim.nodes.motion_reference import MotionReference
 from drivers.sim.servo_port import ServoPort
 
 IDLE, CLOSED_LOOP = 1, 8
+STEPS_PER_TURN = 1 << 14  # of the encoder on the board
+SHIPPED_HEARTBEAT, SHIPPED_ENCODER = 0.1, 0.01  # periods of cyclic messages, s
 VELOCITY_CONTROL, POSITION_CONTROL = 2, 3
 
 OVER_VOLTAGE, WATCHDOG_EXPIRED, ESTOP = 0x100, 0x0100_0000, 0x0200_0000
@@ -89,12 +91,12 @@ class EmulatedOdrive(FaultInjection):
         *,
         gear: float = 1.0,
         zero: float = 0.0,
-        steps_per_turn: int = 1 << 14,
+        steps_per_turn: int = STEPS_PER_TURN,
         serial: int = 0,
         firmware: tuple[int, int, int] = (0, 6, 10),
         watchdog: float = 0.0,
-        heartbeat: float = 0.1,
-        encoder_period: float = 0.01,
+        heartbeat: float = SHIPPED_HEARTBEAT,
+        encoder_period: float = SHIPPED_ENCODER,
         endpoints: dict[int, Endpoint] | None = None,
     ) -> None:
         super().__init__()
@@ -119,6 +121,7 @@ class EmulatedOdrive(FaultInjection):
         self._zero = zero
         self._steps = steps_per_turn
         self._motion = MotionReference()
+        self._feedforward = 0.0  # turn/s
         self._jump = 0.0
         self._stuck = False
         self.axis_state = IDLE
@@ -181,10 +184,10 @@ class EmulatedOdrive(FaultInjection):
         )
 
     def _drive(self, now: float) -> None:
-        """Move the reference of the velocity loop on, and watch the speed."""
-        if self.control_mode == VELOCITY_CONTROL:
-            self._motion.advance(now)
-            self._pass_on(self._motion.velocity)
+        """Bring the reference up to date, and watch the speed."""
+        self._motion.advance(now)
+        by_velocity = self.control_mode == VELOCITY_CONTROL
+        self._pass_on(self._motion.velocity if by_velocity else self._feedforward)
         self._motion_due = now + _SERVO_PERIOD if self.axis_state == CLOSED_LOOP else inf
         speed = abs(self._port.joint_velocity(self._channel) * self._turns)
         if speed > _OVER_SPEED_AT * self.speed_limit:
@@ -249,6 +252,7 @@ class EmulatedOdrive(FaultInjection):
         elif state == CLOSED_LOOP and self.axis_state == IDLE and not self.active_errors:
             self.axis_state = CLOSED_LOOP
             self._motion.restart(self._shaft(), self.now)
+            self._feedforward = 0.0
             self._pass_on(0.0)
             self._motion_due = self.now + _SERVO_PERIOD
 
@@ -265,7 +269,8 @@ class EmulatedOdrive(FaultInjection):
             return
         # The position stands until the next setpoint; its velocity is fed forward meanwhile.
         self._motion.restart(position, self.now)
-        self._pass_on(self._limited(velocity * _FEEDFORWARD_STEP))
+        self._feedforward = self._limited(velocity * _FEEDFORWARD_STEP)
+        self._pass_on(self._feedforward)
 
     def _take_velocity(self, data: bytes) -> None:
         self._feed()
