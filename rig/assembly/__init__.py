@@ -1,6 +1,7 @@
 """From a profile to a rig: the only package that knows concrete drivers and controllers."""
 
-from rig.assembly.build import build_rig, bus_loads, check_profile
+from rig.assembly.build import build_rig, check_profile
+from rig.assembly.buses import bus_loads
 from rig.assembly.parts import make_controller, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledClasses
 from rig.assembly.rig import Backend, Rig

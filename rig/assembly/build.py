@@ -1,27 +1,10 @@
 """From a profile to a rig, checked before anything is opened."""
 
-from typing import Any
-
-from rig.assembly.parts import make_bus, make_devices, make_mechanism
+from rig.assembly.buses import bus_loads, is_can, make_bus
+from rig.assembly.parts import make_devices, make_mechanism
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
 from rig.hal import ConfigurationError, MonotonicClock
-
-
-def bus_loads(profile: Profile) -> dict[str, Any]:
-    """Return the worst-case load of each bus of a profile, `drivers.canopen.load.BusLoad`.
-
-    Raises
-    ------
-    ConfigurationError
-        A bus has more to carry than its `max_load`.
-    """
-    from drivers.canopen.load import check_bus_load
-
-    return {
-        name: check_bus_load(name, bus.settings, _on_bus(profile, name), profile.loop.rate)
-        for name, bus in profile.buses.items()
-    }
 
 
 def check_profile(profile: Profile) -> None:
@@ -35,7 +18,8 @@ def check_profile(profile: Profile) -> None:
     """
     bus_loads(profile)
     clock = MonotonicClock()
-    buses = {name: make_bus(name, bus, clock) for name, bus in profile.buses.items()}
+    period = profile.loop.period
+    buses = {name: make_bus(name, bus, clock, period) for name, bus in profile.buses.items()}
     try:
         make_mechanism(profile, make_devices(profile, buses, clock))
     except ValueError as error:
@@ -65,8 +49,11 @@ def build_rig(profile: Profile, backend: Backend) -> Rig:
 
         return (build_sim if backend is Backend.SIM else build_virtual)(profile)
     clock = MonotonicClock(spin=200e-6 if profile.loop.spin else 0.0)
-    on = {"interface": "socketcan", "channel": "vcan0"} if backend is Backend.VCAN else {}
-    buses = {name: make_bus(name, bus, clock, on) for name, bus in profile.buses.items()}
+    vcan = {"interface": "socketcan", "channel": "vcan0"} if backend is Backend.VCAN else {}
+    buses = {
+        name: make_bus(name, bus, clock, profile.loop.period, vcan if is_can(bus) else {})
+        for name, bus in profile.buses.items()
+    }
     devices = make_devices(profile, buses, clock)
     return Rig(
         profile,
@@ -76,7 +63,3 @@ def build_rig(profile: Profile, backend: Backend) -> Rig:
         devices=devices,
         mechanism=make_mechanism(profile, devices),
     )
-
-
-def _on_bus(profile: Profile, bus: str) -> list[tuple[str, Any]]:
-    return [(name, entry.settings) for name, entry in profile.devices.items() if entry.bus == bus]

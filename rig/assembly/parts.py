@@ -1,26 +1,13 @@
-"""From a profile's entries to production drivers and the mechanism."""
+"""From a profile's entries to production drivers, mechanism, controller and motion."""
 
-import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
 from rig.assembly.registry import REGISTRY
-from rig.config import BusEntry, Profile
+from rig.config import Profile
 from rig.config.registry import controller_key
 from rig.hal import Clock, ConfigurationError, CyclicBus, Device, MotionRefused
 from rig.runtime.motion import Motion
-
-
-def make_bus(
-    name: str, entry: BusEntry, clock: Clock, on: Mapping[str, Any] | None = None
-) -> CyclicBus:
-    """Make a bus, on another interface than the profile's if `on` says so."""
-    from drivers.can import open_bus
-
-    settings = dataclasses.replace(entry.settings, **(on or {}))
-    kind = REGISTRY.load("bus", entry.protocol)
-    bus: CyclicBus = kind(name, settings, lambda: open_bus(settings), clock)
-    return bus
 
 
 def make_devices(

@@ -24,6 +24,13 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "canopen": _Class(
             "drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings"
         ),
+        "cansimple": _Class(
+            "drivers.servos.odrive_bus:OdriveBus",
+            "drivers.servos.odrive_settings:OdriveBusSettings",
+        ),
+        "dynamixel": _Class(
+            "drivers.dynamixel.bus:SerialBus", "drivers.dynamixel.settings:SerialBusSettings"
+        ),
     },
     "driver": {
         "cia401": _Class(
@@ -41,6 +48,14 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "cia402": _Class(
             "drivers.servos.cia402:Cia402Servos",
             "drivers.servos.cia402_settings:Cia402Settings",
+        ),
+        "odrive": _Class(
+            "drivers.servos.odrive:OdriveServos",
+            "drivers.servos.odrive_settings:OdriveSettings",
+        ),
+        "dynamixel": _Class(
+            "drivers.dynamixel.servos:DynamixelServos",
+            "drivers.dynamixel.settings:DynamixelSettings",
         ),
     },
     "controller": {

@@ -90,6 +90,12 @@ class Rig:
         waits = {name: self.profile.devices[name].bus is None for name in self.devices}
         for name in sorted(self.devices, key=lambda name: not waits[name]):
             self.devices[name].arm()
+        # Arming the last device may have taken longer than a reading may be old.
+        now = self.clock.now()
+        for bus in self.buses.values():
+            bus.transmit(now)
+        if self.buses:
+            self.clock.sleep_until(now + self.profile.loop.period)
 
     def close(self) -> None:
         """Make safe and release everything; idempotent."""

@@ -3,10 +3,12 @@
 import contextlib
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
-from rig.assembly.parts import make_bus, make_devices, make_mechanism
+from rig.assembly.buses import is_can, make_bus
+from rig.assembly.parts import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
@@ -87,6 +89,7 @@ def build_virtual(profile: Profile) -> Rig:
     import can
 
     from drivers.sim.clock import SimClock
+    from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulation import EmulatedRig
     from drivers.sim.wiring import LINKS
@@ -94,18 +97,26 @@ def build_virtual(profile: Profile) -> Rig:
     plant = _make_plant(profile)
     run = f"rig-{os.getpid()}-{next(_virtual_channels)}"
     ends = []
-    emulated = []
-    for bus in profile.buses:
-        nodes = []
+    emulated: list[Any] = []
+    on: dict[str, dict[str, str]] = {}
+    ports: dict[str, Callable[[], Any]] = {}
+    for bus, spoken in profile.buses.items():
+        nodes: list[Any] = []
         for name, entry in profile.devices.items():
             if entry.bus == bus:
                 wiring, channels = _wire(profile, plant, name)
-                nodes.append(
-                    wiring.emulate(name, entry.settings, plant, channels, entry.serial or 0)
-                )
-        end = can.Bus(interface="virtual", channel=f"{run}-{bus}", ignore_config=True)
-        ends.append(end)
-        emulated.append(EmulatedBus(bus, end, nodes))  # type: ignore[arg-type]
+                made = wiring.emulate(name, entry.settings, plant, channels, entry.serial or 0)
+                nodes += made if isinstance(made, tuple) else (made,)
+        if is_can(spoken):
+            channel = f"{run}-{bus}"
+            end = can.Bus(interface="virtual", channel=channel, ignore_config=True)
+            ends.append(end)
+            emulated.append(EmulatedBus(bus, end, nodes))  # type: ignore[arg-type]
+            on[bus] = {"interface": "virtual", "channel": channel}
+        else:
+            line = EmulatedSerialBus(bus, spoken.settings.baudrate, nodes)
+            emulated.append(line)
+            ports[bus] = partial(getattr, line, "port")
     links = {
         name: LINKS[entry.driver].emulate(
             name, entry.settings, plant, profile.simulation.seed, serial=entry.serial
@@ -122,8 +133,11 @@ def build_virtual(profile: Profile) -> Rig:
             cameras=tuple(links.values()),
         )
     clock = SimClock(world)
-    on = {name: {"interface": "virtual", "channel": f"{run}-{name}"} for name in profile.buses}
-    buses = {name: make_bus(name, bus, clock, on[name]) for name, bus in profile.buses.items()}
+    period = profile.loop.period
+    buses = {
+        name: make_bus(name, bus, clock, period, on.get(name), ports.get(name))
+        for name, bus in profile.buses.items()
+    }
     devices = make_devices(profile, buses, clock, links)
 
     def release() -> None:

@@ -2,8 +2,9 @@
 
 from rig.experiment.measures.base import Measure
 from rig.experiment.measures.joint import JOINT_MEASURES
+from rig.experiment.measures.legs import LEGS_MEASURES
 from rig.experiment.measures.pair import PAIR_MEASURES
 
 __all__ = ["MEASURES", "Measure"]
 
-MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES}
+MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES, **LEGS_MEASURES}
