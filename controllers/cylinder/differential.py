@@ -10,6 +10,8 @@ import math
 
 from controllers.cylinder.types import PairCommand, PairModel
 
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
 
 class DifferentialRange:
     """What differential both chambers can take around the base pressure, and its split.
@@ -54,7 +56,7 @@ class DifferentialRange:
         half = 0.5 * differential
         base, lifted = self._base, self._floor + abs(half)
         mean = lifted if lifted > base else base
-        return PairCommand(mean + half, mean - half)
+        return _new(PairCommand, (mean + half, mean - half))
 
 
 class RegulatorLead:

@@ -1,4 +1,4 @@
-"""SocketCAN without a library in between: a raw socket, one system call per frame.
+"""SocketCAN without a library in between: a raw socket, one system call for all that waits.
 
 python-can on SocketCAN costs about 12 µs to receive and 9 µs to send a frame; this costs a
 tenth of it. The kernel does the filtering.
@@ -16,6 +16,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
 
+from drivers.can.batch import PacketBatch
 from drivers.can.frame import (
     ERROR_FLAG,
     EXTENDED_FLAG,
@@ -29,6 +30,8 @@ from rig.hal import ConnectionFailed, Frame
 _FRAME: Final = struct.Struct("=IB3x8s")  # struct can_frame: id with flags, length, data
 _FILTER: Final = struct.Struct("=II")  # struct can_filter: id, mask
 _SIZE: Final = _FRAME.size
+_MOST_AT_ONCE: Final = 256
+_pack = _FRAME.pack
 _ERROR_MASK: Final = 0x1FFF_FFFF  # every error class
 _CAN_RAW_ERR_FILTER: Final = 2  # linux/can/raw.h; the socket module does not name it
 _MAX_FILTERS: Final = 512  # CAN_RAW_FILTER_MAX
@@ -54,6 +57,9 @@ class SocketCanBus:
         sock.setblocking(False)
         self.channel = channel
         self._socket = sock
+        self._send = sock.send
+        self._batch = PacketBatch(sock, _SIZE, _MOST_AT_ONCE)
+        self._receive = self._batch.receive
 
     def send(self, msg: Frame, timeout: float | None = None) -> None:
         """Queue a frame.
@@ -73,7 +79,7 @@ class SocketCanBus:
 
     def send_data(self, can_id: int, data: bytes) -> None:
         """Queue a frame given by identifier (with flags) and data; errors as `send`."""
-        self._socket.send(_FRAME.pack(can_id, len(data), data))
+        self._send(_pack(can_id, len(data), data))
 
     def recv(self, timeout: float | None = None) -> CanFrame | None:
         """Return the next frame, or None after `timeout` (s); None waits for ever."""
@@ -102,18 +108,9 @@ class SocketCanBus:
         OSError
             ENETDOWN: the interface went down.
         """
-        frames: list[tuple[int, bytes]] = []
-        recv, unpack = self._socket.recv, _FRAME.unpack
-        try:
-            for _ in range(limit):
-                packet = recv(_SIZE)
-                if len(packet) == _SIZE:
-                    can_id, length, data = unpack(packet)
-                    frames.append((can_id, data[:length]))
-                elif not packet:  # the other end of a socket pair has gone
-                    break
-        except BlockingIOError:
-            pass
+        frames = []
+        for can_id, length, data in _FRAME.iter_unpack(self._receive(limit)):
+            frames.append((can_id, data[:length]))
         return frames
 
     def accept(self, ids: Iterable[int]) -> None:
@@ -130,6 +127,7 @@ class SocketCanBus:
 
     def shutdown(self) -> None:
         """Close the socket. Idempotent."""
+        self._batch.close()
         self._socket.close()
 
 

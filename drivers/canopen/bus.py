@@ -9,17 +9,17 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
-from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
+from drivers.can.fast_path import Drain, Send, drain_of, send_of
+from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.canopen.bus_errors import BusErrors
 from drivers.canopen.heartbeat import HeartbeatProducer, NmtState
 from drivers.canopen.settings import CanBusSettings
-from rig.hal import CanBus, Clock, Frame
+from rig.hal import CanBus, Clock
 
 if TYPE_CHECKING:
     from drivers.canopen.network import ThreadlessNetwork
 
 Handler = Callable[[bytes, float], None]
-Drain = Callable[[int], list[tuple[int, bytes]]]
 
 SYNC_ID: Final = 0x080
 _NMT_ID: Final = 0x000
@@ -95,6 +95,9 @@ class CanopenBus:
         self.period = period
         self.sync_count = 0
         self.sync_time = -inf
+        self._now = clock.now
+        self._sends_sync = settings.sync
+        self._receive_limit = settings.receive_limit
         self._open_bus = open_bus
         self._bus: CanBus | None = None
         self._handlers: dict[int, Handler] = {}
@@ -103,7 +106,7 @@ class CanopenBus:
         self._heartbeat_id = 0x700 + settings.master_id
         self._errors = BusErrors(name, settings.max_refused)
         self._drain: Drain = lambda limit: []
-        self._send: Callable[[int, bytes], None] = _refuse_closed
+        self._send: Send = _refuse_closed
         self._network: ThreadlessNetwork | None = None
         self._frames_in = 0
         self._frames_out = 0
@@ -156,8 +159,7 @@ class CanopenBus:
             return
         bus: Any = self._open_bus()
         self._bus = bus
-        self._drain = getattr(bus, "drain", None) or _drain_of(bus)
-        self._send = getattr(bus, "send_data", None) or _send_of(bus)
+        self._drain, self._send = drain_of(bus), send_of(bus)
         accept = getattr(bus, "accept", None)
         if accept is not None:
             accept(self._handlers)
@@ -188,7 +190,7 @@ class CanopenBus:
     def receive(self, now: float) -> None:
         """Take every waiting frame to its handler. Hot path."""
         try:
-            frames = self._drain(self.settings.receive_limit)
+            frames = self._drain(self._receive_limit)
         except Exception as error:  # OSError or the interface's own
             self._errors.lose(error)
             return
@@ -302,11 +304,11 @@ class CanopenBus:
                 if pdo.active:
                     send(pdo.can_id, pdo.data)
                     sent += 1
-            if self.settings.sync:
+            if self._sends_sync:
                 send(SYNC_ID, b"")
                 sent += 1
                 self.sync_count += 1
-                self.sync_time = self.clock.now()
+                self.sync_time = self._now()
         except Exception as error:
             self._frames_out += sent
             self._errors.refuse(error)
@@ -330,40 +332,3 @@ class CanopenBus:
 
 def _refuse_closed(can_id: int, data: bytes) -> None:
     raise OSError("the bus is not open")
-
-
-def _send_of(bus: CanBus) -> Callable[[int, bytes], None]:
-    """Return ``send(can_id, data)`` for an interface of python-can."""
-    import can
-
-    message: Callable[..., Any] = can.Message
-    send = bus.send
-
-    def send_data(can_id: int, data: bytes) -> None:
-        frame: Frame = message(arbitration_id=can_id, data=data, is_extended_id=False)
-        send(frame)
-
-    return send_data
-
-
-def _drain_of(bus: CanBus) -> Drain:
-    """Return ``drain(limit)`` for an interface of python-can."""
-    recv = bus.recv
-
-    def drain(limit: int) -> list[tuple[int, bytes]]:
-        frames: list[tuple[int, bytes]] = []
-        for _ in range(limit):
-            frame = recv(0.0)
-            if frame is None:
-                break
-            can_id = frame.arbitration_id
-            if frame.is_error_frame:
-                can_id |= ERROR_FLAG
-            elif frame.is_extended_id:
-                can_id |= EXTENDED_FLAG
-            if frame.is_remote_frame:
-                can_id |= REMOTE_FLAG
-            frames.append((can_id, bytes(frame.data)))
-        return frames
-
-    return drain

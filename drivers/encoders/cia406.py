@@ -16,6 +16,8 @@ from drivers.canopen.node import CanopenNode
 from drivers.encoders.cia406_settings import Cia406Settings
 from rig.hal import ConnectionFailed, DeviceFault, Reading, Vector
 
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
 _PROFILE: Final = 406
 _ROTARY: Final = (1, 2)  # upper word of the device type: single-turn and multi-turn
 _POSITION_UNIT: Final = 1e-9  # of 0x6005:1, m
@@ -223,7 +225,7 @@ class Cia406Encoder:
 
     def position(self) -> Reading[Vector]:
         """Return the rod's extension, m, shape (1,)."""
-        return Reading((self._extension,), self._sampled_at)
+        return _new(Reading, ((self._extension,), self._sampled_at))
 
     def velocity(self) -> Reading[Vector]:
         """Return the device's own velocity, m/s, shape (1,); never fresh if it has none."""

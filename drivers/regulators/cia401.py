@@ -24,6 +24,8 @@ from drivers.regulators.cia401_settings import Cia401Settings
 from drivers.regulators.following import FollowingWatch
 from rig.hal import DeviceFault, LimitExceeded, Reading, Vector
 
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
 _PROFILE: Final = 401
 _TAKE_ERROR_VALUE: Final = 1  # 0x6443
 _TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
@@ -236,11 +238,11 @@ class Cia401Regulators:
 
     def pressure(self) -> Reading[Vector]:
         """Return the monitored pressures, Pa gauge, shape (n,)."""
-        return Reading(self._pressure, self._measured_at)
+        return _new(Reading, (self._pressure, self._measured_at))
 
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop is pressed; without a contact it reads pressed."""
-        return Reading(self._pressed, self._pressed_at)
+        return _new(Reading, (self._pressed, self._pressed_at))
 
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.
