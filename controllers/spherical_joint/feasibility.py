@@ -17,6 +17,7 @@ from controllers.spherical_joint.poses import (
     PoseConvention,
     Vector,
     azimuth_of,
+    natural_rotation,
     tilt_of,
 )
 from controllers.spherical_joint.tension import TensionDistribution
@@ -261,7 +262,9 @@ class FeasibilityCheck:
 
     def _check_tension(self, axis: Vector) -> list[Finding]:
         bounds = self._bounds
-        rotation = self._rotation(axis)
+        # Whatever convention the lengths follow: nothing keeps the ring from spinning to where
+        # the wires hold it, and no four taut wires hold it in a spun pose off the axes.
+        rotation = natural_rotation(axis)
         shares = self._distribution.shares(rotation)
         least = min(shares)
         number = shares.index(least) + 1
