@@ -67,6 +67,7 @@ class SimulatedJoint:
         self._faulty = False
         self._stuck = False
         self._jump = 0.0
+        self._held = False
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.
@@ -110,6 +111,7 @@ class SimulatedJoint:
         """Stand still under torque where the joint is."""
         self.watch.reset(self._true_position(), now)
         self.speed = 0.0
+        self._held = True
         self._command(self.watch.reference, 0.0)
 
     def move(self, position: float, period: float) -> None:
@@ -120,7 +122,9 @@ class SimulatedJoint:
         self._command(before, self.speed)
 
     def stop(self, period: float) -> None:
-        """Move one period further along the ramp to standstill."""
+        """Move one period further along the ramp to standstill, and stay there then."""
+        if not self._held:
+            return
         speed = self.speed
         if speed and period > 0.0:
             after = copysign(max(abs(speed) - self._deceleration * period, 0.0), speed)
@@ -132,6 +136,7 @@ class SimulatedJoint:
 
     def release(self) -> None:
         """Take the torque away."""
+        self._held = False
         self._plant.command_joint(self._channel, self._true_position(), 0.0, False)
 
     def check(self, now: float) -> None:
@@ -271,10 +276,9 @@ class SimulatedServos:
 
     def make_safe(self) -> None:
         """Slow every joint down, one period a call, and hold it then. Never raises."""
-        was_armed, self._armed, self._enabled = self._armed, False, False
+        self._armed = self._enabled = False
         for joint in self.joints:
-            if was_armed or joint.speed:
-                joint.stop(self._period)
+            joint.stop(self._period)
 
     def close(self) -> None:
         """Release nothing: there is no bus."""

@@ -15,6 +15,7 @@ from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, Odri
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulation import EmulatedRig
+from drivers.sim.joint_faults import JointFaults
 from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
 
 PERIOD = 0.005
@@ -117,7 +118,8 @@ class ServoRig:
         self.frames = []
         self.side.monitor = lambda t, can_id, data: self.frames.append((t, can_id, data))
         settings = SimpleNamespace(seed=1, bus_latency=latency, frame_loss=loss, faults=faults)
-        self.rig = EmulatedRig(plant, [self.side], settings)
+        joints = JointFaults("arm", {node.name.partition(".")[2]: node for node in nodes})
+        self.rig = EmulatedRig(plant, [self.side], settings, {"arm": joints})
         self.clock = SimClock(self.rig)
         self.bus = make_bus(lambda: self.wire, self.clock)
         self.driver = make_driver(self.bus)
@@ -258,9 +260,8 @@ class SimRig(ServoRig):
         )
 
     def inject(self, device, fault, value=None):
-        name, _, joint = device.partition(".")
-        assert name == self.driver.name
-        self.driver.inject(f"{joint}.{fault}", value)
+        assert device == self.driver.name
+        self.driver.inject(fault, value)
 
 
 class NoBus:
