@@ -80,7 +80,9 @@ class Cia401Regulators:
         self._receive_layouts = pack(settings.receive_entries)
         self._transmit_layouts = pack(settings.transmit_entries)
         self._packers = tuple(layout_struct(layout) for layout in self._receive_layouts)
-        safe = self._encode(self._vented, supply=False)
+        self._pack_only = self._packers[0].pack if len(self._packers) == 1 else None
+        vented = [encode(self._vented[k]) for k, encode in enumerate(self._encoders)]
+        safe = self._contents(vented, supply=False)
         self._pdos = tuple(
             TransmitPdo(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
         )
@@ -111,15 +113,9 @@ class Cia401Regulators:
 
     # Codec ----------------------------------------------------------------------------
 
-    def _encode(self, pressures: Vector, *, supply: bool) -> tuple[bytes, ...]:
-        """Return the content of the receive PDOs for pressures (Pa) and the supply valve."""
-        values: list[int | float] = []
-        for k, encode in enumerate(self._encoders):
-            values.append(encode(pressures[k]))
-        if self._supply:
-            values.append(self._supply if supply else 0)
-        if len(self._packers) == 1:
-            return (self._packers[0].pack(*values),)
+    def _contents(self, counts: list[int | float], *, supply: bool) -> tuple[bytes, ...]:
+        """Return what the receive PDOs hold for setpoints in counts and the supply valve."""
+        values = [*counts, self._supply if supply else 0] if self._supply else counts
         contents = []
         for layout, packer in zip(self._receive_layouts, self._packers, strict=True):
             part, values = values[: len(layout)], values[len(layout) :]
@@ -259,17 +255,25 @@ class Cia401Regulators:
         if len(pressure) != len(self.channels):
             raise ValueError(f"{self.name}: {len(pressure)} setpoints")
         lowest, highest = self._lowest, self._highest
-        for value in pressure:
+        counts: list[int | float] = []
+        for k, encode in enumerate(self._encoders):
+            value = pressure[k]
             if not lowest <= value <= highest:
-                channel = self.channels[pressure.index(value)]
                 raise LimitExceeded(
-                    f"{self.name}: setpoint of {channel}", value, *self.pressure_range, "Pa"
+                    f"{self.name}: setpoint of {self.channels[k]}",
+                    value,
+                    *self.pressure_range,
+                    "Pa",
                 )
-        contents = self._encode(pressure, supply=True)
+            counts.append(encode(value))
         self._setpoint = pressure
-        pdos = self._pdos
-        for k, data in enumerate(contents):
-            pdos[k].data = data
+        if self._pack_only is not None:  # as most modules have it: one PDO for everything
+            self._pdos[0].data = (
+                self._pack_only(*counts, self._supply) if self._supply else self._pack_only(*counts)
+            )
+            return
+        for pdo, data in zip(self._pdos, self._contents(counts, supply=True), strict=True):
+            pdo.data = data
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.

@@ -424,8 +424,10 @@ def test_four_regulators_and_a_valve_take_two_frames_each_way():
     assert bench.driver._inputs.is_current()
     assert bench.driver.pressure().value == (0.0,) * 4
     bench.sent()
-    encoded = bench.driver._encode((0.0, 0.0, 0.0, 900e3), supply=True)
-    assert [data.hex().upper() for data in encoded] == ["000000000000FF7F", "04"]
+    bench.driver._armed = True
+    bench.driver.set_pressure((0.0, 0.0, 0.0, 500e3))
+    encoded = [pdo.data.hex().upper() for pdo in bench.driver._pdos]
+    assert encoded == ["000000000000FF7F", "04"]
 
 
 def test_a_lost_answer_is_asked_for_again():
