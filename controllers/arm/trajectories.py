@@ -1,0 +1,338 @@
+"""The poses of a path: what its settings mean for an arm of given dimensions."""
+
+import math
+from typing import Protocol
+
+from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, wrist_of_pose
+from controllers.arm.kinematics import (
+    Dimensions,
+    base_from_forearm,
+    forward,
+    wrist_centre,
+)
+from controllers.arm.paths import ArmPathSettings, Circle, DwellLine, Line, TurnBack
+from controllers.arm.types import Joints, Pose, Rotation, Twist, Vector
+from controllers.arm.vectors import along, dot, minus, scaled, turned, unit
+from controllers.motion import InfeasibleMotion
+
+STRETCHED = 1e-7
+"""An elbow nearer to stretched than this is at its singularity, rad."""
+
+
+class Trajectory(Protocol):
+    """A path with its nominal time: where the hand would be if it always kept its speed.
+
+    Attributes
+    ----------
+    start : tuple of float
+        Joints at its beginning, rad.
+    duration : float
+        Nominal, s.
+    speed, turn_rate : float
+        Of the hand, m/s and rad/s.
+    """
+
+    start: Joints
+    duration: float
+    speed: float
+    turn_rate: float
+
+    def pose(self, t: float) -> Pose:
+        """Return the pose at a nominal time, s."""
+        ...
+
+    def twist(self, t: float) -> Twist:
+        """Return the twist at a nominal time, s."""
+        ...
+
+    def deviation(self, position: Vector) -> float:
+        """Return the distance of a tool point from the path, m."""
+        ...
+
+
+class StraightTrajectory:
+    """A line on which the tool may turn about a fixed axis, one way or out and back.
+
+    Parameters
+    ----------
+    arm : Dimensions
+        The arm.
+    start : tuple of float
+        Joints, rad.
+    direction : tuple of float
+        Need not have unit length.
+    speed : float
+        m/s.
+    axis : tuple of float
+        Of the tool's turning.
+    turn_rate : float
+        rad/s.
+    length : float, optional
+        m; None goes to the boundary and back.
+    travel : float
+        How far away the boundary may be, m.
+    """
+
+    def __init__(
+        self,
+        arm: Dimensions,
+        start: Joints,
+        direction: Vector,
+        speed: float,
+        axis: Vector = (0.0, 0.0, 1.0),
+        turn_rate: float = 0.0,
+        length: float | None = None,
+        travel: float = 2.0,
+    ) -> None:
+        self.start = start
+        self.speed = speed
+        self.turn_rate = abs(turn_rate)
+        self.direction = unit(direction, "direction")
+        self._axis = unit(axis, "axis")
+        self._rate = turn_rate
+        self._origin = forward(arm, start)
+        self.turns_back = length is None
+        self.out = self._boundary(arm, travel) if length is None else length / speed
+        """Nominal time to the boundary or to the end, s."""
+        self.duration = 2.0 * self.out if self.turns_back else self.out
+        self.command = Twist(scaled(self.direction, speed), scaled(self._axis, turn_rate))
+        """The twist on the way out."""
+
+    def pose(self, t: float) -> Pose:
+        """Return the pose at a nominal time; after the boundary the hand comes back."""
+        gone = self.out - abs(self.out - t) if self.turns_back else t
+        position = along(self._origin.position, self.direction, self.speed * gone)
+        return Pose(position, turned(self._axis, self._rate * t, self._origin.rotation))
+
+    def twist(self, t: float) -> Twist:
+        """Return the twist at a nominal time."""
+        linear, angular = self.command
+        back = self.turns_back and t > self.out
+        return Twist(scaled(linear, -1.0) if back else linear, angular)
+
+    def deviation(self, position: Vector) -> float:
+        """Return the distance from the line through start and direction, m."""
+        offset = minus(position, self._origin.position)
+        foot = along(self._origin.position, self.direction, dot(offset, self.direction))
+        return math.dist(position, foot)
+
+    def distance(self, position: Vector) -> float:
+        """Return how far along the line a point is, m."""
+        return dot(minus(position, self._origin.position), self.direction)
+
+    def _boundary(self, arm: Dimensions, travel: float) -> float:
+        """Return the nominal time after which the arm is stretched, s.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It is not within `travel`, or the line meets the inner boundary before.
+        """
+
+        def margin(t: float) -> tuple[float, float]:
+            position = along(self._origin.position, self.direction, self.speed * t)
+            rotation = turned(self._axis, self._rate * t, self._origin.rotation)
+            x, y, z = wrist_of_pose(arm, Pose(position, rotation))
+            square = x * x + y * y - arm.offset**2 + (z - arm.height) ** 2
+            return (arm.a2 + arm.a3) ** 2 - square, square - (arm.a2 - arm.a3) ** 2
+
+        last = travel / self.speed
+        step = last / 2000.0
+        t = 0.0
+        while margin(t + step)[0] > 0.0:
+            t += step
+            if margin(t)[1] < 0.0:
+                raise InfeasibleMotion(
+                    f"after {self.speed * t:.4f} m the line meets the inner boundary, where the "
+                    f"arm is folded, {abs(arm.a2 - arm.a3):g} m from the shoulder."
+                )
+            if t > last:
+                raise InfeasibleMotion(
+                    f"the line does not meet the boundary of the workspace, "
+                    f"{arm.a2 + arm.a3:g} m from the shoulder, within {travel:g} m: "
+                    f"there is no singularity to turn back at."
+                )
+        low, high = t, t + step
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if margin(middle)[0] > 0.0 else (low, middle)
+        return 0.5 * (low + high)
+
+
+class CircularTrajectory:
+    """A circle of the hand through a singularity; the tool does not turn.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The arm has a shoulder offset, or the circle leaves the workspace.
+    """
+
+    def __init__(self, arm: Dimensions, settings: Circle) -> None:
+        if arm.offset != 0.0:
+            raise InfeasibleMotion(
+                f"a circle through the {settings.through}'s singularity needs an arm without "
+                f"shoulder offset; this one's is {arm.offset:g} m."
+            )
+        self.settings = settings
+        self.turn_rate = 0.0
+        self.r2 = settings.radius
+        self.speed = self.r2 * settings.rate
+        self.duration = (settings.end - settings.begin) / settings.rate
+        touch = self._touch(arm)
+        self._rotation: Rotation = forward(arm, touch).rotation
+        tool = tuple(row[2] for row in self._rotation)
+        self._tool = scaled(tool, arm.d6)  # type: ignore[arg-type]
+        wrist = wrist_centre(arm, touch)
+        if settings.through == "elbow":
+            shoulder = (0.0, 0.0, arm.height)
+            outwards = unit(minus(wrist, shoulder), "the stretched arm")
+            self.r1 = arm.a2 + arm.a3 - self.r2
+            if self.r1 <= 0.0:
+                raise InfeasibleMotion(
+                    f"a radius of {self.r2:g} m is no less than the reach of "
+                    f"{arm.a2 + arm.a3:g} m."
+                )
+            c, s = math.cos(settings.plane), math.sin(settings.plane)
+            self._along = base_from_forearm(touch[0], touch[1], (c, s, 0.0))
+        else:
+            self.r1 = self.r2
+            self._along = (math.cos(touch[0]), math.sin(touch[0]), 0.0)
+            outwards = (math.sin(touch[0]), -math.cos(touch[0]), 0.0)
+        self._outwards = outwards
+        self._centre = along(wrist, outwards, -self.r2)
+        self.start = self._joints(arm, touch)
+
+    def gamma(self, t: float) -> float:
+        """Return the angle on the circle at a nominal time, rad."""
+        return self.settings.begin + self.settings.rate * t
+
+    def wrist_velocity(self, t: float) -> Vector:
+        """Return the wrist centre's, which is the hand's, m/s."""
+        gamma = self.gamma(t)
+        forth = self.speed * math.cos(gamma)
+        inwards = -self.speed * math.sin(gamma)
+        return along(scaled(self._along, forth), self._outwards, inwards)
+
+    def pose(self, t: float) -> Pose:
+        """Return the pose at a nominal time."""
+        gamma = self.gamma(t)
+        forth = along(self._centre, self._along, self.r2 * math.sin(gamma))
+        wrist = along(forth, self._outwards, self.r2 * math.cos(gamma))
+        return Pose(along(wrist, self._tool, 1.0), self._rotation)
+
+    def twist(self, t: float) -> Twist:
+        """Return the twist at a nominal time."""
+        return Twist(self.wrist_velocity(t), (0.0, 0.0, 0.0))
+
+    def deviation(self, position: Vector) -> float:
+        """Return the distance from the circle, m."""
+        offset = minus(minus(position, self._tool), self._centre)
+        x, y = dot(offset, self._along), dot(offset, self._outwards)
+        height = math.sqrt(max(dot(offset, offset) - x * x - y * y, 0.0))
+        return math.hypot(math.hypot(x, y) - self.r2, height)
+
+    def _touch(self, arm: Dimensions) -> Joints:
+        q1, q2, q3, q4, q5, q6 = self.settings.touch
+        if self.settings.through == "elbow":
+            return q1, q2, -arm.elbow_angle, q4, q5, q6
+        elbow = q3 + arm.elbow_angle
+        lean = math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
+        return q1, -lean, q3, q4, q5, q6
+
+    def _joints(self, arm: Dimensions, touch: Joints) -> Joints:
+        side = 1 if math.sin(0.5 * self.settings.begin) >= 0.0 else -1
+        elbow = 1 if math.sin(touch[2] + arm.elbow_angle) >= 0.0 else -1
+        wrist = 1 if math.sin(touch[4]) >= 0.0 else -1
+        if self.settings.through == "elbow":
+            c = arm.a2 * math.sin(touch[1]) + arm.a3 * math.sin(touch[1])
+            branch = Branch(1 if c >= 0.0 else -1, side * self.settings.side, wrist)
+        else:
+            branch = Branch(side, elbow, wrist)
+        try:
+            return inverse(arm, self.pose(0.0), branch, touch)
+        except OutOfReach as error:
+            raise InfeasibleMotion(f"the circle cannot be begun: {error}.") from error
+
+
+def make_trajectory(arm: Dimensions, settings: ArmPathSettings) -> Trajectory:
+    """Return the poses of a path.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The path leaves the workspace, or a line that is to turn back does not meet its boundary.
+    """
+    if isinstance(settings, Circle):
+        return CircularTrajectory(arm, settings)
+    if isinstance(settings, DwellLine):
+        return StraightTrajectory(
+            arm, settings.start, settings.direction, settings.speed, travel=settings.travel
+        )
+    if isinstance(settings, TurnBack):
+        return StraightTrajectory(
+            arm,
+            _turn_back_start(arm, settings),
+            settings.direction,
+            settings.speed,
+            settings.axis,
+            settings.turn_rate,
+            travel=settings.travel,
+        )
+    return _line(arm, settings)
+
+
+def _turn_back_start(arm: Dimensions, settings: TurnBack) -> Joints:
+    if settings.touch is None:
+        return settings.start
+    q1, q2, _, q4, q5, q6 = settings.touch
+    touch = (q1, q2, -arm.elbow_angle, q4, q5, q6)
+    # The turn that the tool makes on the way is taken back, too.
+    way = settings.distance / settings.speed
+    return _nearest_start(
+        arm, touch, settings.direction, settings.distance, settings.axis, settings.turn_rate * way, 1
+    )
+
+
+def _line(arm: Dimensions, settings: Line) -> StraightTrajectory:
+    q1, q2, q3, q4, q5, q6 = settings.middle
+    if settings.shoulder_distance is not None:
+        elbow = q3 + arm.elbow_angle
+        radius = math.sqrt(arm.a2**2 + arm.a3**2 + 2.0 * arm.a2 * arm.a3 * math.cos(elbow))
+        lean = math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
+        q2 = math.asin(settings.shoulder_distance / radius) - lean
+    middle = (q1, q2, q3, q4, q5, q6)
+    turn = settings.turn_rate * settings.before / settings.speed
+    elbow_sign = 1 if math.sin(q3 + arm.elbow_angle) >= 0.0 else -1
+    start = _nearest_start(
+        arm, middle, settings.direction, settings.before, settings.axis, turn, elbow_sign
+    )
+    return StraightTrajectory(
+        arm,
+        start,
+        settings.direction,
+        settings.speed,
+        settings.axis,
+        settings.turn_rate,
+        settings.before + settings.after,
+    )
+
+
+def _nearest_start(
+    arm: Dimensions,
+    point: Joints,
+    direction: Vector,
+    distance: float,
+    axis: Vector,
+    turn: float,
+    elbow: int,
+) -> Joints:
+    """Return the joints from which a line leads to a point, the nearest to those there."""
+    there = forward(arm, point)
+    position = along(there.position, unit(direction, "direction"), -distance)
+    pose = Pose(position, turned(unit(axis, "axis"), -turn, there.rotation))
+    try:
+        found = [inverse(arm, pose, branch, point) for branch in BRANCHES if branch.elbow == elbow]
+    except OutOfReach as error:
+        raise InfeasibleMotion(f"the line cannot be begun: {error}.") from error
+    return min(found, key=lambda q: math.dist(q, point))
