@@ -3,8 +3,8 @@
 A run of the cylinder rig on emulated nodes is recorded first: every frame that the nodes send.
 Then both sides are fed with these frames, cycle by cycle, over a socket pair: ours is the loop of a
 real run with the production drivers on `SocketCanBus`, the other is `stock_stack`. Only the cycle's
-own CPU time counts; feeding and asking for the time do not. Both sides must do the same work, so ours must log the very
-rows of the recorded run, and the setpoints of the other must be near them.
+own CPU time counts; feeding and asking for the time do not. Both sides must do the same work, so
+ours must log the very rows of the recorded run, and the setpoints of the other must be near them.
 """
 
 import contextlib

@@ -425,7 +425,7 @@ def test_four_regulators_and_a_valve_take_two_frames_each_way():
     assert bench.driver.pressure().value == (0.0,) * 4
     bench.sent()
     bench.driver._armed = True
-    bench.driver.set_pressure((0.0, 0.0, 0.0, 500e3))
+    bench.driver.set_pressure((0.0, 0.0, 0.0, 900e3))
     encoded = [pdo.data.hex().upper() for pdo in bench.driver._pdos]
     assert encoded == ["000000000000FF7F", "04"]
 
