@@ -11,13 +11,18 @@ from drivers.encoders.cia406_settings import Cia406Settings
 from drivers.regulators.cia401_settings import AnalogueSignal, Cia401Settings
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
 from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
-from drivers.sim.dynamixel.wiring import emulate_dynamixel
+from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
 from drivers.sim.nodes import object_dictionary as types
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406
-from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive
+from drivers.sim.servo_wiring import (
+    emulate_cia402,
+    emulate_odrive,
+    simulate_cia402,
+    simulate_odrive,
+)
 from rig.hal import Clock, ConfigurationError
 
 _TYPES = {
@@ -220,9 +225,9 @@ LINKS: dict[str, LinkWiring] = {
 WIRINGS: dict[str, Wiring] = {
     "cia401": Wiring(emulate_cia401, simulate_cia401),
     "cia406": Wiring(emulate_cia406, simulate_cia406),
-    "cia402": Wiring(emulate_cia402, None),
-    "odrive": Wiring(emulate_odrive, None),
-    "dynamixel": Wiring(emulate_dynamixel, None),
+    "cia402": Wiring(emulate_cia402, simulate_cia402),
+    "odrive": Wiring(emulate_odrive, simulate_odrive),
+    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel),
 }
 
 

@@ -13,7 +13,12 @@ from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.servo_wiring import signed_gear
+from drivers.sim.servos import SimulatedServos
+from rig.hal import Clock
 
+_STEPS_PER_TURN = 4096
+_AT_ONCE = 1e3
+"""rad/s²: from the fastest a servo turns to rest within a period."""
 _TWIN_OFFSET = 0.5  # rad: a second servo with the same id stands somewhere else
 
 
@@ -84,3 +89,27 @@ def emulate_dynamixel(
 
     stations = {joint: Station(make(joint, plant)) for joint in settings.joints}
     return EmulatedDynamixel(name, stations, make_twin)
+
+
+def simulate_dynamixel(
+    name: str, settings: DynamixelSettings, plant: Any, channels: tuple[int, ...], clock: Clock
+) -> SimulatedServos:
+    """Return simulated joints with the servos' resolution and limits.
+
+    A servo that is told to hold does so at once, with all the torque that it has.
+    """
+    joints = settings.joints
+    count = len(joints)
+    return SimulatedServos(
+        name,
+        joints,
+        plant,
+        channels,
+        clock,
+        resolutions=[
+            1.0 / abs(joint.turns_per_radian * _STEPS_PER_TURN) for joint in joints.values()
+        ],
+        decelerations=[_AT_ONCE] * count,
+        windows=[settings.following_window] * count,
+        times=[settings.following_time] * count,
+    )
