@@ -26,6 +26,7 @@ _OVER_CURRENT = 0x2310
 # Status bits beside those of the state.
 _VOLTAGE, _REMOTE, _LIMIT, _FOLLOWS, _BEHIND = 1 << 4, 1 << 9, 1 << 11, 1 << 12, 1 << 13
 
+_HALT = 1 << 8  # of the control word
 _IDLE_PERIOD = 10e-3  # how often a drive at rest looks at its following error, s
 _I32 = 0x7FFF_FFFF
 
@@ -152,7 +153,7 @@ class EmulatedCia402(EmulatedNode):
             machine.finish_ramp()
         powered = machine.state in POWERED
         if powered:
-            if self._mode == CSV and machine.ending is None and machine.state is State.ENABLED:
+            if self._mode == CSV and self._follows_setpoints():
                 self._limit_velocity(now)
             self._watch_following(now)
             self._pass_on(powered=True)
@@ -183,15 +184,22 @@ class EmulatedCia402(EmulatedNode):
         objects = self.objects
         self._mode = objects.mode.integer
         self.machine.command(objects.control_word.integer)
-        if self.machine.state is State.ENABLED and self.machine.ending is None:
-            if objects.control_word.integer & 0x0100:
-                self._slow_down("halt")
-            elif self._mode == CSP:
+        if self._follows_setpoints():
+            if self._mode == CSP:
                 self._take_position(now)
             elif self._mode == CSV:
                 self._limit_velocity(now)
+        elif self.machine.state is State.ENABLED and self.machine.ending is None:
+            self._slow_down("halt")
         self._serve(now)
         self.wake()
+
+    def _follows_setpoints(self) -> bool:
+        """Whether the drive is enabled, not on its way down, and not halted."""
+        machine = self.machine
+        if machine.state is not State.ENABLED or machine.ending is not None:
+            return False
+        return not self.objects.control_word.integer & _HALT
 
     def _take_position(self, now: float) -> None:
         objects = self.objects
@@ -338,7 +346,7 @@ class EmulatedCia402(EmulatedNode):
             status |= 1 << 5  # no quick stop
         if self._limited:
             status |= _LIMIT
-        if machine.state is State.ENABLED and machine.ending is None and self._mode in (CSP, CSV):
+        if self._mode in (CSP, CSV) and self._follows_setpoints():
             status |= _FOLLOWS
         if self.objects.error_code.integer == _FOLLOWING_ERROR:
             status |= _BEHIND
