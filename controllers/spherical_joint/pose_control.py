@@ -40,9 +40,10 @@ from controllers.spherical_joint.marker_estimate import (
 from controllers.spherical_joint.poses import (
     PoseConvention,
     Vector,
+    move_axis,
     natural_rotation,
 )
-from controllers.spherical_joint.tension import TensionDistribution
+from controllers.spherical_joint.tension import PoseTensions, TensionDistribution
 from controllers.spherical_joint.types import (
     JointCommand,
     JointEstimate,
@@ -185,6 +186,8 @@ class PoseController:
             self.law(settings.pair, pair, period),
             self.law(settings.pair, pair, period),
         )
+        # A pressure comes so much later than its setpoint while it changes evenly.
+        self._ahead = 2.0 * model.regulator_damping / model.regulator_bandwidth
         self._start_decay = math.exp(-period / _START_TIME)
         self._start: Quadruple | None = None
         self._rate = 0.5 / period
@@ -230,7 +233,7 @@ class PoseController:
         position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
         pose = self._distribution.at(natural_rotation(axis))
         pull = _scaled(area, state.pressures)
-        hold = pose.raised(_scaled(self._total, pose.shares), self._least)
+        hold = self._hold(pose)
         friction = self._friction.update(
             (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1])),
             (hold[0] + hold[2], hold[3] + hold[1]),
@@ -274,8 +277,12 @@ class PoseController:
             squared += (goal.position - measured[number].position) ** 2
         if lap is not None:
             self._learn(lap.tick, reference.axis, squared)
+        # What holds the ring goes out early, past the laws: it has to be there in time.
+        later = self._distribution.at(
+            natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
+        )
         tensions = pose.kept_taut(
-            _spread(_sum(hold, self._start), (wanted[0], wanted[1])), self._least
+            _spread(_sum(self._hold(later), self._start), (wanted[0], wanted[1])), self._least
         )
         self._start = _scaled(self._start_decay, self._start)
         least, most = self._least, self._most
@@ -283,6 +290,10 @@ class PoseController:
             min(max(tension, least), most) / area for tension in tensions
         )
         return JointCommand(first, second, third, fourth)
+
+    def _hold(self, pose: PoseTensions) -> Quadruple:
+        """Return the tensions that hold the ring in a pose: co-contraction, no wire too slack."""
+        return pose.raised(_scaled(self._total, pose.shares), self._least)
 
     def _estimate(
         self, state: JointState, stretch: Quadruple, rods: Quadruple, hold: Quadruple
