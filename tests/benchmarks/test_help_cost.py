@@ -9,7 +9,7 @@ from statistics import median
 import pytest
 
 ROUNDS = 15
-BOUND = 5.0
+BOUND = 3.0
 
 pytestmark = pytest.mark.benchmark
 

@@ -214,6 +214,34 @@ def test_light_commands_import_nothing_heavy():
     assert done.stderr.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize("columns", [80, 81, 200])
+def test_the_plain_help_is_what_click_says(capsys, monkeypatch, columns):
+    from rig.cli import group
+
+    monkeypatch.setenv("COLUMNS", str(columns))
+    code, plain, _ = run(capsys, "--help")
+    assert code == 0
+    with pytest.raises(SystemExit):
+        group.main(["--help"], prog_name="rig")
+    assert plain == capsys.readouterr().out
+
+
+def test_help_in_a_narrow_terminal_is_broken_for_it(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    code, out, _ = run(capsys, "-h")
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 60
+
+
+def test_help_leaves_click_alone():
+    script = (
+        "import sys; from rig.cli import invoke\n"
+        "invoke(['--help']); sys.exit('click' in sys.modules)"
+    )
+    environment = {**os.environ, "COLUMNS": "80"}
+    subprocess.run([sys.executable, "-c", script], check=True, env=environment, capture_output=True)
+
+
 def test_a_reader_that_leaves_is_no_error():
     command = [sys.executable, "-c", "from rig.cli import main; main()", "schema", "profile"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

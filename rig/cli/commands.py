@@ -1,0 +1,89 @@
+"""The group of all commands, as click has it, and what becomes of their errors."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Any
+
+import click
+
+from rig.cli import COMMANDS, INTRODUCTION
+
+
+class _LazyGroup(click.Group):
+    """A group that imports a command only when it is called: help stays fast."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        module, name = COMMANDS[cmd_name][0].split(":")
+        command: click.Command = getattr(importlib.import_module(module), name)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS:
+            import difflib
+
+            near = difflib.get_close_matches(args[0], COMMANDS, n=1)
+            hint = f" Did you mean {near[0]!r}?" if near else ""
+            ctx.fail(f"There is no command {args[0]!r}.{hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+
+
+@click.group(
+    cls=_LazyGroup,
+    help=INTRODUCTION,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(package_name="rig-controller", prog_name="rig")
+def group() -> None:
+    """Run experiments on a research rig; the command line's help is its introduction."""
+
+
+def invoke(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit code; never shows a traceback for an input."""
+    try:
+        result: Any = group.main(args=arguments, prog_name="rig", standalone_mode=False)
+    except click.exceptions.Abort:
+        click.echo("Interrupted.", err=True)
+        return 130
+    except click.ClickException as error:
+        error.show()
+        return 2
+    except KeyboardInterrupt:
+        click.echo("Interrupted.", err=True)
+        return 130
+    except BrokenPipeError:
+        # The reader (`rig list | head`) has had enough: not an error, and nothing more to say.
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        return _report(error)
+    return result if isinstance(result, int) else 0
+
+
+def _report(error: Exception) -> int:
+    from rig.hal import ConfigurationError, DeviceError, RigError
+
+    if isinstance(error, RigError):
+        click.echo(f"error: {error}", err=True)
+        if isinstance(error, ConfigurationError):
+            return 2
+        return 3 if isinstance(error, DeviceError) else 4
+    import traceback
+
+    traceback.print_exc()
+    click.echo(
+        "\nThis is a bug in rig, not in your files. Please report it with the text above.", err=True
+    )
+    return 70
