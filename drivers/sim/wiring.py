@@ -170,7 +170,6 @@ def emulate_cia406(
     """Return an emulated CiA 406 encoder, mounted as the driver's settings say."""
     # The driver reads ±scale·counts·step + offset as the extension: the device counts what
     # makes that true of a rod that the calibration described rightly.
-    sign = -1.0 if settings.reversed else 1.0
     return EmulatedCia406(
         name,
         settings.node,
@@ -179,7 +178,7 @@ def emulate_cia406(
         stroke=settings.stroke,
         step=settings.step or 1e-6,
         speed_step=settings.speed_step or 1e-5,
-        offset=-settings.offset * sign / settings.scale,
+        offset=-settings.offset / settings.scale,
         reversed_direction=settings.reversed,
         serial=serial,
     )

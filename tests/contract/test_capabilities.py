@@ -1,0 +1,374 @@
+"""What every pressure regulator and every linear encoder does, whatever is behind it.
+
+One suite per capability, over the production driver on an emulated node and over the device
+that stands straight on the plant.
+"""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from servo_bench import NoBus, Wire
+
+from drivers.canopen.bus import CanopenBus
+from drivers.canopen.settings import CanBusSettings
+from drivers.encoders.cia406 import Cia406Encoder
+from drivers.encoders.cia406_settings import Cia406Settings
+from drivers.regulators.cia401 import Cia401Regulators
+from drivers.regulators.cia401_settings import (
+    Cia401Settings,
+    FollowingSettings,
+    MonitorSignal,
+    RegulatorChannel,
+    SetpointSignal,
+)
+from drivers.sim.clock import SimClock
+from drivers.sim.emulated_bus import EmulatedBus
+from drivers.sim.emulation import EmulatedRig
+from drivers.sim.wiring import emulate_cia401, emulate_cia406, simulate_cia401, simulate_cia406
+from rig.hal import DeviceFault, LimitExceeded, Reading
+
+PERIOD = 0.002
+
+
+class Bench:
+    """Two chambers that follow with a lag while the supply is open, and two rods."""
+
+    def __init__(self):
+        self.time = 0.0
+        self.setpoints = [0.0, 0.0]
+        self.pressures = [0.0, 0.0]
+        self.extensions = [0.010, 0.020]
+        self.speeds = [0.0, 0.0]
+        self.supply = None
+        self.channel_names = ("agonist", "antagonist")
+
+    def advance(self, t):
+        dt = t - self.time
+        assert dt >= 0.0
+        self.time = t
+        share = 1.0 - math.exp(-dt / 0.01)
+        for k, setpoint in enumerate(self.setpoints):
+            wanted = setpoint if self.supply else 0.0
+            self.pressures[k] += (wanted - self.pressures[k]) * share
+            self.extensions[k] += self.speeds[k] * dt
+
+    def set_pressure_setpoint(self, channel, pressure):
+        self.setpoints[channel] = pressure
+
+    def pressure(self, channel):
+        return self.pressures[channel]
+
+    def set_supply(self, open):
+        self.supply = open
+
+    def position(self, channel):
+        return self.extensions[channel]
+
+    def speed(self, channel):
+        return self.speeds[channel]
+
+
+class Rig:
+    """One device in a loop, with or without a bus."""
+
+    def __init__(self, plant, make_driver=None, node=None, simulate=None):
+        self.plant = plant
+        if simulate is None:
+            self.wire = Wire()
+            self.target = node
+            side = EmulatedBus("can0", self.wire, [node])
+            settings = SimpleNamespace(seed=1, bus_latency=3e-4, frame_loss=0.0, faults=())
+            world = EmulatedRig(plant, [side], settings)
+            self.clock = SimClock(world)
+            can = CanBusSettings("virtual", "can0")
+            self.bus = CanopenBus("can0", can, lambda: self.wire, self.clock, PERIOD)
+            self.device = make_driver(self.bus)
+            self.inject = lambda fault, value=None: world.inject(node.name, fault, value)
+        else:
+            self.clock = SimClock(plant)
+            self.bus = NoBus()
+            self.device = simulate(self.clock)
+            self.inject = self.device.inject
+
+    def open(self):
+        self.bus.open()
+        self.device.connect()
+
+    def start(self):
+        self.open()
+        self.device.arm()
+        self.run(3)
+
+    def run(self, cycles, command=None):
+        for _ in range(cycles):
+            now = self.clock.now()
+            self.bus.receive(now)
+            self.device.check(now)
+            self.bus.check(now)
+            if command is not None:
+                command()
+            self.bus.transmit(now)
+            self.clock.sleep_until(now + PERIOD)
+
+    def safe_cycles(self, cycles):
+        for _ in range(cycles):
+            self.device.make_safe()
+            now = self.clock.now()
+            self.bus.receive(now)
+            self.bus.transmit(now)
+            self.clock.sleep_until(now + PERIOD)
+
+
+def fresh_reading(rig, read):
+    """Return the readings' times over some cycles; each is a cycle or two old."""
+    times = []
+    for _ in range(20):
+        rig.run(1)
+        times.append(read().t)
+        assert 0.0 <= rig.clock.now() - times[-1] <= 2.5 * PERIOD
+    assert times == sorted(times)
+    assert len(set(times)) == 20
+
+
+# Pressure regulators ---------------------------------------------------------------------
+
+
+def channel(sub):
+    return RegulatorChannel(
+        SetpointSignal(sub=sub, voltage=(0.0, 10.0), pressure=(0.0, 500e3)),
+        MonitorSignal(sub=sub, raw=(3277.0, 16384.0), voltage=(1.0, 5.0), pressure=(0.0, 500e3)),
+    )
+
+
+REGULATORS = Cia401Settings(
+    node=0x10,
+    channels={"agonist": channel(1), "antagonist": channel(2)},
+    supply_bit=0,
+    stop_bit=0,
+    following=FollowingSettings(deviation=60e3, time=0.1, response=0.02),
+)
+
+
+def emulated_regulators():
+    plant = Bench()
+    node = emulate_cia401("valves", REGULATORS, plant, (0, 1), 0)
+    return Rig(plant, lambda bus: Cia401Regulators("valves", REGULATORS, bus), node)
+
+
+def simulated_regulators():
+    plant = Bench()
+    return Rig(
+        plant, simulate=lambda clock: simulate_cia401("valves", REGULATORS, plant, (0, 1), clock)
+    )
+
+
+@pytest.fixture(params=[emulated_regulators, simulated_regulators])
+def make_regulators(request):
+    return request.param
+
+
+@pytest.fixture
+def regulators(make_regulators):
+    rig = make_regulators()
+    rig.start()
+    return rig
+
+
+class TestPressureRegulator:
+    def test_names_range_and_shapes(self, regulators):
+        device = regulators.device
+        assert device.name == "valves"
+        assert device.channels == ("agonist", "antagonist")
+        assert device.pressure_range == (0.0, 500e3)
+        reading = device.pressure()
+        assert isinstance(reading, Reading)
+        assert [type(value) for value in reading.value] == [float, float]
+
+    def test_connecting_vents_and_opens_no_supply(self, make_regulators):
+        rig = make_regulators()
+        rig.open()
+        assert rig.plant.setpoints == pytest.approx([0.0, 0.0], abs=20.0)
+        assert not rig.plant.supply
+
+    def test_setpoints_before_arming_are_ignored(self, make_regulators):
+        rig = make_regulators()
+        rig.open()
+        rig.device.set_pressure((300e3, 300e3))
+        rig.clock.sleep_until(rig.clock.now() + 0.1)
+        assert rig.plant.pressures == pytest.approx([0.0, 0.0], abs=20.0)
+
+    def test_setpoints_are_followed_each_by_its_channel(self, regulators):
+        regulators.run(60, lambda: regulators.device.set_pressure((120e3, 430e3)))
+        assert regulators.plant.pressures == pytest.approx([120e3, 430e3], abs=100.0)
+        assert regulators.device.pressure().value == pytest.approx((120e3, 430e3), abs=100.0)
+
+    def test_a_setpoint_acts_in_its_own_cycle(self, regulators):
+        regulators.run(1, lambda: regulators.device.set_pressure((250e3, 250e3)))
+        assert regulators.plant.setpoints == pytest.approx([250e3, 250e3], abs=20.0)
+
+    def test_readings_are_fresh_and_never_go_back(self, regulators):
+        command = (100e3, 100e3)
+        regulators.run(20, lambda: regulators.device.set_pressure(command))
+        fresh_reading(regulators, regulators.device.pressure)
+
+    def test_make_safe_vents_shuts_the_supply_and_lasts(self, regulators):
+        regulators.run(60, lambda: regulators.device.set_pressure((300e3, 300e3)))
+        regulators.safe_cycles(5)
+        assert not regulators.plant.supply
+        regulators.device.set_pressure((300e3, 300e3))
+        regulators.safe_cycles(60)
+        assert regulators.plant.pressures == pytest.approx([0.0, 0.0], abs=100.0)
+
+    def test_the_emergency_stop_is_read(self, regulators):
+        assert regulators.device.emergency_stop().value is False
+        regulators.inject("emergency_stop", 1.0)
+        regulators.run(3)
+        assert regulators.device.emergency_stop().value is True
+        regulators.inject("emergency_stop", 0.0)
+        regulators.run(3)
+        assert regulators.device.emergency_stop().value is False
+
+    @pytest.mark.parametrize("number", [0, 1])
+    def test_a_broken_monitor_names_its_channel(self, regulators, number):
+        regulators.inject("wire_break", number)
+        name = regulators.device.channels[number]
+        with pytest.raises(DeviceFault, match=f"valves.*monitor of {name}.*broken wire"):
+            regulators.run(10)
+
+    def test_a_regulator_that_does_not_follow_is_named(self, regulators):
+        regulators.inject("output_stuck", 1)
+        with pytest.raises(DeviceFault, match=r"valves.*antagonist does not follow its setpoint"):
+            regulators.run(200, lambda: regulators.device.set_pressure((300e3, 300e3)))
+
+    def test_silence_is_a_fault_or_the_reading_grows_old(self, regulators):
+        regulators.run(5)
+        regulators.inject("silent")
+        with pytest.raises(DeviceFault, match="valves"):
+            for _ in range(100):
+                regulators.run(1)
+                if regulators.clock.now() - regulators.device.pressure().t > 0.05:
+                    raise DeviceFault("valves", "grew old, which the mechanism refuses")
+
+    def test_it_can_be_made_safe_and_closed_in_any_state_and_again(self, make_regulators):
+        rig = make_regulators()
+        for _ in range(2):
+            rig.device.make_safe()
+            rig.device.close()
+        rig = make_regulators()
+        rig.start()
+        for _ in range(2):
+            rig.device.make_safe()
+            rig.device.close()
+            rig.bus.close()
+
+    def test_a_second_start_after_a_stop(self, regulators):
+        regulators.safe_cycles(5)
+        regulators.device.close()
+        regulators.device.connect()
+        regulators.device.arm()
+        regulators.run(60, lambda: regulators.device.set_pressure((200e3, 200e3)))
+        assert regulators.plant.pressures == pytest.approx([200e3, 200e3], abs=100.0)
+
+
+@pytest.mark.parametrize("bad", [(600e3, 0.0), (0.0, -50e3), (float("nan"), 0.0)])
+def test_the_driver_refuses_setpoints_that_no_mechanism_should_send(bad):
+    """The devices without a bus leave this to the mechanism, as nothing can be harmed."""
+    rig = emulated_regulators()
+    rig.start()
+    with pytest.raises(LimitExceeded, match="valves: setpoint of"):
+        rig.device.set_pressure(bad)
+
+
+# Linear encoders -------------------------------------------------------------------------
+
+ENCODER = Cia406Settings(node=0x20, stroke=0.060, step=1e-6, max_speed=1.0)
+REVERSED = Cia406Settings(node=0x20, stroke=0.060, step=5e-6, reversed=True, offset=1e-3)
+
+
+def emulated_encoder(settings=ENCODER):
+    plant = Bench()
+    node = emulate_cia406("rod", settings, plant, (1,), 0)
+    return Rig(plant, lambda bus: Cia406Encoder("rod", settings, bus), node)
+
+
+def simulated_encoder(settings=ENCODER):
+    plant = Bench()
+    return Rig(plant, simulate=lambda clock: simulate_cia406("rod", settings, plant, (1,), clock))
+
+
+@pytest.fixture(params=[emulated_encoder, simulated_encoder])
+def make_encoder(request):
+    return request.param
+
+
+@pytest.fixture
+def encoder(make_encoder):
+    rig = make_encoder()
+    rig.start()
+    return rig
+
+
+class TestLinearEncoder:
+    def test_names_stroke_and_shapes(self, encoder):
+        device = encoder.device
+        assert device.name == "rod"
+        assert device.channels == ("rod",)
+        assert device.stroke == 0.060
+        for reading in (device.position(), device.velocity()):
+            assert isinstance(reading, Reading)
+            assert [type(value) for value in reading.value] == [float]
+
+    @pytest.mark.parametrize("settings", [ENCODER, REVERSED])
+    def test_it_measures_its_own_rod_in_its_steps(self, make_encoder, settings):
+        rig = make_encoder(settings)
+        rig.plant.extensions[1] = 0.0234567
+        rig.start()
+        (extension,) = rig.device.position().value
+        assert extension == pytest.approx(0.0234567, abs=0.6 * settings.step)
+        steps = (extension - settings.offset) / settings.step
+        if settings is ENCODER:
+            assert steps == pytest.approx(round(steps), abs=1e-6)
+
+    @pytest.mark.parametrize("speed", [0.05, -0.05])
+    def test_a_rod_that_moves(self, encoder, speed):
+        encoder.plant.speeds[1] = speed
+        encoder.run(100)
+        (extension,) = encoder.device.position().value
+        expected = 0.020 + speed * (encoder.device.position().t - 3 * PERIOD)
+        assert extension == pytest.approx(expected, abs=1.2e-3)
+        assert encoder.device.velocity().value[0] == pytest.approx(speed, abs=2e-3)
+
+    def test_readings_are_fresh_and_never_go_back(self, encoder):
+        fresh_reading(encoder, encoder.device.position)
+
+    def test_a_jump_is_a_fault_that_names_the_rod(self, encoder):
+        encoder.run(5)
+        encoder.inject("jump", 0.01)
+        with pytest.raises(DeviceFault, match=r"rod.*position jumped"):
+            encoder.run(5)
+
+    def test_an_alarm_is_a_fault_that_names_the_rod(self, encoder):
+        encoder.inject("alarm")
+        with pytest.raises(DeviceFault, match=r"rod.*position error"):
+            encoder.run(5)
+
+    def test_silence_is_a_fault_or_the_reading_grows_old(self, encoder):
+        encoder.inject("silent")
+        with pytest.raises(DeviceFault, match="rod"):
+            for _ in range(100):
+                encoder.run(1)
+                if encoder.clock.now() - encoder.device.position().t > 0.05:
+                    raise DeviceFault("rod", "grew old, which the mechanism refuses")
+
+    def test_it_can_be_made_safe_and_closed_in_any_state_and_again(self, make_encoder):
+        rig = make_encoder()
+        for _ in range(2):
+            rig.device.make_safe()
+            rig.device.close()
+        rig = make_encoder()
+        rig.start()
+        for _ in range(2):
+            rig.device.make_safe()
+            rig.device.close()
+            rig.bus.close()
