@@ -71,6 +71,10 @@ class StraightTrajectory:
         m; None goes to the boundary and back.
     travel : float
         How far away the boundary may be, m.
+    depth : float, optional
+        Of a region inside the boundary that the hand dwells in, m.
+    dwell : float
+        For how long, s.
     """
 
     def __init__(
@@ -83,8 +87,12 @@ class StraightTrajectory:
         turn_rate: float = 0.0,
         length: float | None = None,
         travel: float = 2.0,
+        depth: float | None = None,
+        dwell: float = 0.0,
     ) -> None:
         self.start = start
+        self.depth = depth
+        self.dwell = dwell
         self.speed = speed
         self.turn_rate = abs(turn_rate)
         self.direction = unit(direction, "direction")
@@ -267,7 +275,13 @@ def make_trajectory(arm: Dimensions, settings: ArmPathSettings) -> Trajectory:
         return CircularTrajectory(arm, settings)
     if isinstance(settings, DwellLine):
         return StraightTrajectory(
-            arm, settings.start, settings.direction, settings.speed, travel=settings.travel
+            arm,
+            settings.start,
+            settings.direction,
+            settings.speed,
+            travel=settings.travel,
+            depth=settings.depth,
+            dwell=settings.dwell,
         )
     if isinstance(settings, TurnBack):
         return StraightTrajectory(

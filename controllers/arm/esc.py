@@ -1,0 +1,306 @@
+"""The enhanced singularity-consistent law: as the paper has it, and with what it lacks."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
+from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
+from controllers.arm.dwell import (
+    elbow_at_depth,
+    integral_exact,
+    integral_taylor,
+    make_dwell,
+    switch_of,
+)
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.integration import advance_joints
+from controllers.arm.joint_path import joint_path_of_line
+from controllers.arm.kinematics import forward, singularity_indices
+from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.plan import Sample
+from controllers.arm.region import (
+    elbow_scale,
+    pass_scale,
+    region_for_acceleration,
+    region_for_speed,
+    region_for_twist,
+)
+from controllers.arm.retiming import follow_joint_path, retime
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory, Trajectory
+from controllers.arm.turn_back import (
+    check_turn_back,
+    dwelling,
+    radial_share,
+    time_at_depth,
+    turn_back,
+)
+from controllers.arm.types import Joints
+from controllers.motion import InfeasibleMotion
+
+_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class EscPaperSettings:
+    """Choices that the paper leaves open or that its text contradicts.
+
+    Parameters
+    ----------
+    dwell_integral : str
+        ``taylor``: eq. (19). ``exact``: the elliptic integral that it approximates.
+    dwell_slope : str
+        Of b where the region is entered. ``zero`` costs a step in acceleration, but passes
+        without stopping at the speed of Fig. 6; ``natural`` continues b's own slope, as the
+        paper's text has it, and stops sooner.
+    """
+
+    dwell_integral: Literal["taylor", "exact"] = "taylor"
+    dwell_slope: Literal["zero", "natural"] = "zero"
+
+
+class EscPaper(ArmLaw):
+    """The law of the paper.
+
+    Promises: the hand stays on its path; q3 stays within its rate limit at the elbow's
+    singularity as long as the tool does not turn; the hand turns back there without stopping.
+    Does not promise anything of the other joints' rates, nor of accelerations; slows near the
+    shoulder's and the wrist's singularity far more than their rates require, and an exact hit of
+    them is never reached: the plan's outcome then is ``"stalls"``.
+
+    References
+    ----------
+    Miyata et al., sections 2 to 4.
+    """
+
+    Settings = EscPaperSettings
+    name = "esc-paper"
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period."""
+        if isinstance(trajectory, CircularTrajectory):
+            return _circle(self, trajectory, end)
+        assert isinstance(trajectory, StraightTrajectory)
+        if trajectory.depth is not None:
+            settings = self.settings
+            return _dwell(
+                self,
+                trajectory,
+                end,
+                settings.dwell_integral,
+                "quintic",
+                natural=settings.dwell_slope == "natural",
+            )
+        sin_qs = region_for_speed(self.geometry, trajectory.speed)
+        if not trajectory.turns_back:
+            return self._line(trajectory, sin_qs, end)
+        check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
+        if math.sin(trajectory.start[2] + self.arm.elbow_angle) < 0.0:
+            raise InfeasibleMotion(
+                f"q3 = {trajectory.start[2]:.4f} rad: with S3 < 0 the paper's b_v is -1 and the "
+                f"hand would go against its command; start with q3 > 0, or take the law esc."
+            )
+        return turn_back(self.arm, trajectory, sin_qs, 1.0, _as_it_is, self.period, end)
+
+    def _line(self, trajectory: StraightTrajectory, sin_qs: float, end: MotionEnd) -> Motion:
+        """Yield a line past singularities inside the workspace, ``|b|`` for each of them.
+
+        The whole twist is scaled with the product: scaling the wrist's chain alone would not
+        keep the commanded direction.
+        """
+        arm, limits = self.arm, self.geometry.rate_limits
+        side = 1.0 if math.sin(trajectory.start[2] + arm.elbow_angle) > 0.0 else -1.0
+        c_s = 1.5 * trajectory.speed / limits[0]
+        s5_s = 1.5 * self._greatest_turning(trajectory) / min(limits[3], limits[5])
+        linear, angular = trajectory.command
+
+        def scale_at(q: Joints) -> Scale:
+            c, _, s5 = singularity_indices(arm, q)
+            share = pass_scale(c, c_s) * pass_scale(s5, s5_s)
+            b, square, per_elbow = elbow_scale(q[2] + arm.elbow_angle, sin_qs, side)
+            return Scale(share * b, share * square, share * per_elbow)
+
+        def rates(_: float, q: Joints) -> Joints:
+            return joint_rates(arm, q, linear, angular, scale_at(q))
+
+        return _integrated(self, trajectory, rates, scale_at, end)
+
+    def _greatest_turning(self, trajectory: StraightTrajectory) -> float:
+        """Return how fast the wrist has to turn across its singular plane at most, rad/s."""
+        path = joint_path_of_line(self.arm, trajectory)
+        greatest = 0.0
+        for q, rate in path.samples(200):
+            x, y, _ = wrist_turning(q, trajectory.command.angular, (rate[0], rate[1], rate[2]))
+            greatest = max(greatest, math.hypot(x, y))
+        return greatest
+
+
+@dataclass(frozen=True, slots=True)
+class EscSettings:
+    """What the law may be asked to leave out.
+
+    Parameters
+    ----------
+    account_turning : bool
+        Widen the region for what turning the tool moves the wrist centre by.
+    limit_acceleration : bool
+        Widen it for q3's acceleration limit.
+    """
+
+    account_turning: bool = True
+    limit_acceleration: bool = True
+
+
+class Esc(ArmLaw):
+    """The paper's law with what it lacks.
+
+    Promises: the hand stays on its path; no joint exceeds its rate limit, at the elbow also while
+    the tool turns; q3 keeps its acceleration limit in the region on a radial line; the command's
+    sign is kept on either side of the elbow; exact hits of shoulder and wrist are passed, and
+    near misses take no longer than the rate limits require; a dwell has its exact length and
+    never stops. Does not promise the accelerations of near misses: see `look-ahead`.
+
+    References
+    ----------
+    Miyata et al., whose equations are corrected and completed as the functions used here say.
+    """
+
+    Settings = EscSettings
+    name = "esc"
+
+    def region(self, trajectory: StraightTrajectory) -> float:
+        """Return sin q_s for a line."""
+        turning = trajectory.turn_rate if self.settings.account_turning else 0.0
+        sin_qs = region_for_twist(self.geometry, trajectory.speed, turning)
+        if self.settings.limit_acceleration:
+            sin_qs = max(sin_qs, region_for_acceleration(self.geometry, trajectory.speed))
+        return sin_qs
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period."""
+        if isinstance(trajectory, CircularTrajectory):
+            return _circle(self, trajectory, end)
+        assert isinstance(trajectory, StraightTrajectory)
+        if trajectory.depth is not None:
+            return _dwell(self, trajectory, end, "exact", "ramp", natural=True)
+        if not trajectory.turns_back:
+            path = joint_path_of_line(self.arm, trajectory)
+            timing = retime(path, trajectory.speed, self.geometry.rate_limits, None)
+            return follow_joint_path(self.arm, trajectory, path, timing, self.period, end)
+        sin_qs = self.region(trajectory)
+        check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
+        side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0
+        slow = within_limits(self.geometry)
+        return turn_back(self.arm, trajectory, sin_qs, side, slow, self.period, end)
+
+
+def within_limits(geometry: ArmGeometry) -> Callable[[Joints], float]:
+    """Return a function that tells by how much rates have to be slowed for the limits."""
+    inverse = [1.0 / limit for limit in geometry.rate_limits]
+
+    def slow(rates: Joints) -> float:
+        worst = max(abs(rate) * share for rate, share in zip(rates, inverse, strict=True))
+        return 1.0 if worst <= 1.0 else 1.0 / worst
+
+    return slow
+
+
+def _as_it_is(_: Joints) -> float:
+    return 1.0
+
+
+def _dwell(
+    law: ArmLaw,
+    trajectory: StraightTrajectory,
+    end: MotionEnd,
+    integral: Literal["taylor", "exact"],
+    profile: Literal["quintic", "ramp"],
+    *,
+    natural: bool,
+) -> Motion:
+    arm = law.arm
+    assert trajectory.depth is not None
+    q_s = elbow_at_depth(arm, trajectory.depth)
+    enter = time_at_depth(arm, trajectory, q_s)
+    # The direction at the border, seen by an arm that is moved there in its plane's geometry.
+    at_border = forward_along(trajectory, arm, enter)
+    cosine = radial_share(arm, at_border, trajectory.direction)
+    if cosine < 0.05:
+        raise InfeasibleMotion(
+            f"the line enters the region almost along the boundary (cosine {cosine:.3f} to the "
+            f"arm): eq. (14) needs a radial share, which would vanish within the region."
+        )
+    switch = switch_of(arm, q_s, trajectory.speed, cosine)
+    if not natural:
+        switch = switch._replace(rate=0.0)
+    whole = integral_taylor(arm, q_s) if integral == "taylor" else integral_exact(arm, q_s)
+    b = make_dwell(profile, whole, trajectory.dwell, switch)
+    return dwelling(arm, trajectory, q_s, b, law.period, end)
+
+
+def forward_along(trajectory: StraightTrajectory, arm: Any, t: float) -> Joints:
+    """Return the joints at a nominal time on the way out, on the branch of the start."""
+    from controllers.arm.inverse import branch_of, inverse
+
+    return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
+
+
+def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
+    """Yield a circle through a singularity, at full speed throughout.
+
+    References
+    ----------
+    Miyata et al., eq. (7)-(10).
+    """
+    arm, settings = law.arm, trajectory.settings
+    side = float(settings.side)
+
+    def rates(t: float, q: Joints) -> Joints:
+        velocity = trajectory.wrist_velocity(t)
+        if settings.through == "shoulder":
+            return shoulder_circle_rates(arm, q, velocity, settings.rate)
+        elbow = elbow_rate(
+            arm, trajectory.r1, trajectory.r2, trajectory.gamma(t), settings.rate, q[2], side
+        )
+        return elbow_circle_rates(arm, q, velocity, elbow)
+
+    return _integrated(law, trajectory, rates, lambda _: Scale(1.0, 1.0, 0.0), end)
+
+
+def _integrated(
+    law: ArmLaw,
+    trajectory: Trajectory,
+    rates: Callable[[float, Joints], Joints],
+    scale_at: Callable[[Joints], Scale],
+    end: MotionEnd,
+) -> Motion:
+    """Yield a motion to the end of a path that is followed one way."""
+    period, arm = law.period, law.arm
+    q, t = trajectory.start, 0.0
+    straight = trajectory if isinstance(trajectory, StraightTrajectory) else None
+    length = trajectory.speed * trajectory.duration
+    longest = trajectory.duration if straight is None else 8.0 * trajectory.duration
+
+    def left(t: float, q: Joints) -> float:
+        if straight is None:
+            return trajectory.duration - t
+        return length - straight.distance(forward(arm, q).position)
+
+    while t < longest:
+        scale = scale_at(q)
+        command = trajectory.twist(t)
+        yield Sample(q, rates(t, q), scale.linear, scale.angular, command)
+        after = advance_joints(rates, t, q, period)
+        if left(t + period, after) <= 0.0:
+            low, high = 0.0, period
+            for _ in range(44):
+                middle = 0.5 * (low + high)
+                there = advance_joints(rates, t, q, middle)
+                low, high = (middle, high) if left(t + middle, there) > 0.0 else (low, middle)
+            q = advance_joints(rates, t, q, low)
+            yield Sample(q, _AT_REST, 0.0, 0.0, command)
+            end.duration = t + low
+            return
+        q, t = after, t + period
+    end.duration, end.outcome = t, "stalls"

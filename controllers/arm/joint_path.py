@@ -1,0 +1,131 @@
+"""A path lifted to the joints: a smooth curve over its own length in joint space.
+
+In that length the curve is regular where the path is not: at an exact hit of a singularity, where
+the joints go on without a jump, and at the boundary, where the path itself stops.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.arm.inverse import BRANCHES, OutOfReach, inverse
+from controllers.arm.kinematics import Dimensions
+from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.types import Joints
+from controllers.motion import InfeasibleMotion
+
+_FINEST = 4e-3
+"""Greatest step of the joints between two samples, rad: the spline through them then misses the
+path by less than 1e-9 m."""
+_COARSEST = 200
+_UNDECIDED = 1e-7
+"""A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
+
+
+class JointPath:
+    """A curve through the six joints with the path's nominal time along it.
+
+    Parameters
+    ----------
+    nominal : sequence of float
+        Nominal time of each sample, s.
+    joints : sequence
+        Of each sample, rad.
+    """
+
+    def __init__(self, nominal: Sequence[float], joints: Sequence[Joints]) -> None:
+        from scipy.interpolate import CubicSpline
+
+        q, tau = np.array(joints), np.array(nominal)
+        steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
+        keep = np.concatenate(([True], steps > 1e-12))
+        q, tau = q[keep], tau[keep]
+        self.knots: NDArray[np.float64] = np.concatenate(
+            ([0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1)))
+        )
+        self._joints = CubicSpline(self.knots, q)
+        self._nominal = CubicSpline(self.knots, tau)
+        self.nominal_knots = tau
+
+    @property
+    def length(self) -> float:
+        """In joint space, rad."""
+        return float(self.knots[-1])
+
+    def joints(self, s: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
+        """Return the joints or a derivative by the length, shape (n, 6)."""
+        return np.asarray(self._joints(s, order), dtype=np.float64)
+
+    def nominal(self, s: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
+        """Return the nominal time (s) or a derivative by the length, shape (n,)."""
+        return np.asarray(self._nominal(s, order), dtype=np.float64)
+
+    def samples(self, count: int) -> Iterator[tuple[Joints, Joints]]:
+        """Yield joints (rad) and their rates at nominal speed (rad/s), evenly along the length."""
+        s = np.linspace(0.0, self.length, count)
+        rates = self.joints(s, 1) / self.nominal(s, 1)[:, None]
+        for q, rate in zip(self.joints(s).tolist(), rates.tolist(), strict=True):
+            yield tuple(q), tuple(rate)
+
+
+def joint_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> JointPath:
+    """Return the joints along a line, through exact hits of shoulder and wrist.
+
+    The branch is the one that goes on: through an exact hit c or S5 changes its sign, past a near
+    miss q1 or q4 swings round.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The line leaves the workspace.
+    """
+    start = trajectory.start
+    nominal, joints = [0.0], [start]
+    last = trajectory.duration
+    step = last / _COARSEST
+    elbow = 1 if math.sin(start[2] + arm.elbow_angle) >= 0.0 else -1
+
+    def solve(t: float, guess: Joints) -> Joints | None:
+        try:
+            pose = trajectory.pose(t)
+            found = [
+                inverse(arm, pose, branch, guess) for branch in BRANCHES if branch.elbow == elbow
+            ]
+        except OutOfReach as error:
+            raise InfeasibleMotion(
+                f"after {trajectory.speed * t:.4f} m of {trajectory.speed * last:.4f} m the line "
+                f"leaves the workspace: {error}."
+            ) from error
+        best = min(found, key=lambda q: math.dist(q, guess))
+        return None if abs(math.sin(best[4])) < _UNDECIDED else best
+
+    while nominal[-1] < last:
+        t = min(nominal[-1] + step, last)
+        guess = _extrapolated(nominal, joints, t)
+        q = solve(t, guess)
+        moved = math.inf if q is None else math.dist(q, joints[-1])
+        # A step is good if it is short and where the last two led: then the branch is right.
+        if q is None or moved > _FINEST or math.dist(q, guess) > 0.1 * _FINEST + 0.3 * moved:
+            if step > 1e-9 * last:
+                step *= 0.5 if q is not None else 0.77
+                continue
+            raise InfeasibleMotion(
+                f"after {trajectory.speed * t:.4f} m the line meets a singularity that the joints "
+                f"do not pass smoothly: the wrist or the base would have to jump."
+            )
+        nominal.append(t)
+        joints.append(q)
+        step *= 1.6 if moved < 0.4 * _FINEST else 1.0
+    return JointPath(nominal, joints)
+
+
+def _extrapolated(nominal: list[float], joints: list[Joints], t: float) -> Joints:
+    if len(joints) < 2:
+        return joints[-1]
+    share = (t - nominal[-1]) / (nominal[-1] - nominal[-2])
+    q1, q2, q3, q4, q5, q6 = (
+        b + share * (b - a) for a, b in zip(joints[-2], joints[-1], strict=True)
+    )
+    return q1, q2, q3, q4, q5, q6

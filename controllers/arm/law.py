@@ -1,0 +1,119 @@
+"""What the laws of the arm have in common: one motion, planned and then repeated online."""
+
+from collections.abc import Generator
+from typing import Any
+
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.kinematics import dimensions_of
+from controllers.arm.paths import ArmPathSettings
+from controllers.arm.plan import ArmPlan, Sample, make_plan
+from controllers.arm.trajectories import Trajectory, make_trajectory
+from controllers.arm.types import ArmCommand, ArmReference, ArmState, Joints
+
+_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class MotionEnd:
+    """How a law's motion ended; a law fills it in.
+
+    Attributes
+    ----------
+    duration : float
+        s.
+    outcome : str
+        See `ArmPlan`.
+    marks : dict
+        See `ArmPlan`.
+    """
+
+    def __init__(self) -> None:
+        self.duration = 0.0
+        self.outcome = "done"
+        self.marks: dict[str, tuple[float, ...]] = {}
+
+
+Motion = Generator[Sample, None, None]
+
+
+class ArmLaw:
+    """A law that moves the arm along one path.
+
+    `prepare` runs the law through the whole motion and keeps nothing but the path; `update` runs
+    it again, one period per call whatever the clock says: a late cycle is a cycle later, not a
+    jump. The law moves the commanded joints; that the measured ones follow is for the drives.
+
+    Parameters
+    ----------
+    settings : object
+        Of the law.
+    model : ArmGeometry
+        Dimensions and limits.
+    period : float
+        The loop's period, s.
+    """
+
+    Settings: type = type(None)
+    name = ""
+
+    def __init__(self, settings: Any, model: ArmGeometry, period: float) -> None:
+        self.settings = settings
+        self.geometry = model
+        self.arm = dimensions_of(model)
+        self.period = period
+        self._trajectory: Trajectory | None = None
+        self._motion: Motion | None = None
+        self._last: Sample | None = None
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period, the first at the start; say in `end` how it ended.
+
+        Raises
+        ------
+        InfeasibleMotion
+            The law cannot do the path.
+        """
+        raise NotImplementedError
+
+    def prepare(self, path: ArmPathSettings) -> ArmPlan:
+        """Return the whole motion along a path, which `update` then follows.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It cannot be done; the message says by how much.
+        """
+        trajectory = make_trajectory(self.arm, path)
+        end = MotionEnd()
+        samples = list(self.move(trajectory, end))
+        plan = make_plan(
+            self.name,
+            self.geometry,
+            trajectory,
+            samples,
+            self.period,
+            end.duration,
+            end.outcome,
+            end.marks,
+        )
+        self._trajectory = trajectory
+        self._motion = None
+        return plan
+
+    def reset(self, state: ArmState) -> None:
+        """Go back to the beginning of the path."""
+        del state  # the motion starts where the path does; the approach leads there
+        self._last = None
+        if self._trajectory is not None:
+            self._motion = self.move(self._trajectory, MotionEnd())
+
+    def update(self, state: ArmState, reference: ArmReference) -> ArmCommand:
+        """Return the command for this period; at the end of the path the arm rests."""
+        del state
+        if not reference.following or self._motion is None:
+            return ArmCommand(reference.positions, reference.velocities)
+        sample = next(self._motion, None)
+        if sample is None:
+            end = reference.positions if self._last is None else self._last.positions
+            return ArmCommand(end, _AT_REST)
+        self._last = sample
+        return ArmCommand(sample.positions, sample.velocities)

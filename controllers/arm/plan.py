@@ -1,0 +1,229 @@
+"""A whole motion before anything moves: its samples, its checks, what figures need of it."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.kinematics import (
+    Dimensions,
+    dimensions_of,
+    forward,
+    jacobian_columns,
+    singularity_indices,
+    wrist_in_plane,
+)
+from controllers.arm.trajectories import Trajectory
+from controllers.arm.types import ArmReference, Joints, Twist
+from controllers.motion import InfeasibleMotion
+
+Array = NDArray[np.float64]
+
+
+class Sample(NamedTuple):
+    """One period of a law's motion.
+
+    Parameters
+    ----------
+    positions, velocities : tuple of float
+        Of the joints, rad and rad/s.
+    linear, angular : float
+        Scales of the commanded velocity and angular velocity: b and b².
+    command : Twist
+        What the path asks for here.
+    """
+
+    positions: Joints
+    velocities: Joints
+    linear: float
+    angular: float
+    command: Twist
+
+
+@dataclass(frozen=True, slots=True)
+class ArmPlan:
+    """A motion of the arm, sampled at the loop's period; a row per cycle.
+
+    Parameters
+    ----------
+    law : str
+        Whose.
+    outcome : str
+        ``"done"``, or how it ends before the path does: ``"stalls"``, ``"halts"``.
+    period : float
+        s.
+    duration : float
+        To the end of the path, which need not be a whole number of periods, s.
+    t : ndarray, shape (n,)
+        s.
+    positions, velocities : ndarray, shape (n, 6)
+        Of the joints, rad and rad/s.
+    scale : ndarray, shape (n, 2)
+        b of velocity and of angular velocity.
+    command : ndarray, shape (n, 6)
+        The commanded twist before it is scaled, m/s and rad/s.
+    hand : ndarray, shape (n, 3)
+        Position of the tool point, m.
+    twist : ndarray, shape (n, 6)
+        Of the hand, J q', m/s and rad/s.
+    indices : ndarray, shape (n, 3)
+        c (m), S3, S5.
+    inside : ndarray, shape (n,)
+        Distance of the wrist centre inside the boundary of the workspace, m.
+    deviation : ndarray, shape (n,)
+        Distance of the hand from the path, m.
+    marks : dict
+        Instants by name, s: ``"region"`` where a region is entered and left.
+    """
+
+    law: str
+    outcome: str
+    period: float
+    duration: float
+    t: Array
+    positions: Array
+    velocities: Array
+    scale: Array
+    command: Array
+    hand: Array
+    twist: Array
+    indices: Array
+    inside: Array
+    deviation: Array
+    marks: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def at(self, t: float) -> ArmReference:
+        """Return the reference of the cycle at `t` seconds; before 0 and after the end it rests."""
+        k = round(t / self.period)
+        following = 0 <= k < len(self.t)
+        k = min(max(k, 0), len(self.t) - 1)
+        q = tuple(self.positions[k].tolist())
+        v = tuple(self.velocities[k].tolist()) if following else (0.0,) * 6
+        return ArmReference(q, v, following)  # type: ignore[arg-type]
+
+    @property
+    def peak_rates(self) -> Array:
+        """Greatest speed of each joint, rad/s."""
+        return np.asarray(np.abs(self.velocities).max(axis=0), dtype=np.float64)
+
+    @property
+    def peak_accelerations(self) -> Array:
+        """Greatest change of velocity from row to row, of each joint, rad/s²."""
+        steps = np.abs(np.diff(self.velocities[:-1], axis=0)).max(axis=0)
+        return np.asarray(steps / self.period, dtype=np.float64)
+
+    @property
+    def path_deviation(self) -> float:
+        """Greatest distance of the hand from the path, m."""
+        return float(self.deviation.max())
+
+    @property
+    def twist_residual(self) -> float:
+        """Greatest entry of ``J q' - (b v, b^2 w)``."""
+        wanted = self.command * np.repeat(self.scale, 3, axis=1)
+        return float(np.abs(self.twist - wanted).max())
+
+    @property
+    def crossings(self) -> tuple[float, ...]:
+        """Instants at which the elbow goes through its singularity, s."""
+        return tuple(self._zeros())
+
+    def _zeros(self) -> Iterator[float]:
+        s3 = self.indices[:, 1]
+        for k in np.flatnonzero(s3[:-1] * s3[1:] < 0.0):
+            # Inverse interpolation of the angle by a cubic with the rates as slopes.
+            y0, y1 = float(np.arcsin(s3[k])), float(np.arcsin(s3[k + 1]))
+            h = float(self.t[k + 1] - self.t[k])
+            d0, d1 = h * float(self.velocities[k, 2]), h * float(self.velocities[k + 1, 2])
+            x = y0 / (y0 - y1)
+            for _ in range(20):
+                value = (
+                    y0 * (1 + 2 * x) * (1 - x) ** 2
+                    + d0 * x * (1 - x) ** 2
+                    + y1 * x * x * (3 - 2 * x)
+                    + d1 * x * x * (x - 1)
+                )
+                slope = 6 * x * (1 - x) * (y1 - y0) + d0 * (1 - x) * (1 - 3 * x) + d1 * x * (3 * x - 2)
+                x -= value / slope
+            yield float(self.t[k]) + h * x
+
+
+def make_plan(
+    law: str,
+    geometry: ArmGeometry,
+    trajectory: Trajectory,
+    samples: list[Sample],
+    period: float,
+    duration: float,
+    outcome: str = "done",
+    marks: dict[str, tuple[float, ...]] | None = None,
+) -> ArmPlan:
+    """Return the plan of samples that are a period apart, with what figures need.
+
+    Raises
+    ------
+    InfeasibleMotion
+        A joint would leave its range.
+    """
+    arm = dimensions_of(geometry)
+    t = period * np.arange(len(samples))
+    positions = np.array([sample.positions for sample in samples])
+    check_joint_limits(geometry, positions, t)
+    velocities = np.array([sample.velocities for sample in samples])
+    hand = np.array([forward(arm, sample.positions).position for sample in samples])
+    twist = np.array([_twist_of(arm, sample) for sample in samples])
+    return ArmPlan(
+        law=law,
+        outcome=outcome,
+        period=period,
+        duration=duration,
+        t=t,
+        positions=positions,
+        velocities=velocities,
+        scale=np.array([(sample.linear, sample.angular) for sample in samples]),
+        command=np.array([(*sample.command.linear, *sample.command.angular) for sample in samples]),
+        hand=hand,
+        twist=twist,
+        indices=np.array([singularity_indices(arm, sample.positions) for sample in samples]),
+        inside=np.array([inside_boundary(arm, sample.positions) for sample in samples]),
+        deviation=np.array([trajectory.deviation(tuple(p)) for p in hand.tolist()]),
+        marks=marks or {},
+    )
+
+
+def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> None:
+    """Raise if a joint leaves its range.
+
+    Raises
+    ------
+    InfeasibleMotion
+        With the joint, the first instant, the angle and the bound.
+    """
+    lower, upper = np.array(geometry.position_min), np.array(geometry.position_max)
+    outside = (positions < lower) | (positions > upper)
+    if not outside.any():
+        return
+    k = int(np.flatnonzero(outside.any(axis=1))[0])
+    j = int(np.flatnonzero(outside[k])[0])
+    raise InfeasibleMotion(
+        f"after {t[k]:.3f} s {JOINT_NAMES[j]} would be at {positions[k, j]:.4f} rad, outside its "
+        f"range of {lower[j]:.4f} to {upper[j]:.4f} rad."
+    )
+
+
+def inside_boundary(arm: Dimensions, q: Joints) -> float:
+    """Return how far the wrist centre is inside the boundary of the workspace, m."""
+    return arm.a2 + arm.a3 - math.hypot(*wrist_in_plane(arm, q[1], q[2]))
+
+
+def _twist_of(arm: Dimensions, sample: Sample) -> tuple[float, ...]:
+    columns = jacobian_columns(arm, sample.positions)
+    rates = sample.velocities
+    return tuple(
+        sum(column[row] * rate for column, rate in zip(columns, rates, strict=True))
+        for row in range(6)
+    )

@@ -1,0 +1,179 @@
+"""The fastest way along a joint path, under limits of the joints' rates and accelerations.
+
+Reachability analysis: backwards along the path, the greatest speed from which the end can still
+be reached; then forwards, always as fast as that allows. The path is in its length in joint space,
+so nothing is divided by a vanishing hand speed.
+
+References
+----------
+H. Pham and Q.-C. Pham, "A New Approach to Time-Optimal Path Parameterization Based on
+Reachability Analysis", IEEE Transactions on Robotics 34(3), 2018.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.arm.joint_path import JointPath
+from controllers.arm.kinematics import Dimensions
+from controllers.arm.law import Motion, MotionEnd
+from controllers.arm.plan import Sample
+from controllers.arm.trajectories import Trajectory
+
+Array = NDArray[np.float64]
+
+_POINTS = 4000
+_ACCELERATION_SHARE = 0.98
+"""Of the acceleration limits that is used: they are met at the grid's points, not between them."""
+
+
+class Timing(NamedTuple):
+    """When the joint path is where.
+
+    Parameters
+    ----------
+    s : ndarray, shape (n,)
+        Grid along the path, rad.
+    t : ndarray, shape (n,)
+        s.
+    speed : ndarray, shape (n,)
+        Along the path, rad/s; its square is linear in s between the points.
+    """
+
+    s: Array
+    t: Array
+    speed: Array
+
+    @property
+    def duration(self) -> float:
+        """Of the whole path, s."""
+        return float(self.t[-1])
+
+    def at(self, t: Array) -> tuple[Array, Array]:
+        """Return place (rad) and speed (rad/s) at some instants."""
+        k = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
+        into = t - self.t[k]
+        step = self.t[k + 1] - self.t[k]
+        acceleration = (self.speed[k + 1] - self.speed[k]) / step
+        return (
+            self.s[k] + into * (self.speed[k] + 0.5 * acceleration * into),
+            self.speed[k] + acceleration * into,
+        )
+
+
+def retime(
+    path: JointPath,
+    hand_speed: float,
+    rate_limits: Sequence[float],
+    acceleration_limits: Sequence[float] | None,
+) -> Timing:
+    """Return the fastest timing.
+
+    Parameters
+    ----------
+    path : JointPath
+        Its nominal time is that of `hand_speed`.
+    hand_speed : float
+        Greatest speed of the hand, m/s; only says that nominal time never passes faster.
+    rate_limits : sequence of float
+        rad/s.
+    acceleration_limits : sequence of float, optional
+        rad/s². None: the velocity-limited optimum, which starts, ends and turns at once.
+    """
+    del hand_speed
+    s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
+    s = s[np.concatenate(([True], np.diff(s) > 1e-9))]
+    tangent, bend = path.joints(s, 1), path.joints(s, 2)
+    limits = np.array(rate_limits)
+    with np.errstate(divide="ignore"):
+        greatest = np.min(limits / np.abs(tangent), axis=1)
+        greatest = np.minimum(greatest, 1.0 / np.abs(path.nominal(s, 1)))
+    if acceleration_limits is None:
+        speed = greatest
+    else:
+        allowed = _ACCELERATION_SHARE * np.array(acceleration_limits)
+        speed = np.sqrt(_reachable(s, greatest**2, tangent, bend, allowed))
+    mean = 0.5 * (speed[:-1] + speed[1:])
+    t = np.concatenate(([0.0], np.cumsum(np.diff(s) / mean)))
+    return Timing(s, t, speed)
+
+
+def velocity_limited_time(path: JointPath, hand_speed: float, rate_limits: Sequence[float]) -> float:
+    """Return the least time under the rate limits alone, s: what others are compared with."""
+    return retime(path, hand_speed, rate_limits, None).duration
+
+
+def _reachable(s: Array, ceiling: Array, tangent: Array, bend: Array, allowed: Array) -> Array:
+    """Return the squares of the speeds of the fastest timing from rest to rest.
+
+    With ``x`` the square of the speed and ``u`` the acceleration along the path every joint asks
+    for ``|q' u + q'' x| <= a``; between two points x changes by ``2 ds u``.
+    """
+    ceiling = np.minimum(ceiling, _greatest_curved(tangent, bend, allowed))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        half = np.where(np.abs(tangent) > 1e-9, allowed / np.abs(tangent), np.inf)
+        slope = np.where(np.abs(tangent) > 1e-9, bend / tangent, 0.0)
+    halves, slopes, steps = half.tolist(), slope.tolist(), np.diff(s).tolist()
+    top: list[float] = ceiling.tolist()
+    top[-1] = 0.0
+    for i in range(len(steps) - 1, -1, -1):
+        step, following, x = 2.0 * steps[i], top[i + 1], top[i]
+        for a, k in zip(halves[i], slopes[i], strict=True):
+            # The hardest braking of this joint has to lead to no more than `following`.
+            share = 1.0 - step * k
+            if share > 0.0 and math.isfinite(a):
+                x = min(x, (following + step * a) / share)
+        top[i] = x
+    x = top[0] = 0.0
+    squares = [x]
+    for i, ds in enumerate(steps):
+        step = 2.0 * ds
+        most = min(a - k * x for a, k in zip(halves[i], slopes[i], strict=True))
+        x = min(max(x + step * most, 0.0), top[i + 1])
+        squares.append(x)
+    # At rest with all joints: the first and last steps start from zero and end there.
+    return np.array(squares)
+
+
+def _greatest_curved(tangent: Array, bend: Array, allowed: Array) -> Array:
+    """Return the square of the speed beyond which no acceleration suits all joints."""
+    n, joints = tangent.shape
+    greatest = np.full(n, np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for i in range(joints):
+            alone = np.abs(tangent[:, i]) <= 1e-9
+            bound = allowed[i] / np.abs(bend[:, i])
+            greatest = np.where(alone, np.minimum(greatest, bound), greatest)
+            for j in range(i):
+                both = (np.abs(tangent[:, i]) > 1e-9) & (np.abs(tangent[:, j]) > 1e-9)
+                room = allowed[i] / np.abs(tangent[:, i]) + allowed[j] / np.abs(tangent[:, j])
+                apart = np.abs(bend[:, i] / tangent[:, i] - bend[:, j] / tangent[:, j])
+                greatest = np.where(both, np.fmin(greatest, room / apart), greatest)
+    return greatest
+
+
+def follow_joint_path(
+    arm: Dimensions,
+    trajectory: Trajectory,
+    path: JointPath,
+    timing: Timing,
+    period: float,
+    end: MotionEnd,
+) -> Motion:
+    """Yield a sample per period along a timed joint path."""
+    del arm
+    count = math.ceil(timing.duration / period - 1e-9)
+    t = period * np.arange(count)
+    s, speed = timing.at(t)
+    joints = path.joints(s).tolist()
+    rates = (path.joints(s, 1) * speed[:, None]).tolist()
+    shares = (path.nominal(s, 1) * speed).tolist()
+    nominal = path.nominal(s).tolist()
+    for q, rate, share, tau in zip(joints, rates, shares, nominal, strict=True):
+        yield Sample(tuple(q), tuple(rate), share, share, trajectory.twist(tau))
+    last = tuple(path.joints(np.array([path.length]))[0].tolist())
+    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.twist(trajectory.duration))
+    end.duration = timing.duration

@@ -1,0 +1,284 @@
+"""Motions that turn back at the boundary: through the region, or dwelling in it."""
+
+import math
+from collections.abc import Callable
+
+from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
+from controllers.arm.dwell import QuinticDwell, RampDwell
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.integration import advance_joints
+from controllers.arm.kinematics import Dimensions, forward, wrist_centre
+from controllers.arm.law import Motion, MotionEnd
+from controllers.arm.plan import Sample
+from controllers.arm.region import elbow_scale, least_rate
+from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.types import Joints, Twist, Vector
+from controllers.motion import InfeasibleMotion
+
+_TOUCHING = 1e-6
+_TANGENTIAL = 1e-3
+
+
+def check_turn_back(
+    geometry: ArmGeometry, arm: Dimensions, trajectory: StraightTrajectory, sin_qs: float
+) -> None:
+    """Raise if a line cannot be turned back on within a region.
+
+    Raises
+    ------
+    InfeasibleMotion
+        No region is wide enough, or the arm starts in it; at its singularity, along the boundary.
+    """
+    elbow = trajectory.start[2] + arm.elbow_angle
+    s3 = math.sin(elbow)
+    if abs(s3) < _TOUCHING and math.cos(elbow) > 0.0:
+        share = abs(radial_share(arm, trajectory.start, trajectory.direction))
+        kind = (
+            f"tangential to the boundary (its radial share is {share:.2g}): b stays 0 and the arm "
+            f"never moves"
+            if share < _TANGENTIAL
+            else "from the boundary itself, on no side of the elbow that a sign could be kept of"
+        )
+        raise InfeasibleMotion(
+            f"the arm starts at the elbow's singularity (S3 = {s3:.2g}) and the command is {kind}."
+        )
+    if sin_qs > 1.0:
+        limit = geometry.rate_limits[2]
+        least = max(limit * sin_qs, least_rate(geometry, trajectory.speed))
+        raise InfeasibleMotion(
+            f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
+            f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
+            f"{least:.4f} rad/s, or the hand be no faster than {trajectory.speed / sin_qs:.4g} m/s."
+        )
+    if abs(s3) <= sin_qs and math.cos(elbow) > 0.0:
+        raise InfeasibleMotion(
+            f"the arm starts inside the region: |S3| = {abs(s3):.4f} at the start, no more than "
+            f"sin q_s = {sin_qs:.4f}; its speed would begin with a step."
+        )
+
+
+def radial_share(arm: Dimensions, q: Joints, direction: Vector) -> float:
+    """Return the cosine between a direction and the wrist's, seen from the shoulder."""
+    sine, cosine, _, _ = elbow_frame(arm, q[1], q[2])
+    ahead = direction[0] * math.cos(q[0]) + direction[1] * math.sin(q[0])
+    return sine * ahead + cosine * direction[2]
+
+
+def turn_back(
+    arm: Dimensions,
+    trajectory: StraightTrajectory,
+    sin_qs: float,
+    side: float,
+    slow: Callable[[Joints], float],
+    period: float,
+    end: MotionEnd,
+) -> Motion:
+    """Yield the motion out, through the elbow's singularity, and back to the start.
+
+    Parameters
+    ----------
+    arm : Dimensions
+        The arm.
+    trajectory : StraightTrajectory
+        The line.
+    sin_qs : float
+        Half width of the region.
+    side : float
+        The elbow's, when it starts.
+    slow : callable
+        What the rates (rad/s) are multiplied with beyond the region's scale: a change of time.
+    period : float
+        s.
+    end : MotionEnd
+        Is filled in.
+
+    References
+    ----------
+    Miyata et al., eq. (6), (11), (13).
+    """
+    linear, angular = trajectory.command
+    offset = arm.elbow_angle
+
+    def rates(_: float, q: Joints) -> Joints:
+        plain = joint_rates(arm, q, linear, angular, elbow_scale(q[2] + offset, sin_qs, side))
+        share = slow(plain)
+        return plain if share == 1.0 else _times(plain, share)
+
+    def sample(q: Joints) -> Sample:
+        scale = elbow_scale(q[2] + offset, sin_qs, side)
+        plain = joint_rates(arm, q, linear, angular, scale)
+        share = slow(plain)
+        return Sample(
+            q,
+            plain if share == 1.0 else _times(plain, share),
+            share * scale.linear,
+            share * scale.angular,
+            trajectory.command,
+        )
+
+    def inside(q: Joints) -> bool:
+        return math.cos(q[2] + offset) > 0.0 and abs(math.sin(q[2] + offset)) <= sin_qs
+
+    q, t = trajectory.start, 0.0
+    borders: list[float] = []
+    longest = 20.0 * trajectory.duration
+    yield sample(q)
+    while t < longest:
+        after = advance_joints(rates, t, q, period)
+        if inside(q) != inside(after):
+            borders.append(_instant(rates, q, t, period, lambda x: 1.0 if inside(x) else -1.0))
+        gone = trajectory.distance(forward(arm, after).position)
+        if gone <= 0.0:
+            left = _instant(
+                rates,
+                q,
+                t,
+                period,
+                lambda x: trajectory.distance(forward(arm, x).position),
+            )
+            last = sample(advance_joints(rates, t, q, left - t))
+            yield last._replace(velocities=(0.0,) * 6, linear=0.0, angular=0.0)
+            end.duration = left
+            end.marks = {"region": tuple(borders)}
+            return
+        q, t = after, t + period
+        yield sample(q)
+    end.duration, end.outcome = t, "stalls"
+
+
+def dwelling(
+    arm: Dimensions,
+    trajectory: StraightTrajectory,
+    q_s: float,
+    profile: QuinticDwell | RampDwell,
+    period: float,
+    end: MotionEnd,
+) -> Motion:
+    """Yield the motion to the region, a dwell in it, and the way back.
+
+    Within the region b is given over time; outside the hand keeps its speed.
+
+    References
+    ----------
+    Miyata et al., eq. (14)-(16).
+    """
+    linear = trajectory.command.linear
+    offset, a2a3 = arm.elbow_angle, arm.a2 * arm.a3
+    side = 1.0 if math.sin(trajectory.start[2] + offset) >= 0.0 else -1.0
+    still = (0.0, 0.0, 0.0)
+    enter, leave, way_back = _dwell_instants(arm, trajectory, q_s, profile)
+
+    def scale_at(t: float, q: Joints) -> Scale:
+        if t < enter:
+            return Scale(1.0, 1.0, 1.0 / math.sin(q[2] + offset))
+        if t > leave:
+            return Scale(-1.0, 1.0, -1.0 / math.sin(q[2] + offset))
+        radial = trajectory.speed * radial_share(arm, q, trajectory.direction)
+        per_elbow = side * profile.at(t - enter) * a2a3 / radial
+        return Scale(per_elbow * math.sin(q[2] + offset), 1.0, per_elbow)
+
+    def rates(t: float, q: Joints) -> Joints:
+        return joint_rates(arm, q, linear, still, scale_at(t, q))
+
+    def moved(q: Joints, t: float, until: float) -> Joints:
+        """Go on, without a step across an instant at which b has a corner."""
+        for border in (enter, leave):
+            if t < border < until:
+                inner = border - 1e-12 if border == enter else border
+                q = advance_joints(rates, t, q, inner - t)
+                t = border + (1e-12 if border == leave else 0.0)
+        return advance_joints(rates, t, q, until - t)
+
+    finish = leave + way_back
+    q, t = trajectory.start, 0.0
+    command = Twist(linear, still)
+    while t < finish:
+        scale = scale_at(t, q)
+        yield Sample(q, joint_rates(arm, q, linear, still, scale), scale.linear, 1.0, command)
+        q, t = moved(q, t, min(t + period, finish)), t + period
+    yield Sample(q, (0.0,) * 6, 0.0, 0.0, command)
+    end.duration = finish
+    end.marks = {"region": (enter, leave)}
+
+
+def _dwell_instants(
+    arm: Dimensions,
+    trajectory: StraightTrajectory,
+    q_s: float,
+    profile: QuinticDwell | RampDwell,
+) -> tuple[float, float, float]:
+    """Return when the region is entered and left, and how long the way back takes from there, s.
+
+    The elbow's differential equation separates: the integral of b is that of ``dq3 / r_s``. If it
+    is not the one that the region takes (the Taylor expansion), the hand leaves when the elbow
+    is at its border, sooner or later than t_s.
+    """
+    from scipy.integrate import quad
+    from scipy.optimize import brentq
+
+    from controllers.arm.dwell import integral_exact
+
+    enter = time_at_depth(arm, trajectory, q_s)
+    needed = integral_exact(arm, q_s)
+    total = quad(profile.at, 0.0, profile.duration, limit=200, epsabs=1e-13)[0]
+    near = 0.03 * profile.duration
+
+    def missing(t: float) -> float:
+        return total + float(quad(profile.at, profile.duration, t, epsabs=1e-14)[0]) - needed
+
+    if abs(total - needed) < 1e-10 * needed:
+        stay = profile.duration
+    else:
+        stay = brentq(missing, profile.duration - near, profile.duration + near, xtol=1e-13)
+    return enter, enter + stay, enter
+
+
+def time_at_depth(arm: Dimensions, trajectory: StraightTrajectory, q_s: float) -> float:
+    """Return the nominal time at which the elbow is at `q_s` on the way out, s.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The arm starts beyond it.
+    """
+    square = arm.a2**2 + arm.a3**2 + 2.0 * arm.a2 * arm.a3 * math.cos(q_s)
+    x, y, z = wrist_centre(arm, trajectory.start)
+    z -= arm.height
+    dx, dy, dz = trajectory.direction
+    along = x * dx + y * dy + z * dz
+    here = x * x + y * y + z * z - arm.offset**2
+    if here >= square:
+        depth = arm.a2 + arm.a3 - math.sqrt(here)
+        raise InfeasibleMotion(
+            f"the arm starts inside the region: its wrist is {depth:.4f} m from the boundary, the "
+            f"region is {arm.a2 + arm.a3 - math.sqrt(square):.4f} m deep."
+        )
+    return (-along + math.sqrt(along * along + square - here)) / trajectory.speed
+
+
+def _instant(
+    rates: Callable[[float, Joints], Joints],
+    q: Joints,
+    t: float,
+    period: float,
+    value: Callable[[Joints], float],
+) -> float:
+    """Return when a value changes its sign within a period, s."""
+    low, high = 0.0, period
+    positive = value(q) > 0.0
+    for _ in range(44):
+        middle = 0.5 * (low + high)
+        moved = advance_joints(rates, t, q, middle)
+        low, high = (middle, high) if (value(moved) > 0.0) == positive else (low, middle)
+    return t + 0.5 * (low + high)
+
+
+def _times(q: Joints, share: float) -> Joints:
+    return (
+        share * q[0],
+        share * q[1],
+        share * q[2],
+        share * q[3],
+        share * q[4],
+        share * q[5],
+    )
