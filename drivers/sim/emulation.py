@@ -14,6 +14,7 @@ from typing import Protocol
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.faults import FaultSchedule, Faulty, ScheduledFault
 from drivers.sim.frame_faults import FrameFault
+from drivers.sim.joint_faults import faults_by_joint
 
 
 class Plant(Protocol):
@@ -75,7 +76,8 @@ class EmulatedRig:
     plant : Plant
         The physics.
     buses : sequence of EmulatedBus
-        With their nodes, which hold ports to the plant.
+        With their nodes, which hold ports to the plant. Nodes named ``device.joint`` are
+        targets of faults as one device too.
     settings : Simulation
         Latency, losses, faults, seed.
     devices : mapping, optional
@@ -110,6 +112,7 @@ class EmulatedRig:
             bus.frame_loss = settings.frame_loss
             self._targets[bus.name] = bus
             self._targets |= {node.name: node for node in bus.nodes}
+            self._targets |= faults_by_joint(bus.nodes)
         self._targets |= {camera.name: camera for camera in cameras}
         self._timed: tuple[Timed | EmulatedBus, ...] = (*self.buses, *cameras)
         self._schedule = FaultSchedule(settings.faults, self._targets)

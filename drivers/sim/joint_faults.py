@@ -1,8 +1,15 @@
 """Faults of a device that has several joints, addressed by joint."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Protocol
 
 from drivers.sim.faults import Faulty
+
+
+class NamedFaulty(Faulty, Protocol):
+    """Something with a name that can be broken on purpose."""
+
+    name: str
 
 
 class JointFaults:
@@ -52,3 +59,13 @@ class JointFaults:
         else:
             known = ", ".join(self._joints)
             raise ValueError(f"{self.name}: no joint {name!r} to fail; there are {known}")
+
+
+def faults_by_joint(nodes: Iterable[NamedFaulty]) -> dict[str, Faulty]:
+    """Return the devices whose joints are nodes of their own, named ``device.joint``."""
+    devices: dict[str, dict[str, Faulty]] = {}
+    for node in nodes:
+        device, dot, joint = node.name.partition(".")
+        if dot:
+            devices.setdefault(device, {})[joint] = node
+    return {device: JointFaults(device, joints) for device, joints in devices.items()}

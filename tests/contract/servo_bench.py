@@ -15,7 +15,6 @@ from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, Odri
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulation import EmulatedRig
-from drivers.sim.joint_faults import JointFaults
 from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
 
 PERIOD = 0.005
@@ -118,8 +117,7 @@ class ServoRig:
         self.frames = []
         self.side.monitor = lambda t, can_id, data: self.frames.append((t, can_id, data))
         settings = SimpleNamespace(seed=1, bus_latency=latency, frame_loss=loss, faults=faults)
-        joints = JointFaults("arm", {node.name.partition(".")[2]: node for node in nodes})
-        self.rig = EmulatedRig(plant, [self.side], settings, {"arm": joints})
+        self.rig = EmulatedRig(plant, [self.side], settings)
         self.clock = SimClock(self.rig)
         self.bus = make_bus(lambda: self.wire, self.clock)
         self.driver = make_driver(self.bus)
