@@ -127,11 +127,17 @@ class EscPaper(ArmLaw):
         return _integrated(self, trajectory, rates, scale_at, end)
 
     def _greatest_turning(self, trajectory: StraightTrajectory) -> float:
-        """Return how fast the wrist has to turn across its singular plane at most, rad/s."""
+        """Return how fast the wrist has to turn across its singular plane at most, rad/s.
+
+        The arm's own joints count at no more than their limits: near the shoulder's singularity
+        they are slowed by its region.
+        """
         path = joint_path_of_line(self.arm, trajectory)
         greatest = 0.0
+        limits = self.geometry.rate_limits
         for q, rate in path.samples(200):
-            x, y, _ = wrist_turning(q, trajectory.command.angular, (rate[0], rate[1], rate[2]))
+            q1, q2, q3 = (min(max(rate[j], -limits[j]), limits[j]) for j in range(3))
+            x, y, _ = wrist_turning(q, trajectory.command.angular, (q1, q2, q3))
             greatest = max(greatest, math.hypot(x, y))
         return greatest
 
@@ -186,8 +192,8 @@ class Esc(ArmLaw):
             return _dwell(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
             path = joint_path_of_line(self.arm, trajectory)
-            timing = retime(path, trajectory.speed, self.geometry.rate_limits, None)
-            return follow_joint_path(self.arm, trajectory, path, timing, self.period, end)
+            timing = retime(path, self.geometry.rate_limits, None)
+            return follow_joint_path(trajectory, path, timing, self.period, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
         side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0

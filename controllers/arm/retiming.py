@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.arm.joint_path import JointPath
-from controllers.arm.kinematics import Dimensions
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectories import Trajectory
@@ -66,7 +65,6 @@ class Timing(NamedTuple):
 
 def retime(
     path: JointPath,
-    hand_speed: float,
     rate_limits: Sequence[float],
     acceleration_limits: Sequence[float] | None,
 ) -> Timing:
@@ -75,15 +73,12 @@ def retime(
     Parameters
     ----------
     path : JointPath
-        Its nominal time is that of `hand_speed`.
-    hand_speed : float
-        Greatest speed of the hand, m/s; only says that nominal time never passes faster.
+        Its nominal time never passes faster than time: so the hand keeps to its speed.
     rate_limits : sequence of float
         rad/s.
     acceleration_limits : sequence of float, optional
         rad/s². None: the velocity-limited optimum, which starts, ends and turns at once.
     """
-    del hand_speed
     s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
     s = s[np.concatenate(([True], np.diff(s) > 1e-9))]
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
@@ -101,9 +96,9 @@ def retime(
     return Timing(s, t, speed)
 
 
-def velocity_limited_time(path: JointPath, hand_speed: float, rate_limits: Sequence[float]) -> float:
+def velocity_limited_time(path: JointPath, rate_limits: Sequence[float]) -> float:
     """Return the least time under the rate limits alone, s: what others are compared with."""
-    return retime(path, hand_speed, rate_limits, None).duration
+    return retime(path, rate_limits, None).duration
 
 
 def _reachable(s: Array, ceiling: Array, tangent: Array, bend: Array, allowed: Array) -> Array:
@@ -134,7 +129,6 @@ def _reachable(s: Array, ceiling: Array, tangent: Array, bend: Array, allowed: A
         most = min(a - k * x for a, k in zip(halves[i], slopes[i], strict=True))
         x = min(max(x + step * most, 0.0), top[i + 1])
         squares.append(x)
-    # At rest with all joints: the first and last steps start from zero and end there.
     return np.array(squares)
 
 
@@ -156,7 +150,6 @@ def _greatest_curved(tangent: Array, bend: Array, allowed: Array) -> Array:
 
 
 def follow_joint_path(
-    arm: Dimensions,
     trajectory: Trajectory,
     path: JointPath,
     timing: Timing,
@@ -164,7 +157,6 @@ def follow_joint_path(
     end: MotionEnd,
 ) -> Motion:
     """Yield a sample per period along a timed joint path."""
-    del arm
     count = math.ceil(timing.duration / period - 1e-9)
     t = period * np.arange(count)
     s, speed = timing.at(t)

@@ -8,6 +8,7 @@ from controllers.arm.kinematics import (
     Dimensions,
     base_from_forearm,
     forward,
+    singularity_indices,
     wrist_centre,
 )
 from controllers.arm.paths import ArmPathSettings, Circle, DwellLine, Line, TurnBack
@@ -15,8 +16,8 @@ from controllers.arm.types import Joints, Pose, Rotation, Twist, Vector
 from controllers.arm.vectors import along, dot, minus, scaled, turned, unit
 from controllers.motion import InfeasibleMotion
 
-STRETCHED = 1e-7
-"""An elbow nearer to stretched than this is at its singularity, rad."""
+_ON_SINGULARITY = 1e-9
+"""A point with a smaller c (m) or S5 is on the singularity: the line may come from either side."""
 
 
 class Trajectory(Protocol):
@@ -237,7 +238,9 @@ class CircularTrajectory:
         """Return the distance from the circle, m."""
         offset = minus(minus(position, self._tool), self._centre)
         x, y = dot(offset, self._along), dot(offset, self._outwards)
-        height = math.sqrt(max(dot(offset, offset) - x * x - y * y, 0.0))
+        height = math.dist(
+            offset, along(scaled(self._along, x), self._outwards, y)
+        )
         return math.hypot(math.hypot(x, y) - self.r2, height)
 
     def _touch(self, arm: Dimensions) -> Joints:
@@ -343,10 +346,17 @@ def _nearest_start(
 ) -> Joints:
     """Return the joints from which a line leads to a point, the nearest to those there."""
     there = forward(arm, point)
+    c, _, s5 = singularity_indices(arm, point)
     position = along(there.position, unit(direction, "direction"), -distance)
     pose = Pose(position, turned(unit(axis, "axis"), -turn, there.rotation))
     try:
-        found = [inverse(arm, pose, branch, point) for branch in BRANCHES if branch.elbow == elbow]
+        found = [
+            inverse(arm, pose, branch, point)
+            for branch in BRANCHES
+            if branch.elbow == elbow
+            and (abs(c) < _ON_SINGULARITY or branch.shoulder * c > 0.0)
+            and (abs(s5) < _ON_SINGULARITY or branch.wrist * s5 > 0.0)
+        ]
     except OutOfReach as error:
         raise InfeasibleMotion(f"the line cannot be begun: {error}.") from error
     return min(found, key=lambda q: math.dist(q, point))

@@ -1,0 +1,87 @@
+"""The path known ahead: as fast as the joints' rates and accelerations allow."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Gt, Le
+
+from controllers.arm.esc import Esc, EscSettings
+from controllers.arm.joint_path import JointPath, joint_path_of_line
+from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.retiming import Timing, follow_joint_path, retime
+from controllers.arm.trajectories import StraightTrajectory, Trajectory
+from controllers.motion import InfeasibleMotion
+
+_FINE = 1e-3
+"""Period at which a motion through the boundary is sampled for its joint path, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class LookAheadSettings:
+    """How much of the limits is used.
+
+    Parameters
+    ----------
+    rate_share, acceleration_share : float
+        Of the joints' limits; below 1 leaves room to the drives.
+    """
+
+    rate_share: Annotated[float, Gt(0), Le(1)] = 1.0
+    acceleration_share: Annotated[float, Gt(0), Le(1)] = 1.0
+
+
+class LookAhead(ArmLaw):
+    """The time-optimal way along the same path, from rest to rest.
+
+    Promises: the hand stays on its path; no joint exceeds its rate or acceleration limit, nor the
+    hand its speed; near misses and exact hits of shoulder and wrist take at most 1.10 times what
+    the rate limits alone require. At the boundary the elbow goes through as under `esc`, whose
+    joint path it takes. Needs the whole path before it starts, and refuses a dwell: time is what
+    it optimises.
+
+    References
+    ----------
+    H. Pham and Q.-C. Pham, "A New Approach to Time-Optimal Path Parameterization Based on
+    Reachability Analysis", IEEE Transactions on Robotics 34(3), 2018.
+    """
+
+    Settings = LookAheadSettings
+    name = "look-ahead"
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period."""
+        if isinstance(trajectory, StraightTrajectory) and trajectory.depth is not None:
+            raise InfeasibleMotion(
+                f"look-ahead is as fast as it can be and cannot dwell {trajectory.dwell:g} s; "
+                f"take esc or esc-paper."
+            )
+        path = self.joint_path(trajectory)
+        timing = self.timing(path)
+        return follow_joint_path(trajectory, path, timing, self.period, end)
+
+    def timing(self, path: JointPath) -> Timing:
+        """Return when the joint path is where."""
+        rates = [self.settings.rate_share * limit for limit in self.geometry.rate_limits]
+        share = self.settings.acceleration_share
+        accelerations = [share * limit for limit in self.geometry.acceleration_limits]
+        return retime(path, rates, accelerations)
+
+    def joint_path(self, trajectory: Trajectory) -> JointPath:
+        """Return the joints along the path, whatever the time."""
+        if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
+            return joint_path_of_line(self.arm, trajectory)
+        esc = Esc(EscSettings(), self.geometry, _FINE)
+        return joint_path_of_motion(esc.move(trajectory, MotionEnd()), _FINE)
+
+
+def joint_path_of_motion(motion: Motion, period: float) -> JointPath:
+    """Return the joint path of a motion that turns back; its nominal time counts the hand's way.
+
+    Nominal time passes at the share of the commanded speed that the hand has, so that it does not
+    go faster than commanded; at the boundary, where it rests, nominal time does.
+    """
+    samples = list(motion)[:-1]
+    nominal = [0.0]
+    for a, b in zip(samples, samples[1:], strict=False):
+        nominal.append(nominal[-1] + 0.5 * period * (abs(a.linear) + abs(b.linear)))
+    return JointPath(nominal, [sample.positions for sample in samples])
