@@ -1,13 +1,12 @@
 """Joints on drives, whatever the drives: what every servo driver does alike."""
 
 from collections.abc import Mapping, Sequence
-from math import inf
 from typing import Generic, Protocol, TypeVar
 
 from drivers.servos.commands import JointGuard
 from drivers.servos.following import FollowingWatch
 from drivers.servos.joint_settings import JointSettings
-from rig.hal import Clock, DeviceFault, Reading, Vector
+from rig.hal import DeviceFault, Reading, Vector
 
 
 class JointDrive(Protocol):
@@ -92,8 +91,6 @@ class ServoChain(Generic[Drive]):
         In order.
     drives : sequence
         One per joint, in the same order.
-    clock : Clock
-        The rig's.
     period : float
         Of the cycle, s.
     sends_velocity : bool
@@ -110,7 +107,6 @@ class ServoChain(Generic[Drive]):
         joints: Mapping[str, JointSettings],
         drives: Sequence[Drive],
         *,
-        clock: Clock,
         period: float,
         sends_velocity: bool,
         position_gain: float,
@@ -119,7 +115,6 @@ class ServoChain(Generic[Drive]):
         self.name = name
         self.joint_names = tuple(joints)
         self.drives = tuple(drives)
-        self._clock = clock
         self._period = period
         self._sends_velocity = sends_velocity
         self._position_gain = position_gain
@@ -129,7 +124,7 @@ class ServoChain(Generic[Drive]):
         self._armed = False
         self._enabled = False
         self._enabling = False
-        self._since = -inf
+        self._since: float | None = None
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -142,7 +137,7 @@ class ServoChain(Generic[Drive]):
             return
         self._enabled = False
         self._enabling = enabled
-        self._since = self._clock.now()
+        self._since = None  # the loop may start much later
         for drive in self.drives:
             drive.enable(enabled)
 
@@ -251,6 +246,8 @@ class ServoChain(Generic[Drive]):
             drive.step()
         if not self._enabling:
             return
+        if self._since is None:
+            self._since = now
         lagging = [drive for drive in self.drives if not drive.is_enabled]
         if not lagging:
             self._begin_following(now)

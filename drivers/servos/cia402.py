@@ -56,7 +56,6 @@ class Cia402Servos(ServoChain[Cia402Drive]):
                 Cia402Drive(name, joint, drive, settings, bus, period)
                 for joint, drive in settings.joints.items()
             ],
-            clock=bus.clock,
             period=period,
             sends_velocity=settings.mode == "csv",
             position_gain=settings.position_gain,

@@ -200,6 +200,8 @@ class Cia402Drive:
         self._trouble = None
         self._counts = None
         self._earlier = -inf
+        self.status = self.error_code = 0
+        self.state = DriveState.NOT_READY
         self.goal = Goal.DISABLED
         # A drive that is not enabled takes a quick stop for "stay as you are".
         self.pdo.safe = self._pack(QUICK_STOP, 0, self._mode)
@@ -297,8 +299,18 @@ class Cia402Drive:
         # What it says of itself tells more than what follows from it.
         if self.state in _FAULTY or self.node.emergency.active is not None:
             raise self._fault(f"the drive reports a fault: {self.describe()}")
-        self.node.check(now)
-        self.inputs.check(now)
+        try:
+            self.node.check(now)
+            self.inputs.check(now)
+        except DeviceFault as fault:
+            raise DeviceFault(
+                self.name,
+                f"{fault.what}; before that: {self.describe()}",
+                node=fault.node,
+                object=fault.object,
+                value=fault.value,
+                bound=fault.bound,
+            ) from fault
 
     def check_following(self, now: float) -> None:
         """Raise if an enabled drive is not enabled any more, or does not follow.
@@ -317,7 +329,7 @@ class Cia402Drive:
                 value=f"mode {self._shown_mode}",
                 bound=f"mode {self._mode} ({self._shared.mode})",
             )
-        if self.status & FOLLOWING_ERROR:
+        if self.status & FOLLOWING_ERROR and not self._follows_velocity:
             raise self._fault(f"the drive reports a following error: {self.describe()}")
         low, high = self.settings.limits
         margin = self.settings.following_window

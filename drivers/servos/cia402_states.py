@@ -40,9 +40,7 @@ ENABLE_OPERATION: Final = 0x0F
 FAULT_RESET: Final = 0x80
 
 # Bits of the status word.
-WARNING: Final = 0x0080
 LIMIT_ACTIVE: Final = 0x0800
-FOLLOWS: Final = 0x1000
 FOLLOWING_ERROR: Final = 0x2000
 
 _NAMES: Final = {
@@ -122,8 +120,3 @@ def describe_status(status: int) -> str:
     state = decode_state(status)
     name = "no state of CiA 402" if state is None else _NAMES[state]
     return f"status word 0x{status:04X} ({name})"
-
-
-def describe_drive_state(state: DriveState) -> str:
-    """Return the standard's name of a state."""
-    return _NAMES[state]

@@ -67,7 +67,6 @@ class OdriveServos(ServoChain[OdriveAxis]):
                 OdriveAxis(name, joint, axis, settings, bus, period)
                 for joint, axis in settings.joints.items()
             ],
-            clock=bus.clock,
             period=period,
             sends_velocity=settings.mode == "velocity",
             position_gain=settings.position_gain,
@@ -113,7 +112,7 @@ class OdriveServos(ServoChain[OdriveAxis]):
     def close(self) -> None:
         """Slow down what still moves, then take the torque away. Idempotent."""
         self.make_safe()
-        bus, clock = self._bus, self._clock
+        bus, clock = self._bus, self._bus.clock
         settings = self.settings.joints.values()
         longest = max(joint.max_speed / joint.deceleration for joint in settings)
         deadline = clock.now() + 2.0 * longest

@@ -271,7 +271,7 @@ class OdriveAxis:
             raise self._fault(f"the axis reports an error: {client.describe()}", "Heartbeat")
         if now - client.heard > (bound := self._patience(shared.heartbeat)):
             raise self._fault(
-                "the axis's heartbeat is lost",
+                f"the axis's heartbeat is lost; before that: {client.describe()}",
                 "Heartbeat",
                 f"{now - client.heard:.3f} s of silence",
                 f"{bound:g} s",

@@ -145,6 +145,7 @@ def test_an_axis_that_fails_in_mid_path_is_named_and_the_others_stop(fault, valu
     with pytest.raises(DeviceFault, match=message) as caught:
         turn(rig, 100)
     assert "arm joint q2 (node 0x02)" in str(caught.value)
+    assert "axis state" in str(caught.value)
     with pytest.raises(DeviceFault):  # it stays
         rig.driver.check(rig.clock.now())
     before, fastest = rig.plant.speeds[0], 0.0
