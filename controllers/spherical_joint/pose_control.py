@@ -25,6 +25,7 @@ from controllers.cylinder.types import (
 )
 from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
+from controllers.spherical_joint.dither import DitherSettings, TensionDither
 from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.learning import (
     LapLearning,
@@ -105,6 +106,8 @@ class PoseControlSettings:
         Share of the modelled friction on the ball that is fed forward.
     friction_distance : float
         Motion of a wire over which that friction turns round, m.
+    dither : DitherSettings
+        Of the tensions together, against stick-slip.
     stretch : float
         Share of the modelled stretch of the wires that the rods make up for.
     camera : CameraLoopSettings
@@ -119,6 +122,7 @@ class PoseControlSettings:
     pose: PoseConvention = "natural"
     ball_friction: Annotated[float, Ge(0), Le(2)] = 1.0
     friction_distance: Annotated[float, Unit("m"), Gt(0)] = 9e-6
+    dither: DitherSettings = field(default_factory=DitherSettings)
     stretch: Annotated[float, Ge(0), Le(1)] = 1.0
     camera: CameraLoopSettings = field(default_factory=CameraLoopSettings)
     estimate: MarkerEstimateSettings = field(default_factory=MarkerEstimateSettings)
@@ -162,9 +166,11 @@ class PoseController:
             settings.friction_distance,
             period,
         )
+        self._dither = TensionDither(settings.dither, model, period)
         # What the seals may take away from the pull of a chamber, or add to it.
         seal = 0.5 * model.breakaway
-        self._least = max(model.least_tension + seal, model.area * model.pressure_min)
+        self._lowest = model.area * model.pressure_min
+        self._least = max(model.least_tension + seal + self._dither.tension, self._lowest)
         self._most = min(model.most_tension - seal, model.area * model.pressure_max)
         self._total = 4.0 * model.area * model.base_pressure
         self._base = 0.5 * (self._least + self._most) / model.area
@@ -216,6 +222,7 @@ class PoseController:
         self._marker.reset()
         self._camera.reset()
         self._friction.reset()
+        self._dither.reset()
         if self.learning is not None:
             self.learning.reset()
         self._start = None
@@ -234,10 +241,8 @@ class PoseController:
         pose = self._distribution.at(natural_rotation(axis))
         pull = _scaled(area, state.pressures)
         hold = self._hold(pose)
-        friction = self._friction.update(
-            (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1])),
-            (hold[0] + hold[2], hold[3] + hold[1]),
-        )
+        rates = (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1]))
+        friction = self._friction.update(rates, (hold[0] + hold[2], hold[3] + hold[1]))
         # The rods pull in by what the wires stretch under what they bear.
         stretch = _spread(_scaled(sum(pull) / sum(hold), hold), friction)
         stretch = _scaled(self._compliance, stretch)
@@ -267,7 +272,7 @@ class PoseController:
         for number, (one, other) in enumerate(PAIRS):
             goal = PairReference(
                 0.5 * (rods[one] - rods[other]),
-                0.5 * (rate[one] - rate[other]),
+                rates[number],
                 0.5 * (acceleration[one] - acceleration[other]),
             )
             command = self._laws[number].update(
@@ -285,9 +290,10 @@ class PoseController:
             _spread(_sum(self._hold(later), self._start), (wanted[0], wanted[1])), self._least
         )
         self._start = _scaled(self._start_decay, self._start)
-        least, most = self._least, self._most
+        dither = _scaled(self._dither.update(math.hypot(*rates)), pose.shares)
+        lowest, most = self._lowest, self._most
         first, second, third, fourth = (
-            min(max(tension, least), most) / area for tension in tensions
+            min(max(tension, lowest), most) / area for tension in _sum(tensions, dither)
         )
         return JointCommand(first, second, third, fourth)
 

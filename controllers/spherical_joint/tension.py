@@ -20,7 +20,7 @@ the anchors' azimuths. They move by less than 1e-4 over this."""
 
 _MOST_LIFTS = 8
 _LIFTED = 1e-3
-"""How often the lowest tension is lifted, which may lower another a little, and how nearly, N."""
+"""How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
 
 
 class SlackWire(ValueError):
@@ -89,7 +89,7 @@ class PoseTensions(NamedTuple):
         values = [a, b, c, d]
         for _ in range(_MOST_LIFTS):
             lowest = min(values)
-            if lowest >= least - _LIFTED:
+            if lowest >= least:
                 break
             wire = values.index(lowest)
             # A mean tension in the wire's own pair, and what makes up for the tilt by it.
@@ -99,7 +99,7 @@ class PoseTensions(NamedTuple):
             )
             half = 0.5 * (own[one] + own[other])
             along = 0.5 * (across[one] + across[other])
-            lift = (least - lowest) / (1.0 - half if wire == one else 1.0 + half)
+            lift = (least + _LIFTED - lowest) / (1.0 - half if wire == one else 1.0 + half)
             values[one] += lift * (1.0 - half)
             values[other] += lift * (1.0 + half)
             values[third] -= lift * along

@@ -9,6 +9,7 @@ import pytest
 from controllers.cylinder.types import PairReference, PairState
 from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoopSettings
+from controllers.spherical_joint.dither import DitherSettings
 from controllers.spherical_joint.laws import (
     JointCascade,
     JointPid,
@@ -279,6 +280,27 @@ def test_friction_of_the_wires_is_one_per_pair_and_turns_over_a_distance():
     assert forces == sorted(forces, reverse=True)
     assert forces[0] > 0.0 > forces[4]
     assert forces[-1] == pytest.approx(-2.4, rel=0.01)
+
+
+@every
+def test_dither_shakes_the_tensions_and_turns_nothing(kind):
+    axis = axis_from_tilt(0.5, 0.3)
+    pressures = pressures_at(axis)
+    state = JointState(0.0, rods_at(axis, pressures), pressures)
+    plain = build(kind)
+    shaken = build(kind, dither=DitherSettings(amplitude=30e3, frequency=20.0))
+    for controller in (plain, shaken):
+        controller.reset(state)
+    added = np.array(
+        [
+            np.subtract(shaken.update(state, resting(axis)), plain.update(state, resting(axis)))
+            for _ in range(500)
+        ]
+    )
+    pose = TensionDistribution(MODEL.geometry).at(natural_rotation(axis))
+    forces = [pose.pair_forces(tuple(MODEL.area * row)) for row in added]
+    assert np.ptp(added.sum(axis=1)) > 200e3
+    assert np.abs(forces).max() < 0.02
 
 
 @pytest.mark.parametrize("change", [{"base_pressure": 20e3}, {"most_tension": 20.0}])

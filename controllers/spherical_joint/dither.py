@@ -1,0 +1,72 @@
+"""Dither in the tensions that turn nothing.
+
+Seals stick and slip below the speed at which their friction stops falling. Shaken, they slide
+all the time and show the mean of their friction, which rises with speed. Shaking the difference of
+two cylinders would shake the ring; here all four wires are pulled harder and softer together, in
+the shares that turn the ring nowhere, and the pistons work against the stretch of their wires.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Le, Unit
+
+from controllers.spherical_joint.types import JointModel
+
+
+@dataclass(frozen=True, slots=True)
+class DitherSettings:
+    """How the tensions are shaken.
+
+    Parameters
+    ----------
+    amplitude : float
+        Of the mean setpoint, Pa; 0 shakes nothing. The regulators let through a tenth of it at
+        20 Hz.
+    frequency : float
+        Hz.
+    fade_speed : float
+        Of the wires, m/s: well below it the dither is whole, beyond it it fades, because seals
+        that slide need none.
+    """
+
+    amplitude: Annotated[float, Unit("Pa"), Ge(0)] = 0.0
+    frequency: Annotated[float, Unit("Hz"), Gt(0), Le(100)] = 20.0
+    fade_speed: Annotated[float, Unit("m/s"), Gt(0)] = 15e-3
+
+
+class TensionDither:
+    """A sine in the sum of the tensions.
+
+    Parameters
+    ----------
+    settings : DitherSettings
+        Amplitude, frequency and fading.
+    model : JointModel
+        Area and regulators.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, settings: DitherSettings, model: JointModel, period: float) -> None:
+        self._amplitude = 4.0 * model.area * settings.amplitude
+        self._per_fade = 1.0 / settings.fade_speed
+        self._step = math.tau * settings.frequency * period
+        self._phase = 0.0
+        ratio = math.tau * settings.frequency / model.regulator_bandwidth
+        passed = math.hypot(1.0 - ratio * ratio, 2.0 * model.regulator_damping * ratio)
+        self.tension = model.area * settings.amplitude / passed
+        """By which the dither lowers the tension of a wire with a quarter of the sum, N."""
+
+    def reset(self) -> None:
+        """Start with the sine's upward zero."""
+        self._phase = 0.0
+
+    def update(self, speed: float) -> float:
+        """Return what is added to the sum of the tensions (N) at a speed of the wires, m/s."""
+        if self._amplitude == 0.0:
+            return 0.0
+        self._phase = (self._phase + self._step) % math.tau
+        fade = speed * self._per_fade
+        return self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)

@@ -1,0 +1,50 @@
+"""Dither in the tensions that turn nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+from controllers.spherical_joint.dither import DitherSettings, TensionDither
+from controllers.spherical_joint.types import JointModel
+
+PERIOD = 1e-3
+MODEL = JointModel()
+
+
+def shake(settings, speed, count=2000):
+    dither = TensionDither(settings, MODEL, PERIOD)
+    return np.array([dither.update(speed) for _ in range(count)])
+
+
+def test_dither_is_a_sine_of_its_amplitude_and_frequency():
+    found = shake(DitherSettings(amplitude=100e3, frequency=20.0), 0.0)
+    assert found.max() == pytest.approx(4.0 * MODEL.area * 100e3, rel=3e-3)
+    assert found.mean() == pytest.approx(0.0, abs=1e-9)
+    assert np.abs(np.fft.rfft(found)).argmax() == 40
+
+
+def test_dither_fades_with_the_speed_of_the_wires():
+    settings = DitherSettings(amplitude=100e3, fade_speed=10e-3)
+    still, slow, fast = (np.ptp(shake(settings, speed)) for speed in (0.0, 10e-3, 30e-3))
+    assert slow == pytest.approx(still / math.e, rel=1e-6)
+    assert fast < 1e-3 * still
+
+
+def test_no_amplitude_is_no_dither():
+    assert not shake(DitherSettings(), 0.0).any()
+    assert TensionDither(DitherSettings(), MODEL, PERIOD).tension == 0.0
+
+
+def test_what_the_regulators_let_through():
+    """A second-order response of 40 rad/s and damping 1 passes 1 / (1 + (w / 40)²)."""
+    dither = TensionDither(DitherSettings(amplitude=100e3, frequency=20.0), MODEL, PERIOD)
+    passed = 1.0 / (1.0 + (2.0 * math.pi * 20.0 / 40.0) ** 2)
+    assert dither.tension == pytest.approx(MODEL.area * 100e3 * passed)
+
+
+def test_dither_starts_anew_on_reset():
+    dither = TensionDither(DitherSettings(amplitude=1e3), MODEL, PERIOD)
+    first = [dither.update(0.0) for _ in range(7)]
+    dither.reset()
+    assert [dither.update(0.0) for _ in range(7)] == first
