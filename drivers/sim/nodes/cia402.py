@@ -99,7 +99,7 @@ class EmulatedCia402(EmulatedNode):
         self._rated_torque = rated_torque
         self._servo_period = servo_period
         self._motion = MotionReference()
-        self._motion_due = -inf
+        self._motion_due = self._node_due = -inf
         self._mode = 0
         self._jump = 0.0
         self._stuck = False
@@ -137,10 +137,20 @@ class EmulatedCia402(EmulatedNode):
         if now >= self._motion_due:
             self.now = now
             self._serve(now)
-        super().tick(now)
+        # The drive's loop is much faster than the node's business, and usually alone.
+        if now >= self._node_due or self.due == -inf:
+            super().tick(now)
+        else:
+            self.due = min(self._node_due, self._motion_due)
+
+    def wake(self) -> None:
+        """Have `tick` look at everything as soon as it is called."""
+        super().wake()
+        self._node_due = -inf
 
     def _plan(self) -> None:
         super()._plan()
+        self._node_due = self.due
         self.due = min(self.due, self._motion_due)
 
     def _serve(self, now: float) -> None:
@@ -192,7 +202,6 @@ class EmulatedCia402(EmulatedNode):
         elif self.machine.state is State.ENABLED and self.machine.ending is None:
             self._slow_down("halt")
         self._serve(now)
-        self.wake()
 
     def _follows_setpoints(self) -> bool:
         """Whether the drive is enabled, not on its way down, and not halted."""
@@ -206,7 +215,7 @@ class EmulatedCia402(EmulatedNode):
         wanted = objects.target_position.integer + objects.position_offset.integer
         low, high = (limit.integer for limit in objects.position_limits)
         target = min(max(wanted, low), high) if low < high else wanted
-        self._limited = target != wanted
+        self._set_limited(target != wanted)
         steps, exponent = (part.integer for part in objects.interpolation)
         self._motion.interpolate(target, max(steps, 1) * 10.0**exponent, now)
 
@@ -222,9 +231,14 @@ class EmulatedCia402(EmulatedNode):
             room = high - self._motion.position if wanted > 0.0 else self._motion.position - low
             fastest = sqrt(2.0 * self._ramp(objects.quick_stop_ramp.integer) * max(room, 0.0))
             velocity = copysign(min(abs(wanted), fastest), wanted)
-        self._limited = velocity != wanted
+        self._set_limited(velocity != wanted)
         if velocity != self._motion.velocity:
             self._motion.run(velocity, now)
+
+    def _set_limited(self, limited: bool) -> None:
+        if limited is not self._limited:
+            self._limited = limited
+            self.wake()  # the status word says so
 
     def _watch_following(self, now: float) -> None:
         objects = self.objects
