@@ -1,6 +1,8 @@
 """The CiA 402 driver on emulated drives: motion, stops, and every way in which a drive can fail."""
 
+import shutil
 import struct
+import subprocess
 
 import pytest
 from servo_bench import PERIOD, LaggedJoints, cia402_rig
@@ -397,3 +399,33 @@ def test_the_same_seed_gives_the_same_frames():
         return rig.frames
 
     assert frames() == frames()
+
+
+@pytest.mark.skipif(shutil.which("tshark") is None, reason="tshark is not installed")
+def test_wireshark_knows_every_frame_of_a_run(tmp_path):
+    """From the reset to a fault and the stop: named, and none malformed."""
+    rig = cia402_rig(2)
+    rig.start()
+    rig.run(20, ramp(rig))
+    rig.inject("arm", "q2.drive_fault")
+    with pytest.raises(DeviceFault):
+        rig.run(10)
+    rig.safe_cycles(5)
+    log = tmp_path / "run.log"
+    log.write_text(
+        "".join(f"({t:.6f}) vcan0 {i:03X}#{data.hex().upper()}\n" for t, i, data in rig.frames)
+    )
+    command = ["tshark", "-r", str(log), "-d", "can.subdissector,canopen", "-T", "fields"]
+    lines = subprocess.run(
+        [*command, "-e", "_ws.col.Protocol", "-e", "_ws.col.Info"],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    ).stdout.splitlines()
+    assert len(lines) == len(rig.frames)
+    assert all(line.startswith("CANopen") for line in lines)
+    assert not [line for line in lines if "malformed" in line.lower()]
+    text = "\n".join(lines)
+    for service in ("NMT", "SYNC", "PDO", "SDO", "EMCY", "Boot-up"):
+        assert service.lower() in text.lower()
