@@ -16,6 +16,8 @@ from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.types import Joints
 from controllers.motion import InfeasibleMotion
 
+Array = NDArray[np.float64]
+
 _FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
 path by less than 1e-9 m."""
@@ -25,47 +27,48 @@ _UNDECIDED = 1e-7
 
 
 class JointPath:
-    """A curve through the six joints with the path's nominal time along it.
+    """A curve through the six joints, with how far the hand has gone and turned along it.
 
     Parameters
     ----------
-    nominal : sequence of float
-        Nominal time of each sample, s.
     joints : sequence
         Of each sample, rad.
+    gone, turned : sequence of float
+        Of each sample: the integrals over time of the scales of velocity and angular velocity,
+        which is the nominal time where both are 1, s.
     """
 
-    def __init__(self, nominal: Sequence[float], joints: Sequence[Joints]) -> None:
+    def __init__(
+        self, joints: Sequence[Joints], gone: Sequence[float], turned: Sequence[float]
+    ) -> None:
         from scipy.interpolate import CubicSpline
 
-        q, tau = np.array(joints), np.array(nominal)
+        q, way = np.array(joints), np.column_stack((gone, turned))
         steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
         keep = np.concatenate(([True], steps > 1e-12))
-        q, tau = q[keep], tau[keep]
-        self.knots: NDArray[np.float64] = np.concatenate(
-            ([0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1)))
-        )
+        q, way = q[keep], way[keep]
+        lengths = np.linalg.norm(np.diff(q, axis=0), axis=1)
+        self.knots: Array = np.concatenate(([0.0], np.cumsum(lengths)))
         self._joints = CubicSpline(self.knots, q)
-        self._nominal = CubicSpline(self.knots, tau)
-        self.nominal_knots = tau
+        self._way = CubicSpline(self.knots, way)
 
     @property
     def length(self) -> float:
         """In joint space, rad."""
         return float(self.knots[-1])
 
-    def joints(self, s: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
+    def joints(self, s: Array, order: int = 0) -> Array:
         """Return the joints or a derivative by the length, shape (n, 6)."""
         return np.asarray(self._joints(s, order), dtype=np.float64)
 
-    def nominal(self, s: NDArray[np.float64], order: int = 0) -> NDArray[np.float64]:
-        """Return the nominal time (s) or a derivative by the length, shape (n,)."""
-        return np.asarray(self._nominal(s, order), dtype=np.float64)
+    def way(self, s: Array, order: int = 0) -> Array:
+        """Return how far the hand has gone and turned, s, or a derivative, shape (n, 2)."""
+        return np.asarray(self._way(s, order), dtype=np.float64)
 
     def samples(self, count: int) -> Iterator[tuple[Joints, Joints]]:
         """Yield joints (rad) and their rates at nominal speed (rad/s), evenly along the length."""
         s = np.linspace(0.0, self.length, count)
-        rates = self.joints(s, 1) / self.nominal(s, 1)[:, None]
+        rates = self.joints(s, 1) / self.way(s, 1)[:, :1]
         for q, rate in zip(self.joints(s).tolist(), rates.tolist(), strict=True):
             yield tuple(q), tuple(rate)
 
@@ -118,7 +121,7 @@ def joint_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> Joint
         nominal.append(t)
         joints.append(q)
         step *= 1.6 if moved < 0.4 * _FINEST else 1.0
-    return JointPath(nominal, joints)
+    return JointPath(joints, nominal, nominal)
 
 
 def _extrapolated(nominal: list[float], joints: list[Joints], t: float) -> Joints:

@@ -75,13 +75,10 @@ class LookAhead(ArmLaw):
 
 
 def joint_path_of_motion(motion: Motion, period: float) -> JointPath:
-    """Return the joint path of a motion that turns back; its nominal time counts the hand's way.
-
-    Nominal time passes at the share of the commanded speed that the hand has, so that it does not
-    go faster than commanded; at the boundary, where it rests, nominal time does.
-    """
+    """Return the joint path of a motion that may turn back, with the scales that it has."""
     samples = list(motion)[:-1]
-    nominal = [0.0]
+    gone, turned = [0.0], [0.0]
     for a, b in zip(samples, samples[1:], strict=False):
-        nominal.append(nominal[-1] + 0.5 * period * (abs(a.linear) + abs(b.linear)))
-    return JointPath(nominal, [sample.positions for sample in samples])
+        gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))
+        turned.append(turned[-1] + 0.5 * period * (a.angular + b.angular))
+    return JointPath([sample.positions for sample in samples], gone, turned)

@@ -73,7 +73,7 @@ def retime(
     Parameters
     ----------
     path : JointPath
-        Its nominal time never passes faster than time: so the hand keeps to its speed.
+        The hand goes and turns along it no faster than commanded.
     rate_limits : sequence of float
         rad/s.
     acceleration_limits : sequence of float, optional
@@ -85,7 +85,8 @@ def retime(
     limits = np.array(rate_limits)
     with np.errstate(divide="ignore"):
         greatest = np.min(limits / np.abs(tangent), axis=1)
-        greatest = np.minimum(greatest, 1.0 / np.abs(path.nominal(s, 1)))
+        # The hand's own speeds, too.
+        greatest = np.minimum(greatest, 1.0 / np.abs(path.way(s, 1)).max(axis=1))
     if acceleration_limits is None:
         speed = greatest
     else:
@@ -162,10 +163,10 @@ def follow_joint_path(
     s, speed = timing.at(t)
     joints = path.joints(s).tolist()
     rates = (path.joints(s, 1) * speed[:, None]).tolist()
-    shares = (path.nominal(s, 1) * speed).tolist()
-    nominal = path.nominal(s).tolist()
-    for q, rate, share, tau in zip(joints, rates, shares, nominal, strict=True):
-        yield Sample(tuple(q), tuple(rate), share, share, trajectory.twist(tau))
+    scales = (path.way(s, 1) * speed[:, None]).tolist()
+    gone = path.way(s)[:, 0].tolist()
+    for q, rate, (linear, angular), tau in zip(joints, rates, scales, gone, strict=True):
+        yield Sample(tuple(q), tuple(rate), linear, angular, trajectory.twist(tau))
     last = tuple(path.joints(np.array([path.length]))[0].tolist())
-    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.twist(trajectory.duration))
+    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.twist(gone[-1]))
     end.duration = timing.duration

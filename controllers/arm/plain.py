@@ -1,0 +1,212 @@
+"""What a lab would otherwise use: the plain inverse, damped least squares, halting in time.
+
+All three follow the pose over nominal time, with the path's twist ahead and feedback of the
+commanded joints' pose error, and step the joints once a period.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+from annotated_types import Ge, Gt, Unit
+from numpy.typing import NDArray
+
+from controllers.arm.decomposition import full_scale, joint_rates
+from controllers.arm.kinematics import forward, jacobian_columns
+from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.plan import Sample
+from controllers.arm.trajectories import Trajectory
+from controllers.arm.types import Joints, Twist
+from controllers.arm.vectors import along, minus, rotation_error
+
+_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_HALTED = 1e-2
+
+
+@dataclass(frozen=True, slots=True)
+class InverseSettings:
+    """Feedback of the pose.
+
+    Parameters
+    ----------
+    feedback : float
+        Velocity asked for over the pose error, 1/s.
+    """
+
+    feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
+
+
+class _PoseLaw(ArmLaw):
+    """Follows poses over time: what the three laws share."""
+
+    def rates(self, q: Joints, twist: Twist) -> Joints:
+        """Return the joint rates for a twist, rad/s."""
+        raise NotImplementedError
+
+    def share(self, q: Joints) -> float:
+        """Return by how much time passes more slowly along the path here, 0 … 1."""
+        del q
+        return 1.0
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period."""
+        q, t, tau = trajectory.start, 0.0, 0.0
+        while tau < trajectory.duration - 1e-9:
+            share = self.share(q)
+            command = trajectory.twist(tau)
+            if share < _HALTED:
+                yield Sample(q, _AT_REST, 0.0, 0.0, command)
+                end.duration, end.outcome = t, "halts"
+                return
+            rates = self.rates(q, self._wanted(q, trajectory, tau, share))
+            yield Sample(q, rates, share, share, command)
+            step = min(self.period, (trajectory.duration - tau) / share)
+            q = _moved(q, rates, step)
+            t, tau = t + step, tau + share * step
+        yield Sample(q, _AT_REST, 0.0, 0.0, trajectory.twist(tau))
+        end.duration = t
+
+    def _wanted(self, q: Joints, trajectory: Trajectory, tau: float, share: float) -> Twist:
+        wanted, actual = trajectory.pose(tau), forward(self.arm, q)
+        linear, angular = trajectory.twist(tau)
+        gain = self.settings.feedback
+        away = minus(wanted.position, actual.position)
+        turn = rotation_error(wanted.rotation, actual.rotation)
+        ahead = (share * linear[0], share * linear[1], share * linear[2])
+        turning = (share * angular[0], share * angular[1], share * angular[2])
+        return Twist(along(ahead, away, gain), along(turning, turn, gain))
+
+
+class Inverse(_PoseLaw):
+    """The plain velocity inverse.
+
+    Promises nothing near a singularity: rates grow without bound, and the elbow comes back on
+    the side that it came from.
+
+    References
+    ----------
+    Miyata et al., eq. (2)-(4) with b = 1.
+    """
+
+    Settings = InverseSettings
+    name = "inverse"
+
+    def rates(self, q: Joints, twist: Twist) -> Joints:
+        """Return ``J^-1`` times the twist; at the singularity itself the arm waits."""
+        if math.sin(q[2] + self.arm.elbow_angle) == 0.0:
+            return _AT_REST
+        return joint_rates(self.arm, q, twist.linear, twist.angular, full_scale(self.arm, q))
+
+
+@dataclass(frozen=True, slots=True)
+class DampedSettings:
+    """Damping that grows as the arm loses manipulability.
+
+    Parameters
+    ----------
+    feedback : float
+        Velocity asked for over the pose error, 1/s.
+    manipulability : float
+        |det J| below which the inverse is damped, m³.
+    damping : float, optional
+        lambda_0, at the singularity. None: the least power of sqrt(2) with which the path keeps
+        the rate limits.
+    """
+
+    feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
+    manipulability: Annotated[float, Gt(0)] = 0.02
+    damping: Annotated[float, Ge(0)] | None = None
+
+
+class DampedLeastSquares(_PoseLaw):
+    """Damped least squares, tuned to the joints' rate limits.
+
+    Promises rates within the limits. Does not keep the path near a singularity, and the elbow
+    comes back on the side that it came from.
+
+    References
+    ----------
+    Y. Nakamura and H. Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness for
+    Robot Manipulator Control", ASME Journal of Dynamic Systems, Measurement, and Control 108,
+    1986; reference [1] of Miyata et al.
+    """
+
+    Settings = DampedSettings
+    name = "dls"
+
+    def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
+        """Yield a sample per period, once the damping is found."""
+        if self.settings.damping is None:
+            self.settings = replace(self.settings, damping=self._tuned(trajectory))
+        return super().move(trajectory, end)
+
+    def rates(self, q: Joints, twist: Twist) -> Joints:
+        """Return ``J^T (J J^T + lambda^2)^-1`` times the twist."""
+        J = np.array(jacobian_columns(self.arm, q)).T
+        share = 1.0 - abs(np.linalg.det(J)) / self.settings.manipulability
+        square = (self.settings.damping * max(share, 0.0)) ** 2
+        wanted = np.array((*twist.linear, *twist.angular))
+        solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
+        return tuple((J.T @ solved).tolist())  # type: ignore[return-value]
+
+    def _tuned(self, trajectory: Trajectory) -> float:
+        limits = self.geometry.rate_limits
+        damping = 0.005
+        while damping < 1.0:
+            settings = replace(self.settings, damping=damping)
+            law = DampedLeastSquares(settings, self.geometry, self.period)
+            if all(
+                abs(rate) <= limit
+                for sample in law.move(trajectory, MotionEnd())
+                for rate, limit in zip(sample.velocities, limits, strict=True)
+            ):
+                break
+            damping *= math.sqrt(2.0)
+        return damping
+
+
+@dataclass(frozen=True, slots=True)
+class ServoHaltSettings:
+    """Where the hand is slowed and where it halts.
+
+    Parameters
+    ----------
+    feedback : float
+        Velocity asked for over the pose error, 1/s.
+    slow, halt : float
+        Condition numbers of J between which the speed goes to zero.
+    """
+
+    feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
+    slow: Annotated[float, Gt(1)] = 17.0
+    halt: Annotated[float, Gt(1)] = 30.0
+
+    def __post_init__(self) -> None:
+        if not self.slow < self.halt:
+            raise ValueError(f"slow ({self.slow:g}) must be below halt ({self.halt:g}).")
+
+
+class ServoHalt(Inverse):
+    """The plain inverse, with the hand's speed scaled to a halt before a singularity.
+
+    The rule and its thresholds are those of MoveIt Servo. Promises moderate rates by stopping: a
+    path through a singularity is not finished, and the plan's outcome is ``"halts"``.
+    """
+
+    Settings = ServoHaltSettings
+    name = "servo-halt"
+
+    def share(self, q: Joints) -> float:
+        """Return the share of the commanded speed, 1 … 0 between the condition numbers."""
+        J: NDArray[np.float64] = np.array(jacobian_columns(self.arm, q)).T
+        singular = np.linalg.svd(J, compute_uv=False)
+        condition = float(singular[0] / max(singular[-1], 1e-12))
+        settings = self.settings
+        share = (settings.halt - condition) / (settings.halt - settings.slow)
+        return min(max(share, 0.0), 1.0)
+
+
+def _moved(q: Joints, rates: Joints, h: float) -> Joints:
+    q1, q2, q3, q4, q5, q6 = (a + h * b for a, b in zip(q, rates, strict=True))
+    return q1, q2, q3, q4, q5, q6
