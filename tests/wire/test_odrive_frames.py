@@ -1,12 +1,14 @@
 """CANSimple byte by byte: golden frames, the DBC of `odrive-can`, and what may be wrong."""
 
+import socket
 import struct
 
 import pytest
 from scripted_bus import ScriptedBus, TestClock
 
+from drivers.can.socketcan import SocketCanBus
 from drivers.servos.odrive import OdriveServos
-from drivers.servos.odrive_bus import OdriveBus
+from drivers.servos.odrive_bus import OdriveBus, Setpoint
 from drivers.servos.odrive_codec import (
     AxisState,
     Command,
@@ -582,3 +584,43 @@ def test_a_cycle_that_does_not_fit_is_refused(changes, message):
     bus = OdriveBus("can0", OdriveBusSettings("x", "y"), ScriptedBus, TestClock(), period)
     with pytest.raises(ValueError, match=message):
         OdriveServos("arm", OdriveSettings(joints={"a": axis()}, **changes), bus)
+
+
+def test_on_a_raw_socket_remote_frames_and_setpoints_go_out_as_struct_can_frame():
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    clock = TestClock()
+    bus = OdriveBus(
+        "can0", OdriveBusSettings("x", "y"), lambda: SocketCanBus(ours, "can0"), clock, PERIOD
+    )
+    heard = []
+    bus.subscribe(0x061, lambda data, now: heard.append((data, now)))
+    setpoint = Setpoint(0x06C, bytes(8))
+    bus.add_setpoint(setpoint)
+    bus.open()
+    bus.request(0x060)
+    bus.transmit(clock.now())
+    setpoint.active = True
+    bus.transmit(clock.now())
+    packets = [theirs.recv(64) for _ in range(2)]
+    assert packets[0] == struct.pack("=IB3x8s", 0x4000_0060, 0, b"")
+    assert packets[1] == struct.pack("=IB3x8s", 0x06C, 8, bytes(8))
+    theirs.send(struct.pack("=IB3x8s", 0x061, 7, b"\x01" * 7))
+    theirs.send(struct.pack("=IB3x8s", 0x4000_0061, 0, b""))
+    theirs.send(struct.pack("=IB3x8s", 0x07E, 1, b"\x01"))
+    bus.receive(5.0)
+    assert heard == [(b"\x01" * 7, 5.0)]
+    counters = bus.statistics()
+    assert (counters["remote"], counters["unknown"], counters["frames_in"]) == (1, 1, 3)
+    bus.close()
+    theirs.close()
+
+
+def test_an_identifier_belongs_to_one_axis_and_a_closed_bus_refuses():
+    bus = OdriveBus("can0", OdriveBusSettings("x", "y"), ScriptedBus, TestClock(), PERIOD)
+    bus.subscribe(0x061, lambda data, now: None)
+    with pytest.raises(ValueError, match=r"0x061 is used twice.*axis 3"):
+        bus.subscribe(0x061, lambda data, now: None)
+    with pytest.raises(OSError, match="not open"):
+        bus.send(0x067, b"")
+    bus.make_safe()
+    bus.close()
