@@ -9,7 +9,7 @@ from drivers.canopen.bus import CanopenBus
 from drivers.servos.chain import ServoChain
 from drivers.servos.cia402_drive import Cia402Drive
 from drivers.servos.cia402_settings import Cia402Settings
-from drivers.servos.cia402_setup import encode_interpolation_period
+from drivers.servos.cia402_setup import encode_interpolation_period, reset_fault
 
 
 class Cia402Servos(ServoChain[Cia402Drive]):
@@ -122,7 +122,7 @@ class Cia402Servos(ServoChain[Cia402Drive]):
             A drive stays in its fault.
         """
         for drive in self.drives:
-            drive.reset_fault()
+            reset_fault(drive.node)
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest, of all drives together."""

@@ -14,11 +14,12 @@ from drivers.servos.cia402_setup import (
     check_scale,
     configure,
     read_torque_unit,
+    refuse_fault,
 )
 from drivers.servos.cia402_states import (
     DISABLE_VOLTAGE,
     ENABLE_OPERATION,
-    FAULT_RESET,
+    FAULTY,
     FOLLOWING_ERROR,
     LIMIT_ACTIVE,
     QUICK_STOP,
@@ -32,7 +33,6 @@ from drivers.servos.following import FollowingWatch
 from rig.hal import ConnectionFailed, DeviceFault
 
 _PROFILE: Final = 402
-_FAULTY: Final = (DriveState.FAULT, DriveState.FAULT_REACTION_ACTIVE)
 _JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
 
 
@@ -181,7 +181,7 @@ class Cia402Drive:
             )
         except ConnectionFailed as error:
             if error.object == "0x1001:00":
-                raise self._in_fault(error) from error
+                raise refuse_fault(node, error) from error
             raise
         check_kind(node, kind, shared.mode)
         check_scale(node, self.settings)
@@ -217,7 +217,7 @@ class Cia402Drive:
         ConnectionFailed
             One of the two. Outside its limits a drive would jump to the nearest one.
         """
-        if self.state in _FAULTY or self.state is None:
+        if self.state in FAULTY or self.state is None:
             raise ConnectionFailed(
                 self.name,
                 f"it cannot be enabled: {self.describe()}",
@@ -261,29 +261,6 @@ class Cia402Drive:
         target = 0 if self._follows_velocity else self._target
         self.pdo.safe = self.pdo.data = self._pack(QUICK_STOP, target, self._mode)
 
-    def reset_fault(self) -> None:
-        """Give the rising edge of the control word that ends a fault whose cause has gone.
-
-        Raises
-        ------
-        ConnectionFailed
-            The drive stays in its fault.
-        """
-        node = self.node
-        for control in (DISABLE_VOLTAGE, FAULT_RESET, DISABLE_VOLTAGE):
-            node.write(0x6040, 0, "u16", control, mask=0)
-        status = int(node.read(0x6041, 0, "u16"))
-        if decode_state(status) in _FAULTY:
-            code = int(node.read(0x603F, 0, "u16"))
-            raise ConnectionFailed(
-                self.name,
-                f"it stays in its fault: {describe_error(code)} (error code 0x{code:04X}), "
-                f"{describe_status(status)}",
-                node=node.node,
-                object="0x6041:00",
-            )
-        node.emergency.clear()
-
     # The cycle ------------------------------------------------------------------------
 
     def check(self, now: float) -> None:
@@ -297,7 +274,7 @@ class Cia402Drive:
         if self._trouble is not None:
             raise self._trouble
         # What it says of itself tells more than what follows from it.
-        if self.state in _FAULTY or self.node.emergency.active is not None:
+        if self.state in FAULTY or self.node.emergency.active is not None:
             raise self._fault(f"the drive reports a fault: {self.describe()}")
         try:
             self.node.check(now)
@@ -362,7 +339,7 @@ class Cia402Drive:
         emergency = self.node.emergency.active
         code = self.error_code or (0 if emergency is None else emergency.code)
         parts = [f"{describe_error(code)} (error code 0x{code:04X})"] if code else []
-        if not parts and self.state in _FAULTY:
+        if not parts and self.state in FAULTY:
             parts.append("error code not reported")
         parts.append(describe_status(self.status))
         if self.status & LIMIT_ACTIVE:
@@ -370,21 +347,6 @@ class Cia402Drive:
         return ", ".join(parts)
 
     # Inside ---------------------------------------------------------------------------
-
-    def _in_fault(self, error: ConnectionFailed) -> ConnectionFailed:
-        """Return the refusal of a drive that reports an error while it is connected."""
-        node = self.node
-        code = int(node.read_if_present(0x603F, 0, "u16") or 0)
-        status = int(node.read(0x6041, 0, "u16"))
-        words = f"{describe_error(code)} (error code 0x{code:04X})" if code else error.what
-        return ConnectionFailed(
-            self.name,
-            f"it reports a fault before it is used: {words}, {describe_status(status)}; "
-            "remove the cause and reset the drive",
-            node=node.node,
-            object=error.object,
-            value=error.value,
-        )
 
     def _latch_jump(self, position: float, reach: float) -> None:
         if self._trouble is None:

@@ -11,7 +11,15 @@ from typing import Final
 
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
+from drivers.servos.cia402_errors import describe_error
 from drivers.servos.cia402_settings import Cia402Settings, DriveSettings, Mode
+from drivers.servos.cia402_states import (
+    DISABLE_VOLTAGE,
+    FAULT_RESET,
+    FAULTY,
+    decode_state,
+    describe_status,
+)
 from rig.hal import ConnectionFailed
 
 MODES: Final[dict[Mode, int]] = {"csp": 8, "csv": 9}
@@ -163,6 +171,52 @@ def read_torque_unit(node: CanopenNode, drive: DriveSettings) -> float:
     rated = node.read_if_present(0x6076, 0, "u32")  # mN m
     sign = -1.0 if drive.reversed else 1.0
     return sign * drive.gear * 1e-6 * float(rated or 0)
+
+
+def refuse_fault(node: CanopenNode, error: ConnectionFailed) -> ConnectionFailed:
+    """Return the refusal, in words, of a drive that reports an error while it is connected.
+
+    Parameters
+    ----------
+    node : CanopenNode
+        Of the drive; it answers.
+    error : ConnectionFailed
+        What was found: its error register is not 0.
+    """
+    code = int(node.read_if_present(0x603F, 0, "u16") or 0)
+    status = int(node.read(0x6041, 0, "u16"))
+    words = f"{describe_error(code)} (error code 0x{code:04X})" if code else error.what
+    return ConnectionFailed(
+        node.name,
+        f"it reports a fault before it is used: {words}, {describe_status(status)}; "
+        "remove the cause and reset the drive",
+        node=node.node,
+        object=error.object,
+        value=error.value,
+    )
+
+
+def reset_fault(node: CanopenNode) -> None:
+    """Give the rising edge of the control word that ends a fault whose cause has gone.
+
+    Raises
+    ------
+    ConnectionFailed
+        The drive stays in its fault.
+    """
+    for control in (DISABLE_VOLTAGE, FAULT_RESET, DISABLE_VOLTAGE):
+        node.write(0x6040, 0, "u16", control, mask=0)
+    status = int(node.read(0x6041, 0, "u16"))
+    if decode_state(status) in FAULTY:
+        code = int(node.read_if_present(0x603F, 0, "u16") or 0)
+        raise ConnectionFailed(
+            node.name,
+            f"it stays in its fault: {describe_error(code)} (error code 0x{code:04X}), "
+            f"{describe_status(status)}",
+            node=node.node,
+            object="0x6041:00",
+        )
+    node.emergency.clear()
 
 
 def _ratio(node: CanopenNode, index: int) -> float | None:

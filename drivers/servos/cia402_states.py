@@ -23,6 +23,9 @@ class DriveState(IntEnum):
     FAULT = 0x08
 
 
+FAULTY: Final = (DriveState.FAULT, DriveState.FAULT_REACTION_ACTIVE)
+
+
 class Goal(IntEnum):
     """Where the master wants a drive."""
 

@@ -10,7 +10,7 @@ from fractions import Fraction
 from math import copysign, inf, pi, sqrt
 
 from drivers.sim.nodes.base import EmulatedNode
-from drivers.sim.nodes.drive_objects import DriveObjects
+from drivers.sim.nodes.drive_objects import DriveObjects, error_register
 from drivers.sim.nodes.drive_states import POWERED, DriveStateMachine, State
 from drivers.sim.nodes.faults import whole_number
 from drivers.sim.nodes.motion_reference import MotionReference
@@ -295,7 +295,7 @@ class EmulatedCia402(EmulatedNode):
         if self.machine.state in (State.FAULT, State.FAULT_REACTION):
             return
         self.objects.error_code.value = code
-        self.emergency.raise_error("drive", code, _register(code))
+        self.emergency.raise_error("drive", code, error_register(code))
         self.machine.fault()
         self._serve(self.now)
         self.wake()
@@ -393,11 +393,3 @@ class EmulatedCia402(EmulatedNode):
 
     def _close_torque_off(self) -> None:
         self._torque_off = False
-
-
-def _register(code: int) -> int:
-    """Return the bit of 0x1001 for an error code."""
-    groups: dict[int, int] = {0x2: 0x02, 0x3: 0x04, 0x4: 0x08}
-    if code >> 8 in (0x81, 0x82):
-        return 0x10
-    return groups.get(code >> 12, 0x20)

@@ -109,6 +109,14 @@ class DriveObjects:
         add(0x6502, 0, Variable(UNSIGNED32, supported, "ro"))
 
 
+def error_register(code: int) -> int:
+    """Return the bit of 0x1001 for an error code."""
+    groups: dict[int, int] = {0x2: 0x02, 0x3: 0x04, 0x4: 0x08}
+    if code >> 8 in (0x81, 0x82):
+        return 0x10
+    return groups.get(code >> 12, 0x20)
+
+
 def _one_of(permitted: Collection[int], value: int) -> None:
     if value not in permitted:
         raise SdoAbortError(Abort.RANGE)
