@@ -114,9 +114,7 @@ def position_rates(arm: Dimensions, q: Joints, v: Vector, scale: Scale) -> Vecto
 
 
 @inlined
-def wrist_turning(
-    q: Joints, angular: Vector, position: Vector
-) -> Vector:
+def wrist_turning(q: Joints, angular: Vector, position: Vector) -> Vector:
     """Return the angular velocity that the wrist's joints have to make, in the axes {W'}.
 
     Parameters
@@ -206,8 +204,6 @@ def joint_rates(
     turning = wrist_turning(q, (share * wx, share * wy, share * wz), (q1, q2, q3))
     q4, q5, q6 = wrist_rates(arm, q, turning)
     return q1, q2, q3, q4, q5, q6
-
-
 
 
 def full_scale(arm: Dimensions, q: Joints) -> Scale:

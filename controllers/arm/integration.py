@@ -9,9 +9,7 @@ LONGEST_STEP = 1e-3
 """s. With it the hand leaves its path by less than 1e-10 m in ten seconds."""
 
 
-def step_joints(
-    rates: Callable[[float, Joints], Joints], t: float, q: Joints, h: float
-) -> Joints:
+def step_joints(rates: Callable[[float, Joints], Joints], t: float, q: Joints, h: float) -> Joints:
     """Return the joints (rad) after `h` seconds of ``q' = rates(t, q)``."""
     half = 0.5 * h
     k1 = rates(t, q)
@@ -20,8 +18,7 @@ def step_joints(
     k4 = rates(t + h, _moved(q, k3, h))
     sixth = h / 6.0
     q1, q2, q3, q4, q5, q6 = (
-        x + sixth * (a + 2.0 * (b + c) + d)
-        for x, a, b, c, d in zip(q, k1, k2, k3, k4, strict=True)
+        x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(q, k1, k2, k3, k4, strict=True)
     )
     return q1, q2, q3, q4, q5, q6
 

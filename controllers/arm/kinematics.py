@@ -120,9 +120,7 @@ def forward(arm: Dimensions, q: Joints) -> Pose:
     q23 = q[1] + q[2]
     c4, s4, c6, s6 = math.cos(q[3]), math.sin(q[3]), math.cos(q[5]), math.sin(q[5])
     c5, s5 = math.cos(q[4]), arm.wrist_sign * math.sin(q[4])
-    x = base_from_forearm(
-        q[0], q23, (c4 * c5 * c6 - s4 * s6, s4 * c5 * c6 + c4 * s6, -s5 * c6)
-    )
+    x = base_from_forearm(q[0], q23, (c4 * c5 * c6 - s4 * s6, s4 * c5 * c6 + c4 * s6, -s5 * c6))
     z = base_from_forearm(q[0], q23, (c4 * s5, s4 * s5, c5))
     y = (z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0])
     w = wrist_centre(arm, q)
@@ -162,9 +160,7 @@ def joint_axes(arm: Dimensions, q: Joints) -> tuple[tuple[Vector, Vector], ...]:
         (across, elbow),
         (base_from_forearm(q[0], q23, (0.0, 0.0, 1.0)), wrist),
         (
-            base_from_forearm(
-                q[0], q23, (-sign * math.sin(q[3]), sign * math.cos(q[3]), 0.0)
-            ),
+            base_from_forearm(q[0], q23, (-sign * math.sin(q[3]), sign * math.cos(q[3]), 0.0)),
             wrist,
         ),
         (base_from_forearm(q[0], q23, tool_axis_in_forearm(arm, q[3], q[4])), wrist),

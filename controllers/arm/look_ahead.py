@@ -1,6 +1,7 @@
 """The path known ahead: as fast as the joints' rates and accelerations allow."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated
 
 from annotated_types import Gt, Le
@@ -78,7 +79,7 @@ def joint_path_of_motion(motion: Motion, period: float) -> JointPath:
     """Return the joint path of a motion that may turn back, with the scales that it has."""
     samples = list(motion)[:-1]
     gone, turned = [0.0], [0.0]
-    for a, b in zip(samples, samples[1:], strict=False):
+    for a, b in pairwise(samples):
         gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))
         turned.append(turned[-1] + 0.5 * period * (a.angular + b.angular))
     return JointPath([sample.positions for sample in samples], gone, turned)

@@ -6,7 +6,7 @@ commanded joints' pose error, and step the joints once a period.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from annotated_types import Ge, Gt, Unit
@@ -89,7 +89,7 @@ class Inverse(_PoseLaw):
     Miyata et al., eq. (2)-(4) with b = 1.
     """
 
-    Settings = InverseSettings
+    Settings: type[Any] = InverseSettings
     name = "inverse"
 
     def rates(self, q: Joints, twist: Twist) -> Joints:
@@ -148,7 +148,7 @@ class DampedLeastSquares(_PoseLaw):
         square = (self.settings.damping * max(share, 0.0)) ** 2
         wanted = np.array((*twist.linear, *twist.angular))
         solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
-        return tuple((J.T @ solved).tolist())  # type: ignore[return-value]
+        return tuple((J.T @ solved).tolist())
 
     def _tuned(self, trajectory: Trajectory) -> float:
         limits = self.geometry.rate_limits
@@ -203,7 +203,7 @@ class ServoHalt(Inverse):
         singular = np.linalg.svd(J, compute_uv=False)
         condition = float(singular[0] / max(singular[-1], 1e-12))
         settings = self.settings
-        share = (settings.halt - condition) / (settings.halt - settings.slow)
+        share: float = (settings.halt - condition) / (settings.halt - settings.slow)
         return min(max(share, 0.0), 1.0)
 
 

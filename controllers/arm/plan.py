@@ -103,7 +103,7 @@ class ArmPlan:
         k = min(max(k, 0), len(self.t) - 1)
         q = tuple(self.positions[k].tolist())
         v = tuple(self.velocities[k].tolist()) if following else (0.0,) * 6
-        return ArmReference(q, v, following)  # type: ignore[arg-type]
+        return ArmReference(q, v, following)
 
     @property
     def peak_rates(self) -> Array:
@@ -113,7 +113,7 @@ class ArmPlan:
     @property
     def peak_accelerations(self) -> Array:
         """Greatest change of velocity from row to row, of each joint, rad/s²."""
-        steps = np.abs(np.diff(self.velocities[:-1], axis=0)).max(axis=0)
+        steps = np.abs(np.diff(self.velocities[:-1], axis=0)).max(axis=0, initial=0.0)
         return np.asarray(steps / self.period, dtype=np.float64)
 
     @property
@@ -147,7 +147,9 @@ class ArmPlan:
                     + y1 * x * x * (3 - 2 * x)
                     + d1 * x * x * (x - 1)
                 )
-                slope = 6 * x * (1 - x) * (y1 - y0) + d0 * (1 - x) * (1 - 3 * x) + d1 * x * (3 * x - 2)
+                slope = (
+                    6 * x * (1 - x) * (y1 - y0) + d0 * (1 - x) * (1 - 3 * x) + d1 * x * (3 * x - 2)
+                )
                 x -= value / slope
             yield float(self.t[k]) + h * x
 
@@ -170,7 +172,7 @@ def make_plan(
         A joint would leave its range.
     """
     arm = dimensions_of(geometry)
-    t = period * np.arange(len(samples))
+    t = period * np.arange(len(samples), dtype=np.float64)
     positions = np.array([sample.positions for sample in samples])
     check_joint_limits(geometry, positions, t)
     velocities = np.array([sample.velocities for sample in samples])

@@ -159,14 +159,14 @@ def follow_joint_path(
 ) -> Motion:
     """Yield a sample per period along a timed joint path."""
     count = math.ceil(timing.duration / period - 1e-9)
-    t = period * np.arange(count)
+    t = period * np.arange(count, dtype=np.float64)
     s, speed = timing.at(t)
     joints = path.joints(s).tolist()
     rates = (path.joints(s, 1) * speed[:, None]).tolist()
     scales = (path.way(s, 1) * speed[:, None]).tolist()
     gone = path.way(s)[:, 0].tolist()
     for q, rate, (linear, angular), tau in zip(joints, rates, scales, gone, strict=True):
-        yield Sample(tuple(q), tuple(rate), linear, angular, trajectory.twist(tau))
+        yield Sample(tuple(q), tuple(rate), linear, angular, trajectory.command_at(tau))
     last = tuple(path.joints(np.array([path.length]))[0].tolist())
-    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.twist(gone[-1]))
+    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.command_at(gone[-1]))
     end.duration = timing.duration

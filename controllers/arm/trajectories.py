@@ -46,6 +46,10 @@ class Trajectory(Protocol):
         """Return the twist at a nominal time, s."""
         ...
 
+    def command_at(self, gone: float) -> Twist:
+        """Return the twist that a singularity-consistent law scales, where its sign turns back."""
+        ...
+
     def deviation(self, position: Vector) -> float:
         """Return the distance of a tool point from the path, m."""
         ...
@@ -118,6 +122,11 @@ class StraightTrajectory:
         linear, angular = self.command
         back = self.turns_back and t > self.out
         return Twist(scaled(linear, -1.0) if back else linear, angular)
+
+    def command_at(self, gone: float) -> Twist:
+        """Return the twist on the way out, wherever on the line."""
+        del gone
+        return self.command
 
     def deviation(self, position: Vector) -> float:
         """Return the distance from the line through start and direction, m."""
@@ -199,8 +208,7 @@ class CircularTrajectory:
             self.r1 = arm.a2 + arm.a3 - self.r2
             if self.r1 <= 0.0:
                 raise InfeasibleMotion(
-                    f"a radius of {self.r2:g} m is no less than the reach of "
-                    f"{arm.a2 + arm.a3:g} m."
+                    f"a radius of {self.r2:g} m is no less than the reach of {arm.a2 + arm.a3:g} m."
                 )
             c, s = math.cos(settings.plane), math.sin(settings.plane)
             self._along = base_from_forearm(touch[0], touch[1], (c, s, 0.0))
@@ -234,13 +242,15 @@ class CircularTrajectory:
         """Return the twist at a nominal time."""
         return Twist(self.wrist_velocity(t), (0.0, 0.0, 0.0))
 
+    def command_at(self, gone: float) -> Twist:
+        """Return the twist at a nominal time: circles are not turned back on."""
+        return self.twist(gone)
+
     def deviation(self, position: Vector) -> float:
         """Return the distance from the circle, m."""
         offset = minus(minus(position, self._tool), self._centre)
         x, y = dot(offset, self._along), dot(offset, self._outwards)
-        height = math.dist(
-            offset, along(scaled(self._along, x), self._outwards, y)
-        )
+        height = math.dist(offset, along(scaled(self._along, x), self._outwards, y))
         return math.hypot(math.hypot(x, y) - self.r2, height)
 
     def _touch(self, arm: Dimensions) -> Joints:
@@ -307,7 +317,13 @@ def _turn_back_start(arm: Dimensions, settings: TurnBack) -> Joints:
     # The turn that the tool makes on the way is taken back, too.
     way = settings.distance / settings.speed
     return _nearest_start(
-        arm, touch, settings.direction, settings.distance, settings.axis, settings.turn_rate * way, 1
+        arm,
+        touch,
+        settings.direction,
+        settings.distance,
+        settings.axis,
+        settings.turn_rate * way,
+        1,
     )
 
 

@@ -226,9 +226,8 @@ def _dwell_instants(
     def missing(t: float) -> float:
         return total + float(quad(profile.at, profile.duration, t, epsabs=1e-14)[0]) - needed
 
-    if abs(total - needed) < 1e-10 * needed:
-        stay = profile.duration
-    else:
+    stay = profile.duration
+    if abs(total - needed) > 1e-10 * needed:
         stay = brentq(missing, profile.duration - near, profile.duration + near, xtol=1e-13)
     return enter, enter + stay, enter
 
@@ -253,7 +252,8 @@ def time_at_depth(arm: Dimensions, trajectory: StraightTrajectory, q_s: float) -
             f"the arm starts inside the region: its wrist is {depth:.4f} m from the boundary, the "
             f"region is {arm.a2 + arm.a3 - math.sqrt(square):.4f} m deep."
         )
-    return (-along + math.sqrt(along * along + square - here)) / trajectory.speed
+    way: float = -along + math.sqrt(along * along + square - here)
+    return way / trajectory.speed
 
 
 def _instant(

@@ -2,6 +2,7 @@
 
 import math
 
+from controllers.arm.compiled import inlined
 from controllers.arm.types import Rotation, Vector
 
 
@@ -54,17 +55,18 @@ def turned(axis: Vector, angle: float, rotation: Rotation) -> Rotation:
         (v * x * z - s * y, v * y * z + s * x, c + v * z * z),
     )
     columns = tuple(zip(*rotation, strict=True))
-    a, b, c3 = (tuple(dot(row, column) for column in columns) for row in turn)  # type: ignore[arg-type]
+    a, b, c3 = (tuple(dot(row, column) for column in columns) for row in turn)
     return a, b, c3  # type: ignore[return-value]
 
 
+@inlined
 def rotation_error(wanted: Rotation, actual: Rotation) -> Vector:
     """Return the rotation vector (rad, small angles) that turns `actual` into `wanted`."""
-    x = y = z = 0.0
-    for j in range(3):
-        a = (actual[0][j], actual[1][j], actual[2][j])
-        w = (wanted[0][j], wanted[1][j], wanted[2][j])
-        x += a[1] * w[2] - a[2] * w[1]
-        y += a[2] * w[0] - a[0] * w[2]
-        z += a[0] * w[1] - a[1] * w[0]
-    return (0.5 * x, 0.5 * y, 0.5 * z)
+    (a00, a01, a02), (a10, a11, a12), (a20, a21, a22) = actual
+    (w00, w01, w02), (w10, w11, w12), (w20, w21, w22) = wanted
+    # Half the sum of the cross products of the columns.
+    return (
+        0.5 * (a10 * w20 - a20 * w10 + a11 * w21 - a21 * w11 + a12 * w22 - a22 * w12),
+        0.5 * (a20 * w00 - a00 * w20 + a21 * w01 - a01 * w21 + a22 * w02 - a02 * w22),
+        0.5 * (a00 * w10 - a10 * w00 + a01 * w11 - a11 * w01 + a02 * w12 - a12 * w02),
+    )
