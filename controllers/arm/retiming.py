@@ -25,6 +25,8 @@ from controllers.arm.trajectories import Trajectory
 Array = NDArray[np.float64]
 
 _POINTS = 4000
+_RATE_SHARE = 0.9998
+"""Of the rate limits that is used, for the same reason as below."""
 _ACCELERATION_SHARE = 0.98
 """Of the acceleration limits that is used: they are met at the grid's points, not between them."""
 
@@ -82,7 +84,7 @@ def retime(
     s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
     s = s[np.concatenate(([True], np.diff(s) > 1e-9))]
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
-    limits = np.array(rate_limits)
+    limits = _RATE_SHARE * np.array(rate_limits)
     with np.errstate(divide="ignore"):
         greatest = np.min(limits / np.abs(tangent), axis=1)
         # The hand's own speeds, too.

@@ -62,8 +62,7 @@ def make_step(
             scale = elbow_scale(q[2] + arm.elbow_angle, sin_qs, side)
             r1, r2, r3, r4, r5, r6 = joint_rates(arm, q, v, w, scale)
             worst = max(
-                max(abs(r1) * g1, abs(r2) * g2, abs(r3) * g3),
-                max(abs(r4) * g4, abs(r5) * g5, abs(r6) * g6),
+                abs(r1) * g1, abs(r2) * g2, abs(r3) * g3, abs(r4) * g4, abs(r5) * g5, abs(r6) * g6
             )
             share = 1.0 if worst <= 1.0 else 1.0 / worst
             return share * r1, share * r2, share * r3, share * r4, share * r5, share * r6

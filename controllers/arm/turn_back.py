@@ -218,9 +218,9 @@ def _dwell_instants(
 
     from controllers.arm.dwell import integral_exact
 
-    enter = time_at_depth(arm, trajectory, q_s)
+    enter: float = time_at_depth(arm, trajectory, q_s)
     needed = integral_exact(arm, q_s)
-    total = quad(profile.at, 0.0, profile.duration, limit=200, epsabs=1e-13)[0]
+    total = float(quad(profile.at, 0.0, profile.duration, limit=200, epsabs=1e-13)[0])
     near = 0.03 * profile.duration
 
     def missing(t: float) -> float:
