@@ -102,7 +102,8 @@ class OdriveAxis:
             return
         turns, speed = decode_estimates(data)
         position = turns * self._radians + self.settings.offset
-        t = self._bus.received_before
+        # They come once a period, so that what has just come is no older than that.
+        t = max(self._bus.received_before, now - self._shared.encoder_period)
         if self._has_position:
             # It was sampled anywhere between two receptions, and so was the one before.
             reach = self._reach * (now - self.time) + 2e-3

@@ -519,6 +519,13 @@ def test_silence_is_a_fault(arm, silent, message):
             arm.cycle()
 
 
+def test_a_pause_of_the_loop_makes_no_old_reading_of_a_new_estimate(arm):
+    """As when another device takes its time to be armed: the frames wait meanwhile."""
+    arm.clock.sleep_until(arm.clock.now() + 0.5)
+    arm.cycle()
+    assert arm.clock.now() - arm.driver.positions().t <= 2.0 * PERIOD + 1e-9
+
+
 def test_short_foreign_and_extended_frames_change_nothing(arm):
     arm.interface.put("069#0000003F", "061#00", "08D#0000803F00000000", "063#00")
     arm.interface.put("0FFFFFFE#0011", is_extended_id=True)

@@ -43,7 +43,7 @@ class EmulatedOdrive(FaultInjection):
         Works, but does not send these.
     ``reboot``
         Power cycle: idle, and all that was set by CAN is lost.
-    ``axis_error`` (value: flags, default DC over-voltage)
+    ``axis_error``, or as on other drives ``drive_fault`` (value: flags, default DC over-voltage)
         Disarms with this error.
     ``disarm``
         Goes idle although nobody asked for it.
@@ -355,7 +355,8 @@ class EmulatedOdrive(FaultInjection):
         ):
             self.add_fault(fault, partial(self.mute, flag, value))
         self.add_fault("reboot", lambda _: self._restart())
-        self.add_fault("axis_error", self._inject_error)
+        for fault in ("axis_error", "drive_fault"):
+            self.add_fault(fault, self._inject_error)
         self.add_fault("disarm", lambda _: self._go_idle())
         self.add_fault("stuck", lambda _: self._set_stuck(True))
         self.add_fault("encoder_jump", self._inject_jump)
