@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from controllers.motion import InfeasibleMotion
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
 from rig.config.registry import controller_key
@@ -63,6 +64,8 @@ def make_controller(profile: Profile, name: str) -> Any:
     ------
     ConfigurationError
         The profile has no settings for it.
+    MotionRefused
+        It cannot be had here: a package that it needs is not installed.
     """
     if name not in profile.controllers:
         raise ConfigurationError(
@@ -71,7 +74,11 @@ def make_controller(profile: Profile, name: str) -> Any:
         )
     model = REGISTRY.load("mechanism", profile.mechanism).model_of(profile.mechanism_settings)
     key = controller_key(REGISTRY, profile.mechanism, name)
-    return REGISTRY.load("controller", key)(profile.controllers[name], model, profile.loop.period)
+    controller = REGISTRY.load("controller", key)
+    try:
+        return controller(profile.controllers[name], model, profile.loop.period)
+    except InfeasibleMotion as error:
+        raise MotionRefused(str(error)) from error
 
 
 def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any]:

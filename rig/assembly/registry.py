@@ -67,10 +67,19 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "joint/pid-friction": _Class("controllers.spherical_joint.laws:JointPidFriction"),
         "joint/cascade": _Class("controllers.spherical_joint.laws:JointCascade"),
         "joint/super-twisting": _Class("controllers.spherical_joint.laws:JointSuperTwisting"),
+        "arm/inverse": _Class("controllers.arm.plain:Inverse"),
+        "arm/dls": _Class("controllers.arm.plain:DampedLeastSquares"),
+        "arm/servo-halt": _Class("controllers.arm.plain:ServoHalt"),
+        "arm/esc-paper": _Class("controllers.arm.esc:EscPaper"),
+        "arm/esc": _Class("controllers.arm.esc:Esc"),
+        "arm/look-ahead": _Class("controllers.arm.look_ahead:LookAhead"),
         "legs/inverse": _Class("controllers.gait.laws:InverseLaw"),
         "legs/sc": _Class("controllers.gait.laws:LimitedNormLaw"),
         "legs/sc-trapezoid": _Class("controllers.gait.laws:TrapezoidNormLaw"),
         "legs/min-jerk": _Class("controllers.gait.laws:MinimumJerkLaw"),
+        "legs/clamp": _Class("controllers.gait.rivals:ClampedLaw"),
+        "legs/dls": _Class("controllers.gait.rivals:DampedLaw"),
+        "legs/mink": _Class("controllers.gait.mink_rival:MinkLaw"),
     },
     "mechanism": {
         "cylinder": _Class(
@@ -80,6 +89,7 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "joint": _Class(
             "rig.mechanisms.joint:SphericalJoint", "rig.mechanisms.joint_settings:JointSettings"
         ),
+        "arm": _Class("rig.mechanisms.arm:Arm", "rig.mechanisms.arm_settings:ArmSettings"),
         "legs": _Class("rig.mechanisms.legs:Legs", "rig.mechanisms.legs_settings:LegsSettings"),
     },
     "plant": {
@@ -90,6 +100,9 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "spherical-joint": _Class(
             "drivers.sim.plants.spherical_joint:SphericalJointPlant",
             "drivers.sim.plants.spherical_joint_settings:SphericalJointPlantSettings",
+        ),
+        "arm": _Class(
+            "drivers.sim.plants.arm:ArmPlant", "drivers.sim.plants.arm_settings:ArmPlantSettings"
         ),
         "legs": _Class(
             "drivers.sim.plants.legs:LegsPlant",
@@ -113,6 +126,10 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "rig.experiment.references.joint:JointCircle",
             "rig.experiment.references.joint:JointCircle",
         ),
+        "arm-turnback": _Class("controllers.arm.paths:TurnBack", "controllers.arm.paths:TurnBack"),
+        "arm-dwell": _Class("controllers.arm.paths:DwellLine", "controllers.arm.paths:DwellLine"),
+        "arm-circle": _Class("controllers.arm.paths:Circle", "controllers.arm.paths:Circle"),
+        "arm-line": _Class("controllers.arm.paths:Line", "controllers.arm.paths:Line"),
         "legs-walk": _Class(
             "controllers.gait.motions:WalkSettings", "controllers.gait.motions:WalkSettings"
         ),

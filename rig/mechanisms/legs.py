@@ -8,16 +8,15 @@ import numpy as np
 from controllers.gait.geometry import JOINT_NAMES
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
+from rig.mechanisms.legs_facts import plan_facts
 from rig.mechanisms.legs_settings import LegsSettings
 from rig.mechanisms.servo_joints import JointLimits, Kinds, ServoJoints, servo_columns
 from rig.runtime.columns import Column
-from rig.runtime.motion import Fact, Segment
+from rig.runtime.motion import Segment
 
 _FINE = 1e-3
 """Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
 grows as the steps get finer."""
-_RESOLUTION = np.deg2rad(1.0 / 209.0)
-"""Of HOAP's servos, rad: 209 pulses per degree; the legs' mismatch is given for it as well."""
 
 
 class PlannedGait:
@@ -29,41 +28,28 @@ class PlannedGait:
         At the loop's period.
     fine : GaitPlan
         The same at 1 kHz, for peak rates.
+    distance : float
+        How far the waist was to go, m.
     """
 
     waits = True
     """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
-    def __init__(self, plan: GaitPlan, fine: GaitPlan) -> None:
+    def __init__(self, plan: GaitPlan, fine: GaitPlan, distance: float = 0.0) -> None:
         self.plan = plan
-        margin, static = plan.balance.margin, plan.balance.static_margin
         self._rows: list[tuple[float, ...]] = np.column_stack(
             [
                 plan.waist,
                 plan.feet.reshape(len(plan.t), 6),
                 plan.balance.centre[:, :2],
                 plan.balance.zero_moment,
-                static,
-                margin,
+                plan.balance.static_margin,
+                plan.balance.margin,
                 plan.phase_number,
                 plan.path,
             ]
         ).tolist()
-        self.facts: Mapping[str, Fact] = {
-            "peak_knee_rate": Fact(fine.peak_knee_rate, "rad/s", "greatest knee rate, at 1 kHz"),
-            "peak_norm_rate": Fact(fine.peak_norm, "rad/s", "greatest norm of the joint rates"),
-            "rate_jump": Fact(fine.greatest_jump, "rad/s", "greatest jump of a rate in 1 ms"),
-            "advance": Fact(plan.advance, "m", "how far the planned joints carry the waist"),
-            "leg_mismatch": Fact(plan.mismatch(), "m", "disagreement of the legs on the waist"),
-            "leg_mismatch_quantised": Fact(
-                plan.mismatch(float(_RESOLUTION)), "m", "the same at 209 pulses per degree"
-            ),
-            "static_margin": Fact(plan.static_margin, "m", "centre of mass inside the support"),
-            "balance_margin": Fact(plan.margin, "m", "centre of mass and zero-moment point"),
-            "near_singular_windows": Fact(
-                float(len(plan.near_singular_windows)), "", "stretches with a knee below 5 deg"
-            ),
-        }
+        self.facts = plan_facts(plan, fine, distance)
 
     @property
     def duration(self) -> float:
@@ -161,7 +147,8 @@ class Legs(ServoJoints):
             raise ValueError("the reference is not one for legs")
         law = type(controller)
         fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
-        return PlannedGait(controller.prepare(reference), fine)
+        distance = getattr(reference, "distance", 0.0)
+        return PlannedGait(controller.prepare(reference), fine, distance)
 
     @classmethod
     def approach(

@@ -61,9 +61,9 @@ class Kinds(NamedTuple):
         ``command(positions, velocities)``.
     """
 
-    state: Callable[[float, Vector, Vector], Any]
-    reference: Callable[[Vector, Vector, bool], Any]
-    command: Callable[[Vector, Vector], Any]
+    state: Callable[..., Any]
+    reference: Callable[..., Any]
+    command: Callable[..., Any]
 
 
 class ServoJoints:
@@ -293,7 +293,7 @@ class ServoJoints:
 
     @staticmethod
     def approach_joints(
-        kind: Callable[[Vector, Vector, bool], Any], start: Any, end: Any, duration: float, t: float
+        kind: Callable[..., Any], start: Any, end: Any, duration: float, t: float
     ) -> Any:
         """Return the minimum-jerk way between two postures at `t`, as a reference of a kind."""
         moves = [
