@@ -1,5 +1,6 @@
 """Every measure that an experiment may name."""
 
+from rig.experiment.measures.arm import ARM_MEASURES
 from rig.experiment.measures.base import Measure
 from rig.experiment.measures.joint import JOINT_MEASURES
 from rig.experiment.measures.legs import LEGS_MEASURES
@@ -7,4 +8,4 @@ from rig.experiment.measures.pair import PAIR_MEASURES
 
 __all__ = ["MEASURES", "Measure"]
 
-MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES, **LEGS_MEASURES}
+MEASURES: dict[str, Measure] = {**PAIR_MEASURES, **JOINT_MEASURES, **LEGS_MEASURES, **ARM_MEASURES}

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rig.report.data import load_run
+from rig.report.figures.arm import ARM_FIGURES
 from rig.report.figures.base import FigureKind
 from rig.report.figures.joint import JOINT_FIGURES
 from rig.report.figures.legs import LEGS_FIGURES
@@ -12,7 +13,13 @@ from rig.report.figures.timing import TIMING_FIGURES
 from rig.report.style import paper_style, save
 from rig.run_folder import FIGURES as FIGURES_FOLDER
 
-FIGURES: dict[str, FigureKind] = {**PAIR_FIGURES, **JOINT_FIGURES, **LEGS_FIGURES, **TIMING_FIGURES}
+FIGURES: dict[str, FigureKind] = {
+    **PAIR_FIGURES,
+    **JOINT_FIGURES,
+    **LEGS_FIGURES,
+    **ARM_FIGURES,
+    **TIMING_FIGURES,
+}
 
 
 def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[Path]:
