@@ -120,6 +120,7 @@ class ServoChain(Generic[Drive]):
         self._position_gain = position_gain
         self._enable_time = enable_time
         self._guard = JointGuard(name, joints, period)
+        self._due: Vector = self._guard.positions
         self._held: list[float | None] = [None] * len(self.drives)
         self._armed = False
         self._enabled = False
@@ -210,7 +211,7 @@ class ServoChain(Generic[Drive]):
         guard, period = self._guard, self._period
         guard.check_velocities(velocities)
         if self._sends_velocity:
-            guard.positions = tuple([drive.position for drive in self.drives])
+            guard.positions = self._due = tuple([drive.position for drive in self.drives])
             for k, velocity in enumerate(velocities):
                 if velocity:
                     self._held[k] = None
@@ -261,14 +262,20 @@ class ServoChain(Generic[Drive]):
         for drive in self.drives:
             drive.begin_following(now)
         self._guard.positions = tuple([drive.watch.reference for drive in self.drives])
+        self._due = self._guard.positions
         self._held = [None] * len(self.drives)
         self._enabled = True
 
     def _follow(self, positions: Vector, before: Vector) -> None:
-        """Follow positions with velocities: the setpoints' own, and the error times a gain."""
+        """Follow positions with velocities: the setpoints' own, and the error times a gain.
+
+        A joint is at a setpoint one period after it was sent, and was measured one period ago:
+        it is compared with the last setpoint but one.
+        """
+        due, self._due = self._due, before
         for k, drive in enumerate(self.drives):
             velocity = (positions[k] - before[k]) / self._period
-            velocity += self._position_gain * (positions[k] - drive.position)
+            velocity += self._position_gain * (due[k] - drive.position)
             drive.command_velocity(_within(velocity, drive.settings.max_speed))
             self._held[k] = None
 
