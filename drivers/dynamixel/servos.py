@@ -17,11 +17,12 @@ from drivers.dynamixel.bus import SerialBus, SyncWrite
 from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.configure import configure_servo, watchdog_units
 from drivers.dynamixel.health import Health, HealthWatch, decode_health
-from drivers.dynamixel.motion import MotionWatch, VelocityReference
+from drivers.dynamixel.motion import MotionWatch
 from drivers.dynamixel.payload import SyncPayload
 from drivers.dynamixel.scaling import JointScale, encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.commands import JointGuard
+from drivers.servos.velocity_reference import VelocityReference
 from rig.hal import Reading, Vector
 
 _ATTEMPTS: Final = 3

@@ -6,6 +6,7 @@ from typing import Generic, Protocol, TypeVar
 from drivers.servos.commands import JointGuard
 from drivers.servos.following import FollowingWatch
 from drivers.servos.joint_settings import JointSettings
+from drivers.servos.velocity_reference import VelocityReference
 from rig.hal import DeviceFault, Reading, Vector
 
 
@@ -117,11 +118,11 @@ class ServoChain(Generic[Drive]):
         self.drives = tuple(drives)
         self._period = period
         self._sends_velocity = sends_velocity
-        self._position_gain = position_gain
+        self._velocities = VelocityReference(
+            position_gain, [joint.max_speed for joint in joints.values()], period
+        )
         self._enable_time = enable_time
         self._guard = JointGuard(name, joints, period)
-        self._due: Vector = self._guard.positions
-        self._held: list[float | None] = [None] * len(self.drives)
         self._armed = False
         self._enabled = False
         self._enabling = False
@@ -191,7 +192,8 @@ class ServoChain(Generic[Drive]):
         before = guard.positions
         guard.check_positions(positions)
         if self._sends_velocity:
-            self._follow(positions, before)
+            measured = tuple([drive.position for drive in self.drives])
+            self._send(self._velocities.follow(positions, before, measured))
             return
         for k, drive in enumerate(self.drives):
             position = positions[k]
@@ -211,11 +213,8 @@ class ServoChain(Generic[Drive]):
         guard, period = self._guard, self._period
         guard.check_velocities(velocities)
         if self._sends_velocity:
-            guard.positions = self._due = tuple([drive.position for drive in self.drives])
-            for k, velocity in enumerate(velocities):
-                if velocity:
-                    self._held[k] = None
-                self.drives[k].command_velocity(velocity or self._hold(k))
+            measured = guard.positions = tuple([drive.position for drive in self.drives])
+            self._send(self._velocities.turn(velocities, measured))
             return
         positions = tuple(
             [
@@ -262,32 +261,9 @@ class ServoChain(Generic[Drive]):
         for drive in self.drives:
             drive.begin_following(now)
         self._guard.positions = tuple([drive.watch.reference for drive in self.drives])
-        self._due = self._guard.positions
-        self._held = [None] * len(self.drives)
+        self._velocities.reset()
         self._enabled = True
 
-    def _follow(self, positions: Vector, before: Vector) -> None:
-        """Follow positions with velocities: the setpoints' own, and the error times a gain.
-
-        A joint is at a setpoint one period after it was sent, and was measured one period ago:
-        it is compared with the last setpoint but one.
-        """
-        due, self._due = self._due, before
-        for k, drive in enumerate(self.drives):
-            velocity = (positions[k] - before[k]) / self._period
-            velocity += self._position_gain * (due[k] - drive.position)
-            drive.command_velocity(_within(velocity, drive.settings.max_speed))
-            self._held[k] = None
-
-    def _hold(self, k: int) -> float:
-        """Return the velocity that keeps a joint where it was when it was to stand still."""
-        drive = self.drives[k]
-        held = self._held[k]
-        if held is None:
-            held = self._held[k] = drive.position
-        velocity = self._position_gain * (held - drive.position)
-        return _within(velocity, drive.settings.max_speed)
-
-
-def _within(velocity: float, fastest: float) -> float:
-    return min(max(velocity, -fastest), fastest)
+    def _send(self, velocities: Sequence[float]) -> None:
+        for drive, velocity in zip(self.drives, velocities, strict=True):
+            drive.command_velocity(velocity)
