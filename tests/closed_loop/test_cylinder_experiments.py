@@ -40,9 +40,18 @@ def measure(tmp_path, kind, seals, *options, backend=Backend.VIRTUAL):
 @pytest.mark.parametrize("seals", SEALS, ids=("standard", "low-speed"))
 @pytest.mark.parametrize("kind", ("sine", "staircase"))
 def test_cascade_keeps_its_promise(tmp_path, kind, seals, seed):
-    backend = Backend.SIM if seals and seed else Backend.VIRTUAL  # where margins are wide: fast
+    # The frames add a twentieth to the error: one plant over them, the others without.
+    backend = Backend.SIM if seed else Backend.VIRTUAL
     value = measure(tmp_path, kind, seals, f"simulation.seed={seed}", backend=backend)
     assert value <= BOUND[kind, seals]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS[1:])
+@pytest.mark.parametrize("seals", SEALS, ids=("standard", "low-speed"))
+@pytest.mark.parametrize("kind", ("sine", "staircase"))
+def test_cascade_keeps_its_promise_over_frames(tmp_path, kind, seals, seed):
+    assert measure(tmp_path, kind, seals, f"simulation.seed={seed}") <= BOUND[kind, seals]
 
 
 @pytest.mark.parametrize("seals", SEALS, ids=("standard", "low-speed"))

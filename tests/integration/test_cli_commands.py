@@ -295,7 +295,8 @@ SHORT = "reference.tones=[{frequency: 1 Hz, periods: 2}]"
 def compare(capsys, out, *options):
     return run(
         capsys, "compare", "cylinder-sine", "--on", "sim", "--configs", CONFIGS, "--out", out,
-        "--set", SHORT, "--set", "metrics={tracking_rms: {}}", "--json", *options,
+        "--set", SHORT, "--set", "metrics={tracking_rms: {}}", "--set", "figures=[tracking]",
+        "--json", *options,
     )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-AT = 4.5
+AT = 3.0
 """When the fault happens, s of virtual time; connecting takes some of it, the run the rest."""
 
 STOPS = [
@@ -57,6 +57,7 @@ def run(tmp_path, device, fault, value, at=AT, backend=Backend.VIRTUAL):
         "cylinder-sine",
         [
             "reference.tones=[{frequency: 1 Hz, periods: 3}]",
+            "approach=0.5 s",
             "metrics={}",
             f"simulation.faults=[{{at: {at}, device: {device}, fault: {fault}{given}}}]",
         ],
