@@ -9,7 +9,13 @@ _NAMES = re.compile(r"(\w+(?:, \w+)*)(?: :.*)?")
 
 @lru_cache(maxsize=256)
 def parameter_texts(documented: type) -> dict[str, str]:
-    """Return the text of every parameter by name; parameters described together share it."""
+    """Return the text of every parameter by name; parameters described together share it.
+
+    What a class takes over from its bases is described there.
+    """
+    inherited: dict[str, str] = {}
+    for base in reversed(documented.__bases__):
+        inherited |= {} if base is object else parameter_texts(base)
     lines = inspect.cleandoc(documented.__doc__ or "").splitlines()
     found: dict[str, list[str]] = {}
     names: list[str] = []
@@ -23,4 +29,4 @@ def parameter_texts(documented: type) -> dict[str, str]:
         elif line.startswith(" "):
             for name in names:
                 found.setdefault(name, []).append(line.strip())
-    return {name: " ".join(text) for name, text in found.items()}
+    return inherited | {name: " ".join(text) for name, text in found.items()}

@@ -182,7 +182,10 @@ def evaluation_as_json(
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
         "figures": list(figures),
-        "facts": {name: fact._asdict() for name, fact in (facts or {}).items()},
+        "facts": {
+            name: {**fact._asdict(), "value": fact.value if math.isfinite(fact.value) else None}
+            for name, fact in (facts or {}).items()
+        },
         "segments": [segment._asdict() for segment in segments],
         "metrics": {
             name: {
@@ -197,8 +200,15 @@ def evaluation_as_json(
 
 
 def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
-    """Return the facts of an ``evaluation.json``."""
-    return {name: Fact(**fact) for name, fact in content.get("facts", {}).items()}
+    """Return the facts of an ``evaluation.json``; what never happens is null there."""
+    return {
+        name: Fact(math.inf if fact["value"] is None else fact["value"], *_texts(fact))
+        for name, fact in content.get("facts", {}).items()
+    }
+
+
+def _texts(fact: Mapping[str, str]) -> tuple[str, str]:
+    return fact["unit"], fact["description"]
 
 
 def evaluation_from_json(

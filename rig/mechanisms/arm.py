@@ -1,5 +1,6 @@
 """A U-R-S arm of six joints on servo drives."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, get_args
 
@@ -96,11 +97,12 @@ def _facts(plan: ArmPlan) -> dict[str, Fact]:
         facts[f"crosses_{name}"] = Fact(
             float(np.any(values[:-1] * values[1:] < 0.0)), "", f"1 if it crosses the {name}'s"
         )
-    if crossings:
-        facts["time_crossing"] = Fact(crossings[0], "s", "first pass through the elbow's")
+    facts["time_crossing"] = Fact(
+        crossings[0] if crossings else math.inf, "s", "first pass through the elbow's"
+    )
     region = plan.marks.get("region", ())
-    if len(region) > 1:
-        facts["dwell_time"] = Fact(region[1] - region[0], "s", "time in the singular region")
+    dwell = region[1] - region[0] if len(region) > 1 else math.inf
+    facts["dwell_time"] = Fact(dwell, "s", "time in the singular region")
     return facts
 
 

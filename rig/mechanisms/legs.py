@@ -8,6 +8,7 @@ import numpy as np
 from controllers.gait.geometry import JOINT_NAMES
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
+from rig.hal import Vector
 from rig.mechanisms.legs_facts import plan_facts
 from rig.mechanisms.legs_settings import LegsSettings
 from rig.mechanisms.servo_joints import JointLimits, Kinds, ServoJoints, servo_columns
@@ -161,6 +162,12 @@ class Legs(ServoJoints):
         """See `ServoJoints.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0
+
+    def _end_of_motion(self) -> Vector | None:
+        """See `ServoJoints`; the plan's last sample is left when the loop's time is over."""
+        if self.motion is None or self._followed < len(self.motion.plan.t) - 1:
+            return None
+        return self.motion.at(self.motion.duration).positions
 
     def row(
         self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand

@@ -69,8 +69,8 @@ class Kinds(NamedTuple):
 class ServoJoints:
     """Reads, checks, limits and commands joints; a mechanism adds what they move.
 
-    A joint that is told to rest is slowed down under the limits' acceleration; a law's own
-    motion is never reshaped but for the greatest speed and the range of each joint.
+    A stop in mid-motion slows the joints down under the limits' acceleration; a law's own motion
+    is never reshaped but for the greatest speed and the range of each joint.
 
     Parameters
     ----------
@@ -114,6 +114,7 @@ class ServoJoints:
         self._applied: Vector | None = None
         self._speeds: Vector = self._still
         self._stop: Any = None
+        self._braking = False
         self._age = 0.0
         self._largest_error = 0.0
         self._hits = {"joint range": 0, "joint rate": 0, "joint acceleration": 0}
@@ -191,6 +192,11 @@ class ServoJoints:
         """Return the command to stay; in mid-motion, to stop as soon as the limit permits."""
         if self._applied is None:
             return self._kinds.command(state.positions, self._still)
+        end = self._end_of_motion()
+        if end is not None:
+            self._stop = self._kinds.command(end, self._still)
+            return self._stop
+        self._braking = True
         deceleration = self.limits.acceleration
         stop = [
             min(max(angle + 0.5 * speed * abs(speed) / deceleration, lower), upper)
@@ -200,6 +206,13 @@ class ServoJoints:
         ]
         self._stop = self._kinds.command(tuple(stop), self._still)
         return self._stop
+
+    def _end_of_motion(self) -> Vector | None:
+        """Return where the motion leaves the joints at rest, once it is done; None in its midst.
+
+        A stop there is the law's own last step, however abrupt it is.
+        """
+        return None
 
     def energised_command(self, state: JointState) -> Any:
         """Return the command to stay where the joints are."""
@@ -222,11 +235,11 @@ class ServoJoints:
         """Take the measured positions for those that were sent."""
         self._applied = state.positions
         self._speeds = self._still
+        self._braking = False
 
     def limit(self, command: Any) -> Any:
         """Return the command that may be applied: each joint's range and speed."""
         before = self._applied or command.positions
-        resting = not any(command.velocities)
         period, joints = self._period, self.joints
         applied, speeds = [], []
         for k, wanted in enumerate(command.positions):
@@ -242,15 +255,19 @@ class ServoJoints:
             if inside != wanted:
                 self._hits["joint range"] += 1
             speed = (inside - before[k]) / period
-            if resting:
+            if self._braking:
                 speed = self._slow_down(speed, self._speeds[k], inside - before[k])
             fastest = joints.rates[k]
             if abs(speed) > fastest:
                 if abs(speed) > fastest * (1.0 + 1e-6):
                     self._hits["joint rate"] += 1
                 speed = math.copysign(fastest, speed)
+            position = before[k] + speed * period
+            if self._braking:  # the range comes before a gentle stop
+                position = min(max(position, joints.lower[k]), joints.upper[k])
+                speed = (position - before[k]) / period
             speeds.append(speed)
-            applied.append(before[k] + speed * period)
+            applied.append(position)
         self._applied, self._speeds = tuple(applied), tuple(speeds)
         return self._kinds.command(self._applied, self._speeds)
 
