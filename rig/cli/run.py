@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,7 +105,9 @@ def show(result: Result, *, has_report: bool) -> None:
     width = max((len(metric.name) for metric in result.metrics), default=0)
     lines = []
     for metric in result.metrics:
-        value = format_quantity(metric.value, metric.unit or "1")
+        value = "never"
+        if math.isfinite(metric.value):
+            value = format_quantity(metric.value, metric.unit or "1")
         bound = ""
         if metric.bound is not None:
             sign = "<=" if metric.bound_kind == "max" else ">="
