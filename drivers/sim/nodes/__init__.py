@@ -1,1 +1,1 @@
-"""Emulated CANopen nodes, of their own making: they share no codec with the drivers."""
+"""Emulated nodes on a CAN bus, of their own making: they share no codec with the drivers."""
