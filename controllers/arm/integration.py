@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from controllers.arm.types import Joints
 
-LONGEST_STEP = 1e-3
-"""s. With it the hand leaves its path by less than 1e-10 m in ten seconds."""
+LONGEST_STEP = 5e-3
+"""s. With it the hand leaves its path by less than 1e-9 m in ten seconds."""
 
 
 def step_joints(rates: Callable[[float, Joints], Joints], t: float, q: Joints, h: float) -> Joints:
