@@ -119,7 +119,7 @@ def test_large_rubbish_is_refused_soon(configs, size):
         "- 1\n" * lines,
         "a: &x\n" * lines,
         "[" * size,
-        "a:\n " * size,
+        "a:\n " * lines,
         "'" * size,
     ):
         path = configs.write("rigs/large.yaml", text)
