@@ -1,0 +1,53 @@
+"""What comparisons of runs have in common."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rig.report.data import RunData
+from rig.report.style import PALETTE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+
+class Comparison(NamedTuple):
+    """A way to draw several runs in one figure.
+
+    Parameters
+    ----------
+    suits : callable
+        Takes a run; whether its log holds what the figure shows.
+    draw : callable
+        Takes the runs and a label for each.
+    """
+
+    suits: Callable[[RunData], bool]
+    draw: "Callable[[Sequence[RunData], Sequence[str]], Figure]"
+
+
+def color_of(number: int) -> str:
+    """Return the colour of the run with this number."""
+    return PALETTE[number % len(PALETTE)]
+
+
+def metric_values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
+    """Return a metric of each run, shape (n,); not a number where a run has none."""
+    return np.array(
+        [
+            next((m["value"] for m in run.metrics if m["name"] == name), None) or np.nan
+            for run in runs
+        ],
+        float,
+    )
+
+
+def write_value(axes: "Axes", text: str, x: float, y: float) -> None:
+    """Write a bar's value at its end."""
+    axes.annotate(
+        text, (x, y), (2.5, 0), textcoords="offset points", va="center", fontsize=6.5, zorder=4,
+        bbox={"fc": "white", "ec": "none", "pad": 0.8},
+    )  # fmt: skip
