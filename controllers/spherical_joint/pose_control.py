@@ -152,6 +152,7 @@ class PoseController:
     def __init__(self, settings: Any, model: JointModel, period: float) -> None:
         self.settings: PoseControlSettings = settings
         """As the profile gives them."""
+        self._period = period
         self._area = model.area
         self._height = model.geometry.marker_height
         self._compliance = settings.stretch / model.wire_stiffness
@@ -279,9 +280,10 @@ class PoseController:
                 measured[number], goal, friction[number] + learnt[number]
             )
             wanted.append(area * (command.agonist - command.antagonist))
-            squared += (goal.position - measured[number].position) ** 2
+            then = goal.position - self._period * goal.velocity
+            squared += (then - measured[number].position) ** 2
         if lap is not None:
-            self._learn(lap.tick, reference.axis, squared)
+            self._learn(lap.tick, reference, squared)
         # What holds the ring goes out early, past the laws: it has to be there in time.
         later = self._distribution.at(
             natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
@@ -336,15 +338,17 @@ class PoseController:
         scale = 1.0 / math.sqrt(x * x + y * y + z * z)
         return (scale * x, scale * y, scale * z), (scale * dx, scale * dy, scale * dz)
 
-    def _learn(self, tick: int, axis: Vector, squared: float) -> None:
+    def _learn(self, tick: int, reference: JointReference, squared: float) -> None:
+        """Take what this cycle's errors teach; readings are those of a period ago."""
         learning = self.learning
         assert learning is not None
         if self._axis_memory is not None:
-            marker, share = self.marker.marker, 1.0 / self._height
+            (x, y, z), (dx, dy, dz) = reference.axis, reference.velocity
+            marker, share, period = self.marker.marker, 1.0 / self._height, self._period
             error = (
-                axis[0] - share * marker[0],
-                axis[1] - share * marker[1],
-                axis[2] - share * marker[2],
+                x - period * dx - share * marker[0],
+                y - period * dy - share * marker[1],
+                z - period * dz - share * marker[2],
             )
             self._axis_memory.learn(tick, error)
             squared = error[0] ** 2 + error[1] ** 2 + error[2] ** 2
