@@ -13,7 +13,7 @@ from controllers.arm.retiming import Timing, follow_joint_path, retime
 from controllers.arm.trajectories import StraightTrajectory, Trajectory
 from controllers.motion import InfeasibleMotion
 
-_FINE = 1e-3
+_FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
 
 

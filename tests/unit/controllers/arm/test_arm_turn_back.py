@@ -19,11 +19,14 @@ from controllers.arm.region import (
 from controllers.motion import InfeasibleMotion
 
 
-def paper(path, period=5e-3, **geometry):
+def paper(path, period=1e-2, **geometry):
     return EscPaper(EscPaperSettings(), ArmGeometry(**geometry), period).prepare(path)
 
 
-def ours(path, period=5e-3, settings=EscSettings(), **geometry):
+DEFAULTS = EscSettings()
+
+
+def ours(path, period=1e-2, settings=DEFAULTS, **geometry):
     return Esc(settings, ArmGeometry(**geometry), period).prepare(path)
 
 
@@ -75,7 +78,9 @@ def test_figure_4(case):
     along = plan.hand[:, 0] - plan.hand[0, 0]
     assert along.max() == pytest.approx(reach, abs=1e-5)
     assert along[-1] == pytest.approx(0.0, abs=1e-9)
-    assert np.sum(plan.scale[:-1, 1]) * plan.period * path.turn_rate == pytest.approx(turned, rel=2e-3)
+    assert np.sum(plan.scale[:-1, 1]) * plan.period * path.turn_rate == pytest.approx(
+        turned, rel=2e-3
+    )
 
 
 def test_figure_4_at_its_ends_and_its_crossing():
@@ -115,9 +120,9 @@ def test_nothing_leaves_the_line_the_command_or_the_limits(law, sign):
 
 
 def test_time_scales_with_speeds_and_limits():
-    slow, fast = paper(TurnBack()), paper(TurnBack(speed=0.7, turn_rate=0.7), 5e-4, **FAST)
+    slow, fast = paper(TurnBack()), paper(TurnBack(speed=0.7, turn_rate=0.7), 1e-3, **FAST)
     assert 10.0 * fast.duration == pytest.approx(slow.duration, abs=1e-8)
-    np.testing.assert_allclose(fast.peak_rates, 10.0 * slow.peak_rates, rtol=1e-6)
+    np.testing.assert_allclose(fast.peak_rates, 10.0 * slow.peak_rates, rtol=1e-5)
 
 
 def test_the_printed_speed_is_refused_with_the_rate_that_would_do():
@@ -127,11 +132,11 @@ def test_the_printed_speed_is_refused_with_the_rate_that_would_do():
         ours(TurnBack(speed=0.7, turn_rate=0.7))
 
 
-@pytest.mark.parametrize("speed", [0.02, 0.07, 0.12])
+@pytest.mark.parametrize("speed", [0.05, 0.07, 0.12])
 def test_the_region_is_as_wide_as_equation_13_says(speed):
     geometry = ArmGeometry()
     radial = TurnBack(touch=radians(0, 60, 0, 0, 40, 0), direction=RADIAL, speed=speed, turn_rate=0)
-    plan = paper(radial, period=1e-3)
+    plan = paper(radial, period=2e-3)
     sin_qs = region_for_speed(geometry, speed)
     assert sin_qs == pytest.approx(1.5 * 0.79 / 0.156 * speed)
     assert plan.peak_rates[2] == pytest.approx(1.0, abs=1e-4), "on a radial line eq. (13) is exact"
@@ -140,7 +145,9 @@ def test_the_region_is_as_wide_as_equation_13_says(speed):
 RADIAL = (math.sin(math.radians(60)), 0.0, math.cos(math.radians(60)))
 
 
-@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    "axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)]
+)
 def test_a_turning_tool_needs_a_wider_region(axis):
     geometry = ArmGeometry()
     path = TurnBack(axis=axis, turn_rate=0.5)
@@ -161,7 +168,9 @@ def test_without_that_width_a_turning_tool_breaks_the_limit():
 def test_the_region_keeps_the_acceleration_limit():
     limits = (10.0, 10.0, 0.5, 20.0, 20.0, 20.0)
     geometry = ArmGeometry(acceleration_limits=limits)
-    assert region_for_acceleration(geometry, 0.07) == pytest.approx((0.3545**2 / 0.5) ** (1 / 3), abs=1e-4)
+    assert region_for_acceleration(geometry, 0.07) == pytest.approx(
+        (0.3545**2 / 0.5) ** (1 / 3), abs=1e-4
+    )
     path = TurnBack(touch=radians(0, 60, 0, 0, 40, 0), direction=RADIAL, turn_rate=0.0)
     wide = ours(path, 1e-3, acceleration_limits=limits)
     narrow = ours(path, 1e-3, EscSettings(limit_acceleration=False), acceleration_limits=limits)

@@ -1,0 +1,145 @@
+"""Circles through the elbow's and the shoulder's singularity; the corrected equations."""
+
+import math
+
+import numpy as np
+import pytest
+from arm_cases import ELBOW_CIRCLE, SHOULDER_CIRCLE
+
+from controllers.arm.circles import (
+    elbow_rate,
+    elbow_sine,
+    radial_velocity,
+    shoulder_distance,
+    sideways_velocity,
+)
+from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.kinematics import dimensions_of
+from controllers.arm.paths import Circle
+from controllers.arm.trajectories import CircularTrajectory
+from controllers.motion import InfeasibleMotion
+
+ARM = dimensions_of(ArmGeometry())
+R1, R2, RATE = 0.55, 0.24, 0.4
+
+
+def follow(path, period=1e-2, **geometry):
+    return Esc(EscSettings(), ArmGeometry(**geometry), period).prepare(path)
+
+
+def elbow_angle(gamma):
+    """Return q3 on the circle from the law of cosines."""
+    square = R1**2 + R2**2 + 2 * R1 * R2 * math.cos(gamma)
+    return math.acos((square - ARM.a2**2 - ARM.a3**2) / (2 * ARM.a2 * ARM.a3))
+
+
+def test_the_circles_equations_against_differences():
+    h = 1e-6
+    for gamma in (0.2, 1.0, 2.0):
+        radius = [
+            math.sqrt(R1**2 + R2**2 + 2 * R1 * R2 * math.cos(gamma + s * RATE * h)) for s in (-1, 1)
+        ]
+        assert radial_velocity(R1, R2, gamma, RATE) == pytest.approx(
+            (radius[1] - radius[0]) / (2 * h), abs=1e-9
+        )
+        q3 = elbow_angle(gamma)
+        assert elbow_sine(ARM, R1, R2, gamma, q3) == pytest.approx(math.sin(q3), abs=1e-14)
+        slope = (elbow_angle(gamma + RATE * h) - elbow_angle(gamma - RATE * h)) / (2 * h)
+        assert elbow_rate(ARM, R1, R2, gamma, RATE, q3, 1.0) == pytest.approx(slope, abs=1e-8)
+
+
+def test_the_printed_equation_8_is_not_the_circle():
+    q3 = elbow_angle(1.5)
+    printed = 2 * R1 * R2 / (ARM.a2 * ARM.a3) * math.sin(0.75) * math.cos(q3 / 2)
+    assert abs(printed - math.sin(q3)) > 0.05
+
+
+def test_at_the_singularity_the_rate_is_finite_whatever_the_quotient():
+    root = math.sqrt(R1 * R2 / (ARM.a2 * ARM.a3))
+    assert elbow_rate(ARM, R1, R2, 0.0, RATE, 0.0, -1.0) == pytest.approx(-RATE * root)
+    assert shoulder_distance(0.15, 0.0) == 0.0
+    for gamma in (1e-9, 0.5):
+        quotient = sideways_velocity(0.15, gamma, 0.6) / shoulder_distance(0.15, gamma)
+        assert quotient == pytest.approx(0.3)
+
+
+def test_half_a_circle_through_the_elbows_singularity():
+    plan = follow(ELBOW_CIRCLE)
+    assert plan.duration == pytest.approx(7.85, abs=5e-3)
+    assert plan.peak_rates[2] == pytest.approx(0.368, abs=1e-3)
+    assert plan.crossings == pytest.approx((plan.duration / 2,), abs=1e-7)
+    assert plan.peak_accelerations[2] < 0.04
+    assert plan.path_deviation < 1e-9
+    assert plan.twist_residual < 1e-9
+    assert np.linalg.norm(plan.twist[:-1, :3], axis=1) == pytest.approx(0.096, abs=1e-9)
+
+
+def test_half_a_circle_through_the_shoulders_axis():
+    plan = follow(SHOULDER_CIRCLE)
+    assert plan.duration == pytest.approx(5.236, abs=5e-4)
+    assert plan.peak_rates[0] == pytest.approx(0.3, abs=1e-9)
+    c = plan.indices[:, 0]
+    assert c[0] < 0.0 < c[-1]
+    np.testing.assert_allclose(plan.velocities[:-1, 0], 0.3, atol=1e-12)
+    assert plan.path_deviation < 1e-9
+    assert plan.twist_residual < 1e-9
+
+
+@pytest.mark.parametrize("plane", [0.0, 0.7, math.pi / 2])
+@pytest.mark.parametrize("side", [1, -1])
+def test_twice_round_leads_back_to_the_same_joints(plane, side):
+    wide = {"position_min": (-30.0,) * 6, "position_max": (30.0,) * 6}
+    path = Circle(plane=plane, side=side, radius=0.1, begin=-1.0, end=4 * math.pi - 1.0, rate=1.0)
+    plan = follow(path, 1e-2, **wide)
+    turns = (plan.positions[-1] - plan.positions[0]) / (2 * math.pi)
+    np.testing.assert_allclose(turns, np.round(turns), atol=1e-6 / (2 * math.pi))
+    assert abs(turns[2]) < 1e-6
+    assert len(plan.crossings) == 2
+    once = np.argmin(np.abs(plan.t - 2 * math.pi))
+    assert abs(plan.positions[once, 2] - plan.positions[0, 2]) > 0.5, "once round is not enough"
+
+
+def test_twice_round_the_shoulders_circle():
+    wide = {"position_min": (-30.0,) * 6, "position_max": (30.0,) * 6}
+    touch = (0.0, 0.0, 2.0, 0.5, -0.8, 0.0)
+    path = Circle("shoulder", touch, radius=0.1, begin=-1.0, end=4 * math.pi - 1.0, rate=0.8)
+    plan = follow(path, 1e-2, **wide)
+    turns = (plan.positions[-1] - plan.positions[0]) / (2 * math.pi)
+    np.testing.assert_allclose(turns, np.round(turns), atol=1e-6 / (2 * math.pi))
+    assert turns[0] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_papers_law_takes_circles_alike():
+    paper = EscPaper(EscPaperSettings(), ArmGeometry(), 1e-2).prepare(ELBOW_CIRCLE)
+    np.testing.assert_array_equal(paper.positions, follow(ELBOW_CIRCLE).positions)
+
+
+@pytest.mark.parametrize(
+    "geometry",
+    [{"a2": 0.4, "a3": 0.4}, {"elbow_offset": 0.06}, {"wrist_sign": -1, "base_height": 1.0}],
+)
+@pytest.mark.parametrize("path", [ELBOW_CIRCLE, SHOULDER_CIRCLE], ids=["elbow", "shoulder"])
+def test_other_arms_take_circles_as_well(geometry, path):
+    plan = follow(path, **geometry)
+    assert plan.path_deviation < 1e-8
+    assert plan.twist_residual < 1e-8
+
+
+def test_a_circle_needs_an_arm_without_shoulder_offset():
+    with pytest.raises(InfeasibleMotion, match=r"0\.05 m"):
+        follow(ELBOW_CIRCLE, shoulder_offset=0.05)
+    with pytest.raises(InfeasibleMotion, match="no less than the reach"):
+        follow(Circle(radius=0.8))
+    with pytest.raises(InfeasibleMotion, match="cannot be begun"):
+        follow(Circle("shoulder", (0, 0, 0.4, 0.5, -0.8, 0), radius=0.3))
+
+
+def test_the_poses_are_those_of_the_twist():
+    h = 1e-6
+    for path in (ELBOW_CIRCLE, SHOULDER_CIRCLE):
+        trajectory = CircularTrajectory(ARM, path)
+        for t in (0.5, 2.0, 4.0):
+            ahead, behind = trajectory.pose(t + h).position, trajectory.pose(t - h).position
+            linear = np.subtract(ahead, behind) / (2 * h)
+            np.testing.assert_allclose(trajectory.twist(t).linear, linear, atol=1e-9)
