@@ -35,6 +35,7 @@ class ExactWires:
         # By acos(r/|B|) the angle would be noise of 1e-8 rad where B is close to the ball.
         self.wound_from = math.atan2(self._tangent, radius)
         """psi_w, the angle at the centre beyond which a wire is wound, rad."""
+        self._squares = radius * radius + distance * distance
         self._straight = self._tangent - radius * self.wound_from
         self._wires = tuple(zip(geometry.anchors, geometry.adjust_points, strict=True))
 
@@ -83,18 +84,29 @@ class ExactWires:
         ValueError
             An anchor is opposite its adjust point: the wire may go either way round the ball.
         """
-        rows = []
-        for number, (home, adjust) in enumerate(self._wires, start=1):
-            anchor = rotate(rotation, home)
-            normal = _cross(anchor, adjust)
-            length = _norm(normal)
-            if length < 1e-9 * self._radius * self._radius:
-                raise ValueError(f"wire {number}: its anchor is in line with ball and adjust point")
-            if math.atan2(length, _dot(anchor, adjust)) > self.wound_from:
-                share = -self._radius / length
+        (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
+        radius, edge, squares = self._radius, self._radius**2, self._squares
+        least = 1e-18 * edge * edge
+        rows: list[Vector] = []
+        for (home_x, home_y, home_z), (a, b, c) in self._wires:
+            x = r00 * home_x + r01 * home_y + r02 * home_z
+            y = r10 * home_x + r11 * home_y + r12 * home_z
+            z = r20 * home_x + r21 * home_y + r22 * home_z
+            n_x = y * c - z * b
+            n_y = z * a - x * c
+            n_z = x * b - y * a
+            size = n_x * n_x + n_y * n_y + n_z * n_z
+            if size < least:
+                raise ValueError(
+                    f"wire {len(rows) + 1}: its anchor is in line with ball and adjust point"
+                )
+            # Wound where the angle is beyond psi_w, whose cosine is r_c / |B|.
+            along = x * a + y * b + z * c
+            if along < edge:
+                share = -radius / math.sqrt(size)
             else:
-                share = -1.0 / math.dist(anchor, adjust)
-            rows.append((share * normal[0], share * normal[1], share * normal[2]))
+                share = -1.0 / math.sqrt(squares - 2.0 * along)
+            rows.append((share * n_x, share * n_y, share * n_z))
         first, second, third, fourth = rows
         return first, second, third, fourth
 

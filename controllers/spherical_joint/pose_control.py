@@ -44,7 +44,7 @@ from controllers.spherical_joint.poses import (
     move_axis,
     natural_rotation,
 )
-from controllers.spherical_joint.tension import PoseTensions, TensionDistribution
+from controllers.spherical_joint.tension import TensionDistribution, raised
 from controllers.spherical_joint.types import (
     JointCommand,
     JointEstimate,
@@ -241,7 +241,7 @@ class PoseController:
         position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
         pose = self._distribution.at(natural_rotation(axis))
         pull = _scaled(area, state.pressures)
-        hold = self._hold(pose)
+        hold = self._hold(pose.shares)
         rates = (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1]))
         friction = self._friction.update(rates, (hold[0] + hold[2], hold[3] + hold[1]))
         # The rods pull in by what the wires stretch under what they bear.
@@ -285,7 +285,7 @@ class PoseController:
         if lap is not None:
             self._learn(lap.tick, reference, squared)
         # What holds the ring goes out early, past the laws: it has to be there in time.
-        later = self._distribution.at(
+        later = self._distribution.shares(
             natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
         )
         tensions = pose.kept_taut(
@@ -299,9 +299,9 @@ class PoseController:
         )
         return JointCommand(first, second, third, fourth)
 
-    def _hold(self, pose: PoseTensions) -> Quadruple:
+    def _hold(self, shares: Quadruple) -> Quadruple:
         """Return the tensions that hold the ring in a pose: co-contraction, no wire too slack."""
-        return pose.raised(_scaled(self._total, pose.shares), self._least)
+        return raised(_scaled(self._total, shares), shares, self._least)
 
     def _estimate(
         self, state: JointState, stretch: Quadruple, rods: Quadruple, hold: Quadruple

@@ -18,13 +18,42 @@ _BESIDE = (4e-4, 9e-4, 0.0)
 the anchors' azimuths. They move by less than 1e-4 over this."""
 
 
-_MOST_LIFTS = 8
+_MOST_LIFTS = 25
 _LIFTED = 1e-3
 """How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
 
 
 class SlackWire(ValueError):
     """No tensions hold the pose with every wire taut."""
+
+
+def raised(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
+    """Return tensions (N) that turn the ring as much, none below `least`.
+
+    Parameters
+    ----------
+    tensions : tuple of float
+        Of the four wires, N.
+    shares : tuple of float
+        Of the pose; see `PoseTensions`.
+    least : float
+        N.
+
+    Raises
+    ------
+    SlackWire
+        The wires have no force closure here.
+    """
+    (a, b, c, d), (e, f, g, h) = tensions, shares
+    if e <= 0.0 or f <= 0.0 or g <= 0.0 or h <= 0.0:
+        number = shares.index(min(shares)) + 1
+        raise SlackWire(
+            f"wire {number} would have to push: no tensions hold this pose with all wires taut"
+        )
+    if a >= least and b >= least and c >= least and d >= least:
+        return tensions
+    level = max((least - a) / e, (least - b) / f, (least - c) / g, (least - d) / h)
+    return (a + level * e, b + level * f, c + level * g, d + level * h)
 
 
 class PoseTensions(NamedTuple):
@@ -53,35 +82,12 @@ class PoseTensions(NamedTuple):
         k, m, n, p = self.second
         return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
 
-    def raised(self, tensions: Quadruple, least: float) -> Quadruple:
-        """Return tensions (N) that turn the ring as much, none below `least`.
-
-        Raises
-        ------
-        SlackWire
-            The wires have no force closure here.
-        """
-        level = 0.0
-        for tension, share in zip(tensions, self.shares, strict=True):
-            if share <= 0.0:
-                number = self.shares.index(share) + 1
-                raise SlackWire(
-                    f"wire {number} would have to push: no tensions hold this pose with all "
-                    "wires taut"
-                )
-            if tension + level * share < least:
-                level = (least - tension) / share
-        if level == 0.0:
-            return tensions
-        (a, b, c, d), (e, f, g, h) = tensions, self.shares
-        return (a + level * e, b + level * f, c + level * g, d + level * h)
-
     def kept_taut(self, tensions: Quadruple, least: float) -> Quadruple:
         """Return tensions (N) that tilt the ring as much, none below `least`.
 
-        Unlike `raised` this leaves the spin to the friction of the seat, and so takes no more than
-        it must: where a wire's share is small, at great tilts, `raised` would multiply every
-        newton that a controller takes from that wire. For differences that come and go.
+        Unlike raising all four (`raised`) this leaves the spin to the friction of the seat, and so
+        takes no more than it must: where a wire's share is small, at great tilts, raising would
+        multiply every newton that a controller takes from it. For differences that come and go.
         """
         a, b, c, d = tensions
         if a >= least and b >= least and c >= least and d >= least:
@@ -144,7 +150,8 @@ class TensionDistribution:
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum."""
-        return self.at(rotation).shares
+        shares = self._shares(self._wires.jacobian(rotation))
+        return self.at(rotation).shares if shares is None else shares
 
     def hold(
         self,
@@ -173,12 +180,12 @@ class TensionDistribution:
         SlackWire
             The wires have no force closure here.
         """
-        pose = self.at(rotation)
+        shares = self.shares(rotation)
         balance = self._balance(rotation, load)
         first, second, third, fourth = (
-            tension + total * share for tension, share in zip(balance, pose.shares, strict=True)
+            tension + total * share for tension, share in zip(balance, shares, strict=True)
         )
-        return pose.raised((first, second, third, fourth), least)
+        return raised((first, second, third, fourth), shares, least)
 
     def seating_margin(self, rotation: Rotation, tensions: Quadruple) -> float:
         """Return by how much the wires' net force stays within the ring's contact cone, rad.

@@ -17,7 +17,12 @@ from controllers.spherical_joint.poses import (
     paper_rotation,
     rotate,
 )
-from controllers.spherical_joint.tension import SlackWire, TensionDistribution, pair_pressures
+from controllers.spherical_joint.tension import (
+    SlackWire,
+    TensionDistribution,
+    pair_pressures,
+    raised,
+)
 
 GEOMETRY = SphericalJointGeometry()
 WIRES = ExactWires(GEOMETRY)
@@ -164,7 +169,7 @@ def test_pairs_are_on_their_own_at_home():
 def test_tensions_are_kept_taut_without_tilting_the_ring(axis, forces):
     pose = TENSIONS.at(natural_rotation(axis))
     first, second = 0.5 * forces[0], 0.5 * forces[1]
-    hold = pose.raised(tuple(80.0 * share for share in pose.shares), 10.0)
+    hold = raised(tuple(80.0 * share for share in pose.shares), pose.shares, 10.0)
     spread = (first, -second, -first, second)
     tensions = tuple(a + b for a, b in zip(hold, spread, strict=True))
     taut = pose.kept_taut(tensions, 10.0)
@@ -180,10 +185,10 @@ def test_tensions_are_kept_taut_without_tilting_the_ring(axis, forces):
 def test_keeping_a_wire_taut_at_a_great_tilt_takes_a_newton_for_a_newton():
     """Raising all tensions together would take 14 for one: that wire's share is 0.07."""
     pose = TENSIONS.at(natural_rotation(axis_from_tilt(math.radians(60.0), 0.0)))
-    hold = pose.raised(tuple(80.0 * share for share in pose.shares), 10.0)
+    hold = raised(tuple(80.0 * share for share in pose.shares), pose.shares, 10.0)
     slack = (hold[0], hold[1] + 2.0, hold[2], hold[3] - 2.0)
     assert sum(pose.kept_taut(slack, 10.0)) < sum(slack) + 5.0
-    assert sum(pose.raised(slack, 10.0)) > sum(slack) + 25.0
+    assert sum(raised(slack, pose.shares, 10.0)) > sum(slack) + 25.0
 
 
 def test_pressures_of_tensions():
