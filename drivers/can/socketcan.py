@@ -125,6 +125,10 @@ class SocketCanBus:
         filters = b"".join(_FILTER.pack(can_id, mask) for can_id in wanted)
         self._socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
 
+    def fileno(self) -> int:
+        """Return the socket's descriptor, to wait for frames; -1 once it is closed."""
+        return self._socket.fileno()
+
     def shutdown(self) -> None:
         """Close the socket. Idempotent."""
         self._batch.close()

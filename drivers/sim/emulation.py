@@ -121,6 +121,15 @@ class EmulatedRig:
         """Let time pass up to `t` (s): frames arrive, nodes answer, the plant moves."""
         for bus in self.buses:
             bus.drain(self._latency)
+        self.pass_until(t)
+
+    @property
+    def due(self) -> float:
+        """When something happens next of its own, s."""
+        return self._next_due()
+
+    def pass_until(self, t: float) -> None:
+        """Let time pass up to `t` (s) without looking for what the master has sent."""
         while (due := self._next_due()) <= t:
             now = max(due, self.time)
             self.plant.advance(now)

@@ -2,6 +2,7 @@
 
 from rig.assembly.build import build_rig, check_profile
 from rig.assembly.buses import bus_loads
+from rig.assembly.interfaces import backend_of, parse_interfaces
 from rig.assembly.parts import make_controller, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledClasses
 from rig.assembly.rig import Backend, Rig
@@ -11,9 +12,11 @@ __all__ = [
     "Backend",
     "InstalledClasses",
     "Rig",
+    "backend_of",
     "build_rig",
     "bus_loads",
     "check_profile",
     "make_controller",
+    "parse_interfaces",
     "plan_motion",
 ]

@@ -1,6 +1,7 @@
 """From a profile to a rig, checked before anything is opened."""
 
-from rig.assembly.buses import bus_loads, is_can, make_bus
+from rig.assembly.buses import bus_loads, make_bus
+from rig.assembly.interfaces import parse_interfaces
 from rig.assembly.parts import make_devices, make_mechanism
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
@@ -26,7 +27,7 @@ def check_profile(profile: Profile) -> None:
         raise ConfigurationError(str(error)) from error
 
 
-def build_rig(profile: Profile, backend: Backend) -> Rig:
+def build_rig(profile: Profile, backend: Backend, on: str | None = None) -> Rig:
     """Build a rig; nothing is opened yet.
 
     Parameters
@@ -37,6 +38,9 @@ def build_rig(profile: Profile, backend: Backend) -> Rig:
         ``sim``: devices straight on the plant. ``virtual``: production drivers, emulated
         nodes, virtual time. ``vcan``: production drivers on SocketCAN's ``vcan0``.
         ``hardware``: production drivers on what the profile names.
+    on : str, optional
+        Other CAN interfaces than the profile's or ``vcan0``, see
+        `rig.assembly.interfaces.parse_interfaces`.
 
     Raises
     ------
@@ -49,9 +53,11 @@ def build_rig(profile: Profile, backend: Backend) -> Rig:
 
         return (build_sim if backend is Backend.SIM else build_virtual)(profile)
     clock = MonotonicClock(spin=200e-6 if profile.loop.spin else 0.0)
-    vcan = {"interface": "socketcan", "channel": "vcan0"} if backend is Backend.VCAN else {}
+    if on is None and backend is Backend.VCAN:
+        on = backend.value
+    others = parse_interfaces(on, profile) if on is not None else {}
     buses = {
-        name: make_bus(name, bus, clock, profile.loop.period, vcan if is_can(bus) else {})
+        name: make_bus(name, bus, clock, profile.loop.period, others.get(name))
         for name, bus in profile.buses.items()
     }
     devices = make_devices(profile, buses, clock)

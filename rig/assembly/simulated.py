@@ -16,7 +16,14 @@ from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
 
 
-def _make_plant(profile: Profile) -> Any:
+def make_plant(profile: Profile) -> Any:
+    """Make the physics of a profile.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has none.
+    """
     if profile.plant is None:
         raise ConfigurationError(
             f"the profile {profile.name} has no plant, so it cannot be simulated"
@@ -53,7 +60,7 @@ def build_sim(profile: Profile) -> Rig:
     from drivers.sim.faults import FaultSchedule, FaultyWorld
     from drivers.sim.wiring import LINKS
 
-    plant = _make_plant(profile)
+    plant = make_plant(profile)
     devices: dict[str, Any] = {}
     clock = SimClock(plant)
     for name, entry in profile.devices.items():
@@ -66,7 +73,7 @@ def build_sim(profile: Profile) -> Rig:
         devices[name] = wiring.simulate(name, entry.settings, plant, channels, clock)
     if profile.simulation.faults:
         targets = {**devices, "plant": plant}
-        with _checking_faults():
+        with checking_faults():
             schedule = FaultSchedule(profile.simulation.faults, targets)
         clock.world = FaultyWorld(plant, schedule)
     return Rig(
@@ -79,6 +86,17 @@ def build_sim(profile: Profile) -> Rig:
         truth_columns=_truth_columns(plant),
         truth=plant.truth,
     )
+
+
+def emulate_nodes(profile: Profile, plant: Any, bus: str) -> list[Any]:
+    """Make the emulated node of every device on a bus, with ports to the plant."""
+    nodes: list[Any] = []
+    for name, entry in profile.devices.items():
+        if entry.bus == bus:
+            wiring, channels = _wire(profile, plant, name)
+            made = wiring.emulate(name, entry.settings, plant, channels, entry.serial or 0)
+            nodes += made if isinstance(made, tuple) else (made,)
+    return nodes
 
 
 _virtual_channels = itertools.count()
@@ -94,19 +112,14 @@ def build_virtual(profile: Profile) -> Rig:
     from drivers.sim.emulation import EmulatedRig
     from drivers.sim.wiring import LINKS
 
-    plant = _make_plant(profile)
+    plant = make_plant(profile)
     run = f"rig-{os.getpid()}-{next(_virtual_channels)}"
     ends = []
     emulated: list[Any] = []
     on: dict[str, dict[str, str]] = {}
     ports: dict[str, Callable[[], Any]] = {}
     for bus, spoken in profile.buses.items():
-        nodes: list[Any] = []
-        for name, entry in profile.devices.items():
-            if entry.bus == bus:
-                wiring, channels = _wire(profile, plant, name)
-                made = wiring.emulate(name, entry.settings, plant, channels, entry.serial or 0)
-                nodes += made if isinstance(made, tuple) else (made,)
+        nodes = emulate_nodes(profile, plant, bus)
         if is_can(spoken):
             channel = f"{run}-{bus}"
             end = can.Bus(interface="virtual", channel=channel, ignore_config=True)
@@ -124,7 +137,7 @@ def build_virtual(profile: Profile) -> Rig:
         for name, entry in profile.devices.items()
         if entry.driver in LINKS
     }
-    with _checking_faults():
+    with checking_faults():
         world = EmulatedRig(
             plant,
             emulated,
@@ -158,7 +171,7 @@ def build_virtual(profile: Profile) -> Rig:
 
 
 @contextlib.contextmanager
-def _checking_faults() -> Iterator[None]:
+def checking_faults() -> Iterator[None]:
     """Turn a scheduled fault that cannot happen into a configuration error."""
     try:
         yield

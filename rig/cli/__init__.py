@@ -17,6 +17,7 @@ COMMANDS = {
     "run": ("rig.cli.run:run", "Run an experiment and leave a run folder."),
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
+    "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
     "export": ("rig.cli.export:export", "Write a run's log as csv, npz or mat."),

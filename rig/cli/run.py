@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rig.cli.interfaces import OnBackend
 from rig.cli.names import complete_experiment, complete_rig
 from rig.cli.tables import print_data
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
 
-BACKENDS = ("sim", "virtual", "vcan", "hardware")
-
 
 @click.command()
 @click.argument("experiment", shell_complete=complete_experiment)
 @click.option(
     "--on",
-    "backend",
-    type=click.Choice(BACKENDS),
+    "on",
+    type=OnBackend(),
     default="virtual",
     show_default=True,
     help="sim: devices on the plant. virtual: production drivers on emulated CANopen nodes. "
-    "vcan: SocketCAN vcan0. hardware: what the profile names.",
+    "vcan: SocketCAN vcan0. hardware: what the profile names. An INTERFACE such as vcan1, "
+    "vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0: this one, see `rig simulate`.",
 )
 @click.option(
     "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
@@ -45,7 +45,7 @@ BACKENDS = ("sim", "virtual", "vcan", "hardware")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def run(
     experiment: str,
-    backend: str,
+    on: str,
     rig_name: str | None,
     controller: str | None,
     overrides: tuple[str, ...],
@@ -60,7 +60,7 @@ def run(
     EXPERIMENT is a name from `rig list` or the path of a YAML file. Ctrl-C stops the rig in an
     orderly way, a second Ctrl-C at once; both leave it safe.
     """
-    from rig.assembly import Backend
+    from rig.assembly import Backend, backend_of
     from rig.cli.progress import ProgressLine
     from rig.experiment.plan import load_plan
     from rig.experiment.run import run_experiment
@@ -73,10 +73,16 @@ def run(
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")
-    line = ProgressLine(plan.experiment.name, backend)
+    line = ProgressLine(plan.experiment.name, on)
     with line:
         result = run_experiment(
-            plan, Backend(backend), out, overrides=options, watcher=line, report=not no_report
+            plan,
+            backend_of(on),
+            out,
+            on=None if on in list(Backend) else on,
+            overrides=options,
+            watcher=line,
+            report=not no_report,
         )
     if as_json:
         print_data(json.dumps(as_data(result), indent=2))

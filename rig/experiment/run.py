@@ -73,6 +73,7 @@ def run_experiment(
     backend: Backend,
     out: Path,
     *,
+    on: str | None = None,
     overrides: Sequence[str] = (),
     watcher: Watcher | None = None,
     report: bool = True,
@@ -87,6 +88,8 @@ def run_experiment(
         What to run it on.
     out : Path
         Where run folders live.
+    on : str, optional
+        Other CAN interfaces than the profile's, see `build_rig`.
     overrides : sequence of str
         The options that shaped the plan; recorded so that the run can be repeated.
     watcher : Watcher, optional
@@ -105,9 +108,9 @@ def run_experiment(
         The run folder cannot be made, or the profile does not run on this backend.
     """
     watcher = watcher or Watcher()
-    rig = build_rig(plan.profile, backend)
+    rig = build_rig(plan.profile, backend, on)
     try:
-        folder = _create_folder(plan, backend, out, overrides)
+        folder = _create_folder(plan, backend, on, out, overrides)
     except BaseException:
         rig.close()
         raise
@@ -126,9 +129,11 @@ def run_experiment(
     return Result(folder.path, status, code, message, tuple(metrics))
 
 
-def _create_folder(plan: Plan, backend: Backend, out: Path, overrides: Sequence[str]) -> RunFolder:
+def _create_folder(
+    plan: Plan, backend: Backend, on: str | None, out: Path, overrides: Sequence[str]
+) -> RunFolder:
     experiment, profile = plan.experiment, plan.profile
-    command = ["rig", "run", experiment.name, "--on", backend.value]
+    command = ["rig", "run", experiment.name, "--on", on or backend.value]
     for option in overrides:
         command += ["--set", option]
     calibrations = {

@@ -1,0 +1,136 @@
+"""`rig simulate`: a rig's plant and emulated devices on a real bus, for another process."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.names import complete_rig, configs_option, set_option
+
+if TYPE_CHECKING:
+    from rig.assembly.simulation_process import Simulation
+    from rig.config import Profile
+
+_REDRAW = 0.5  # of the status line, s
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.option(
+    "--on",
+    default="vcan0",
+    show_default=True,
+    metavar="INTERFACE",
+    help="CHANNEL (of SocketCAN) or INTERFACE:CHANNEL of python-can, one for each CAN bus of the "
+    "profile with commas between (vcan0,vcan1), or BUS=… each. A single one with a number "
+    "counts on: vcan0 is vcan0,vcan1 for two buses. udp_multicast stays on this host.",
+)
+@click.option(
+    "--for", "duration", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="End by itself.",
+)  # fmt: skip
+@set_option
+@configs_option
+def simulate(
+    rig: str, on: str, duration: float | None, overrides: tuple[str, ...], configs: Path | None
+) -> int:
+    """Put the emulated devices of RIG on a real bus, in real time, until Ctrl-C.
+
+    In another terminal, `rig run EXPERIMENT --on` the same interface runs on them as it would
+    on the rig; so does any other CANopen program. Serial buses become pseudo-terminals, whose
+    paths are printed.
+    """
+    from rig.assembly import REGISTRY, check_profile, parse_interfaces
+    from rig.assembly.buses import is_can
+    from rig.assembly.simulation_process import open_simulation
+    from rig.config import load_profile
+    from rig.config.names import find_configs
+    from rig.runtime.stop import StopRequests
+
+    profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
+    check_profile(profile)
+    has_can = any(map(is_can, profile.buses.values()))
+    interfaces = parse_interfaces(on, profile) if has_can else {}
+    with (
+        contextlib.suppress(KeyboardInterrupt),
+        StopRequests() as stop,
+        open_simulation(profile, interfaces) as simulation,
+        _status_line() as show,
+    ):
+        _introduce(profile, simulation)
+        try:
+            _serve(simulation, show, duration)
+        finally:
+            stop.shield()  # a second request must not tear the release of the interfaces
+    click.echo("stopped", err=True)
+    return 0
+
+
+def _introduce(profile: Profile, simulation: Simulation) -> None:
+    for bus, channel in simulation.channels.items():
+        devices = [name for name, entry in profile.devices.items() if entry.bus == bus]
+        click.echo(f"{bus} on {channel}: {', '.join(devices)}", err=True)
+    for name in simulation.left_out:
+        click.echo(f"{name} hangs on no bus: another process cannot reach it", err=True)
+    click.echo(f"simulating {profile.name}; Ctrl-C ends it", err=True)
+    sys.stderr.flush()
+
+
+def _serve(simulation: Simulation, show: Any, duration: float | None) -> None:
+    began = last = monotonic()
+    counts = _counts(simulation)
+    while duration is None or last - began < duration:
+        until = monotonic() + _REDRAW
+        simulation.rig.serve(lambda until=until: monotonic() >= until)
+        now, newer = monotonic(), _counts(simulation)
+        span = now - last
+        parts = [f"{now - began:7.1f} s"]
+        for name, end in simulation.ends.items():
+            came, went = newer[name][0] - counts[name][0], newer[name][1] - counts[name][1]
+            parts.append(f"{name} {came / span:.0f} in {went / span:.0f} out /s")
+            if end.lost:
+                parts.append(f"{end.lost} refused")
+            if end.trouble:
+                parts.append(end.trouble)
+        if simulation.rig.held_up:
+            parts.append(f"held up {simulation.rig.held_up:.2f} s")
+        show("  ".join(parts))
+        last, counts = now, newer
+
+
+def _counts(simulation: Simulation) -> dict[str, tuple[int, int]]:
+    return {name: (end.received, end.sent) for name, end in simulation.ends.items()}
+
+
+@contextlib.contextmanager
+def _status_line() -> Iterator[Any]:
+    """Yield what redraws one line on a terminal; elsewhere it says nothing.
+
+    The line is written to a descriptor that never blocks: a terminal that is stopped (Ctrl-S)
+    must not stop the devices.
+    """
+    terminal = -1
+    if sys.stderr.isatty():
+        with contextlib.suppress(OSError):  # a console without a name
+            terminal = os.open(
+                os.ttyname(sys.stderr.fileno()), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY
+            )
+
+    def show(text: str) -> None:
+        if terminal >= 0:
+            with contextlib.suppress(OSError):  # full or gone: the next one may get through
+                os.write(terminal, f"\r\x1b[2K{text}".encode())
+
+    try:
+        yield show
+    finally:
+        show("")
+        if terminal >= 0:
+            os.close(terminal)
