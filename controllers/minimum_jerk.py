@@ -1,9 +1,7 @@
 """The smoothest motion from rest to rest."""
 
 
-def minimum_jerk(
-    start: float, end: float, duration: float, t: float
-) -> tuple[float, float, float]:
+def minimum_jerk(start: float, end: float, duration: float, t: float) -> tuple[float, float, float]:
     """Return the motion from rest to rest that minimises the integral of squared jerk.
 
     Parameters

@@ -24,7 +24,7 @@ from controllers.arm.trajectories import Trajectory
 
 Array = NDArray[np.float64]
 
-_POINTS = 4000
+_POINTS = 2000
 _RATE_SHARE = 0.9998
 """Of the rate limits that is used, for the same reason as below."""
 _ACCELERATION_SHARE = 0.98

@@ -94,7 +94,8 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
 def _draw_cost(axes: "Axes", cost: _Cost, runs: Sequence[RunData], labels: Sequence[str]) -> None:
     values = metric_values(runs, cost.metric) * cost.factor
     shown = np.maximum(values, cost.floor)
-    axes.barh(range(len(runs)), shown, 0.7, color=GREY)
+    lengths = np.where(values > cost.floor, shown, 0.0)
+    axes.barh(range(len(runs)), lengths, 0.7, color=GREY)
     for row, (value, end) in enumerate(zip(values, shown, strict=True)):
         if np.isfinite(value):
             write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)

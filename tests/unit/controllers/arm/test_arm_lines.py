@@ -37,8 +37,8 @@ RATES = np.array(GEOMETRY.rate_limits)
 ACCELERATIONS = np.array(GEOMETRY.acceleration_limits)
 LAWS = {
     "inverse": (Inverse, InverseSettings(), 1e-3),
-    "dls": (DampedLeastSquares, DampedSettings(), 5e-3),
-    "servo-halt": (ServoHalt, ServoHaltSettings(), 5e-3),
+    "dls": (DampedLeastSquares, DampedSettings(), 1e-2),
+    "servo-halt": (ServoHalt, ServoHaltSettings(), 1e-2),
     "esc-paper": (EscPaper, EscPaperSettings(), 5e-3),
     "esc": (Esc, EscSettings(), 5e-3),
     "look-ahead": (LookAhead, LookAheadSettings(), 5e-3),

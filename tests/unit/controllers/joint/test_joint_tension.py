@@ -179,7 +179,7 @@ def test_tensions_are_kept_taut_without_tilting_the_ring(axis, forces):
         assert taut == tensions
     else:
         # Never more than it takes with only the pair's own two wires.
-        assert sum(taut) < sum(tensions) + 8.0 * (10.0 - min(tensions))
+        assert sum(taut) < sum(tensions) + 8.0 * (10.0 - min(tensions)) + 0.05
 
 
 def test_keeping_a_wire_taut_at_a_great_tilt_takes_a_newton_for_a_newton():

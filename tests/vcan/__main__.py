@@ -1,0 +1,67 @@
+"""Run the tests marked ``vcan`` where there is SocketCAN: ``python -m tests.vcan [OPTIONS]``.
+
+Natively if this kernel makes virtual CAN interfaces, else inside Debian's user-mode Linux: a
+kernel that runs as an ordinary process, with the host's files as its own (packages
+``user-mode-linux`` and ``kmod``; no virtualisation, no privilege beyond root's). It takes a
+second to boot. Its clock is coarse and it has one processor: it is for function, not for timing.
+
+The exit code is pytest's, or 4 if there is neither kernel, and 124 if the time was up.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from user_mode_linux import NotInstalled, run_inside
+from vcan_links import LINKS, make_links, missing
+
+TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "600"))  # of the whole run, s
+_NEITHER = 4  # pytest's own code for a usage error
+_ROOT = Path(__file__).parents[2]
+
+
+def main() -> int:
+    """Run the tests wherever they can be run; return the exit code."""
+    arguments = sys.argv[1:]
+    command = [
+        sys.executable, "-m", "pytest", "-m", "vcan", "-p", "no:cacheprovider",
+        *(arguments or [str(Path(__file__).parent)]),
+    ]  # fmt: skip
+    reason = make_links()
+    if reason is None:
+        say(f"on this kernel's {', '.join(LINKS)}")
+        os.chdir(_ROOT)
+        os.execv(command[0], command)
+    say(f"{reason}; in user-mode Linux instead")
+    try:
+        code = run_inside(command, _ROOT, TIME_LIMIT)
+    except NotInstalled as error:
+        say(str(error))
+        return _NEITHER
+    if code is None:
+        say(f"ended after {TIME_LIMIT:g} s (VCAN_TIME_LIMIT)")
+        return 124
+    return code
+
+
+def say(text: str) -> None:
+    """Tell the user something."""
+    sys.stderr.write(f"tests.vcan: {text}\n")
+    sys.stderr.flush()
+
+
+def inside(command: list[str]) -> int:
+    """Run a command once the interfaces are up; what user-mode Linux's first process calls."""
+    import subprocess
+
+    reason = make_links()
+    if reason is not None:
+        say(f"inside user-mode Linux: {reason}, {missing()}")
+        return _NEITHER
+    return subprocess.call(command)
+
+
+if __name__ == "__main__":
+    sys.exit(inside(sys.argv[2:]) if sys.argv[1:2] == ["--inside"] else main())

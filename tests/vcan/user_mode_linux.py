@@ -1,0 +1,133 @@
+"""Debian's user-mode Linux as a place to run one command in."""
+
+import contextlib
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import tempfile
+from pathlib import Path
+
+_MEMORY = "1024M"
+_MODULES = (
+    "net/can/can",
+    "net/can/can-raw",
+    "net/can/can-bcm",
+    "drivers/net/can/dev/can-dev",
+    "drivers/net/can/vcan",
+    "drivers/net/can/vxcan",
+)
+# What the first process does. The root is the host's: what this writes, the host keeps.
+_FIRST_PROCESS = """\
+#!/bin/sh
+mount -t proc proc /proc
+mount -t sysfs sys /sys
+mount -t devpts devpts /dev/pts 2>/dev/null
+cd /usr/lib/uml/modules/$(uname -r)/kernel
+for module in {modules}; do {insmod} $module.ko; done
+{ip} link set lo up
+cd {folder}
+{environment}
+{command} </dev/null >{out} 2>&1
+echo $? >{code}
+echo o >/proc/sysrq-trigger
+sleep 60
+"""
+# A kernel that has no more to do with the host's hardware than its files must not look for it.
+_KEPT = ("HOME", "PATH", "LANG", "VIRTUAL_ENV", "PYTHONPATH", "NUMBA_CACHE_DIR", "MPLBACKEND")
+
+
+class NotInstalled(Exception):
+    """User-mode Linux, or a tool that it needs, is not on this machine."""
+
+
+def run_inside(command: list[str], folder: Path, time_limit: float) -> int | None:
+    """Run a command inside; its output comes through as it is written.
+
+    Parameters
+    ----------
+    command : list of str
+        Its first word is an absolute path. It runs by way of this folder's ``__main__``, which
+        sets the interfaces up.
+    folder : Path
+        Where it runs.
+    time_limit : float
+        After this the kernel is ended, s.
+
+    Returns
+    -------
+    int or None
+        The command's exit code; None if the time was up.
+
+    Raises
+    ------
+    NotInstalled
+        With the command that installs it.
+    """
+    kernel = shutil.which("linux.uml") or shutil.which("linux")
+    insmod = shutil.which("insmod") or shutil.which("insmod", path="/sbin:/usr/sbin")
+    ip = shutil.which("ip") or shutil.which("ip", path="/sbin:/usr/sbin")
+    if not (kernel and insmod and ip):
+        raise NotInstalled(
+            "user-mode Linux is not installed: apt-get install user-mode-linux kmod iproute2"
+        )
+    starter = [command[0], str(Path(__file__).with_name("__main__.py")), "--inside"]
+    with tempfile.TemporaryDirectory(prefix="vcan-") as name:
+        place = Path(name)
+        out, code, first = place / "out", place / "code", place / "init"
+        out.touch()
+        kept = {key: os.environ[key] for key in _KEPT if key in os.environ}
+        first.write_text(
+            _FIRST_PROCESS.format(
+                modules=" ".join(_MODULES),
+                insmod=insmod,
+                ip=ip,
+                folder=shlex.quote(str(folder)),
+                environment="\n".join(
+                    f"export {key}={shlex.quote(value)}" for key, value in kept.items()
+                ),
+                command=shlex.join([*starter, *command]),
+                out=out,
+                code=code,
+            ),
+            encoding="utf-8",
+        )
+        first.chmod(0o755)
+        booted = subprocess.Popen(
+            [
+                kernel, f"mem={_MEMORY}", "rootfstype=hostfs", "rootflags=/", "rw", "quiet",
+                f"init={first}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
+            ],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )  # fmt: skip
+        try:
+            _follow(booted, out, time_limit)
+        finally:
+            # All of its processes are in a session of their own, the guest's programs too.
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(booted.pid, signal.SIGKILL)
+            booted.wait()
+        try:
+            return int(code.read_text())
+        except (OSError, ValueError):
+            return None
+
+
+def _follow(booted: "subprocess.Popen[bytes]", out: Path, time_limit: float) -> None:
+    """Show what is written until the kernel has ended or the time is up."""
+    import sys
+    from time import monotonic, sleep
+
+    deadline = monotonic() + time_limit
+    with out.open("rb") as written:
+        while True:
+            ended = booted.poll() is not None
+            text = written.read()
+            if text:
+                sys.stdout.buffer.write(text)
+                sys.stdout.flush()
+            if ended or monotonic() > deadline:
+                return
+            sleep(0.1)
