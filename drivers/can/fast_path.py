@@ -4,7 +4,6 @@ SocketCAN offers it itself; around python-can's interfaces it is made here.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 from drivers.can.frame import (
     ERROR_FLAG,
@@ -12,7 +11,7 @@ from drivers.can.frame import (
     EXTENDED_MASK,
     REMOTE_FLAG,
 )
-from rig.hal import CanBus, Frame
+from rig.hal import CanBus
 
 Drain = Callable[[int], list[tuple[int, bytes]]]
 Send = Callable[[int, bytes], None]
@@ -49,13 +48,12 @@ def send_of(bus: CanBus) -> Send:
     own: Send | None = getattr(bus, "send_data", None)
     if own is not None:
         return own
-    import can
+    from drivers.can.message import Message
 
-    message: Callable[..., Any] = can.Message
     send = bus.send
 
     def send_data(can_id: int, data: bytes) -> None:
-        frame: Frame = message(
+        frame = Message(
             arbitration_id=can_id & EXTENDED_MASK,
             data=data,
             is_extended_id=bool(can_id & EXTENDED_FLAG),

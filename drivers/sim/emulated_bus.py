@@ -4,7 +4,6 @@ import random
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
-from typing import cast
 
 from drivers.sim.frame_faults import FrameFaults
 from drivers.sim.nodes.bus_node import BusNode
@@ -39,7 +38,7 @@ class EmulatedBus:
     """
 
     def __init__(self, name: str, bus: CanBus, nodes: Sequence[BusNode]) -> None:
-        import can
+        from drivers.can.message import Message
 
         for attribute in ("node_id", "name"):
             values = [getattr(node, attribute) for node in nodes]
@@ -51,8 +50,7 @@ class EmulatedBus:
         self.frame_loss = 0.0
         self.faults = FrameFaults()
         self.monitor: Callable[[float, int, bytes], None] | None = None
-        # A Message's `data` is a bytearray, narrower than the seam's attribute.
-        self._message = cast("Callable[..., Frame]", can.Message)
+        self._message = Message
         for node in nodes:
             node.send = self._sender(node)
             self.faults.offer(node)

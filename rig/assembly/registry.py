@@ -5,6 +5,7 @@ add theirs through the entry-point groups ``rig.drivers``, ``rig.controllers``,
 ``rig.mechanisms``, ``rig.plants`` and ``rig.references``; no import has a side effect.
 """
 
+import functools
 import importlib
 from importlib.metadata import entry_points
 from typing import Any, NamedTuple
@@ -149,13 +150,19 @@ def _load(path: str) -> Any:
     return getattr(importlib.import_module(module), name)
 
 
+@functools.cache
+def _names(kind: Kind) -> tuple[str, ...]:
+    """Look once: what is installed does not change while a program runs."""
+    others = {point.name for point in entry_points(group=f"rig.{kind}s")}
+    return tuple(sorted(others | set(_TABLE[kind])))
+
+
 class InstalledClasses:
     """The registry of everything a profile or experiment may name; see `Registry`."""
 
     def names(self, kind: Kind) -> tuple[str, ...]:
         """Return every name of a kind, sorted."""
-        others = {point.name for point in entry_points(group=f"rig.{kind}s")}
-        return tuple(sorted(others | set(_TABLE[kind])))
+        return _names(kind)
 
     def settings(self, kind: Kind, name: str) -> type[Any]:
         """Return the settings dataclass of a name; KeyError if there is none."""

@@ -8,10 +8,14 @@ class Frame(Protocol):
     """A classic CAN or CAN FD frame; `can.Message` satisfies it as it is."""
 
     arbitration_id: int
-    data: bytes | bytearray
     is_error_frame: bool
     is_remote_frame: bool
     is_extended_id: bool
+
+    @property
+    def data(self) -> bytes | bytearray:
+        """0 … 8 bytes, of CAN FD up to 64."""
+        ...
 
 
 class CanBus(Protocol):
