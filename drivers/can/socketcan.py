@@ -108,10 +108,10 @@ class SocketCanBus:
         OSError
             ENETDOWN: the interface went down.
         """
-        frames = []
-        for can_id, length, data in _FRAME.iter_unpack(self._receive(limit)):
-            frames.append((can_id, data[:length]))
-        return frames
+        return [
+            (can_id, data[:length])
+            for can_id, length, data in _FRAME.iter_unpack(self._receive(limit))
+        ]
 
     def accept(self, ids: Iterable[int]) -> None:
         """Have the kernel pass data frames with these 11-bit identifiers only, and errors.

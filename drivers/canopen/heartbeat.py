@@ -87,9 +87,22 @@ class HeartbeatWatch:
         When that was, s.
     boots : int
         How many boot-up messages came.
+    good_until : float
+        Up to when all is well if nothing else comes, s: while this is ahead, `check` has nothing
+        to say and need not be called.
     """
 
-    __slots__ = ("_armed", "_boots_at_arm", "boots", "last", "name", "node", "state", "timeout")
+    __slots__ = (
+        "_armed",
+        "_boots_at_arm",
+        "boots",
+        "good_until",
+        "last",
+        "name",
+        "node",
+        "state",
+        "timeout",
+    )
 
     def __init__(self, name: str, node: int, timeout: float) -> None:
         self.name = name
@@ -98,6 +111,7 @@ class HeartbeatWatch:
         self.state: int | None = None
         self.last = -inf
         self.boots = 0
+        self.good_until = inf
         self._armed = False
         self._boots_at_arm = 0
 
@@ -110,19 +124,23 @@ class HeartbeatWatch:
             self.boots += 1
         self.state = state
         self.last = now
+        self._judge()
 
     def forget(self) -> None:
         """Not know the state until the next heartbeat says it."""
         self.state = None
+        self._judge()
 
     def arm(self) -> None:
         """Expect OPERATIONAL from now on."""
         self._boots_at_arm = self.boots
         self._armed = True
+        self._judge()
 
     def disarm(self) -> None:
         """Expect nothing."""
         self._armed = False
+        self._judge()
 
     def check(self, now: float) -> None:
         """Raise if an armed node is not in OPERATIONAL.
@@ -157,3 +175,11 @@ class HeartbeatWatch:
                 value=f"{now - self.last:.3f} s of silence",
                 bound=f"{self.timeout:g} s",
             )
+
+    def _judge(self) -> None:
+        if not self._armed:
+            self.good_until = inf
+        elif self.state == _OPERATIONAL and self.boots == self._boots_at_arm:
+            self.good_until = self.last + self.timeout
+        else:
+            self.good_until = -inf

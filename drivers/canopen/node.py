@@ -175,7 +175,8 @@ class CanopenNode:
             return
         if self.emergency.active is not None:
             raise DeviceFault(self.name, str(self.emergency.active), node=self.node)
-        self.heartbeat.check(now)
+        if now > self.heartbeat.good_until:
+            self.heartbeat.check(now)
 
     # Objects --------------------------------------------------------------------------
 

@@ -64,16 +64,18 @@ class AntagonisticPair:
 
     Settings = CylinderSettings
 
+    # The reference comes first, where the loop's own column of that group ends: a log whose groups
+    # stand together already needs no rearranging.
     columns = (
+        Column("reference.position", "m", "desired position"),
+        Column("reference.velocity", "m/s", "desired velocity"),
+        Column("reference.acceleration", "m/s^2", "desired acceleration"),
         Column("reading.position", "m", "position of the pair, mean of both rods"),
         Column("reading.position_agonist", "m", "extension of the agonist's rod"),
         Column("reading.position_antagonist", "m", "extension of the antagonist's rod"),
         Column("reading.pressure_agonist", "Pa", "monitored chamber pressure, gauge"),
         Column("reading.pressure_antagonist", "Pa", "monitored chamber pressure, gauge"),
         Column("reading.age", "s", "age of the oldest reading when it was used"),
-        Column("reference.position", "m", "desired position"),
-        Column("reference.velocity", "m/s", "desired velocity"),
-        Column("reference.acceleration", "m/s^2", "desired acceleration"),
         Column("estimate.velocity", "m/s", "velocity as the controller estimates it"),
         Column("estimate.disturbance", "N", "disturbance as the controller estimates it"),
         Column("command.agonist", "Pa", "setpoint that the controller wants, gauge"),
@@ -332,12 +334,12 @@ class AntagonisticPair:
         estimate = self.controller.estimate if self.controller is not None else (0.0, 0.0)
         _, position, p_agonist, p_antagonist = state
         return (
+            *reference,
             position,
             *self._extensions,
             p_agonist,
             p_antagonist,
             self._age,
-            *reference,
             *estimate,
             *command,
             *applied,

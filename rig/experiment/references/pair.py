@@ -50,37 +50,38 @@ class Sine:
 
     amplitude: Annotated[float, Unit("m"), Gt(0)]
     tones: Annotated[tuple[SineTone, ...], MinLen(1)]
+    _tones: tuple[tuple[float, float, float], ...] = field(init=False, repr=False, default=())
+
+    def __post_init__(self) -> None:
+        tones = []
+        start = 0.0
+        for tone in self.tones:
+            end = start + tone.periods / tone.frequency
+            tones.append((start, end, 2.0 * math.pi * tone.frequency))
+            start = end
+        object.__setattr__(self, "_tones", tuple(tones))
 
     @property
     def duration(self) -> float:
         """How long it takes, s."""
-        return sum(tone.periods / tone.frequency for tone in self.tones)
+        return self._tones[-1][1]
 
     @property
     def segments(self) -> tuple[Segment, ...]:
         """One segment per tone, ``"0.2 Hz"``, without its first half period."""
-        segments = []
-        start = 0.0
-        for tone in self.tones:
-            end = start + tone.periods / tone.frequency
-            segments.append(Segment(f"{tone.frequency:g} Hz", start + 0.5 / tone.frequency, end))
-            start = end
-        return tuple(segments)
+        return tuple(
+            Segment(f"{tone.frequency:g} Hz", start + 0.5 / tone.frequency, end)
+            for tone, (start, end, _) in zip(self.tones, self._tones, strict=True)
+        )
 
     def at(self, t: float) -> PairReference:
         """Return the desired motion at `t`."""
-        start = 0.0
-        for tone in self.tones:
-            end = start + tone.periods / tone.frequency
+        for start, end, w in self._tones:
             if t < end:
-                w = 2.0 * math.pi * tone.frequency
                 phase = w * (t - start)
-                return PairReference(
-                    self.amplitude * math.cos(phase),
-                    -self.amplitude * w * math.sin(phase),
-                    -self.amplitude * w * w * math.cos(phase),
-                )
-            start = end
+                position = self.amplitude * math.cos(phase)
+                velocity = -self.amplitude * w * math.sin(phase)
+                return PairReference(position, velocity, -w * w * position)
         return PairReference(self.amplitude, 0.0, 0.0)
 
 
