@@ -1,5 +1,7 @@
 """From a profile to a rig, checked before anything is opened."""
 
+from typing import Any
+
 from rig.assembly.buses import bus_loads, make_bus
 from rig.assembly.interfaces import parse_interfaces
 from rig.assembly.parts import make_devices, make_mechanism
@@ -27,7 +29,7 @@ def check_profile(profile: Profile) -> None:
         raise ConfigurationError(str(error)) from error
 
 
-def build_rig(profile: Profile, backend: Backend, on: str | None = None) -> Rig:
+def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames: Any = None) -> Rig:
     """Build a rig; nothing is opened yet.
 
     Parameters
@@ -41,6 +43,8 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None) -> Rig:
     on : str, optional
         Other CAN interfaces than the profile's or ``vcan0``, see
         `rig.assembly.interfaces.parse_interfaces`.
+    frames : FrameLog, optional
+        Records the CAN buses, see `rig.assembly.frames.make_frame_log`.
 
     Raises
     ------
@@ -51,13 +55,13 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None) -> Rig:
     if backend.is_simulated:
         from rig.assembly.simulated import build_sim, build_virtual
 
-        return (build_sim if backend is Backend.SIM else build_virtual)(profile)
+        return build_sim(profile) if backend is Backend.SIM else build_virtual(profile, frames)
     clock = MonotonicClock(spin=200e-6 if profile.loop.spin else 0.0)
     if on is None and backend is Backend.VCAN:
         on = backend.value
     others = parse_interfaces(on, profile) if on is not None else {}
     buses = {
-        name: make_bus(name, bus, clock, profile.loop.period, others.get(name))
+        name: make_bus(name, bus, clock, profile.loop.period, others.get(name), frames=frames)
         for name, bus in profile.buses.items()
     }
     devices = make_devices(profile, buses, clock)

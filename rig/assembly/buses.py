@@ -3,6 +3,7 @@
 import dataclasses
 import importlib
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, NamedTuple
 
 from rig.assembly.registry import REGISTRY
@@ -50,6 +51,7 @@ def make_bus(
     period: float,
     on: Mapping[str, Any] | None = None,
     opened: Callable[[], Any] | None = None,
+    frames: Any = None,
 ) -> CyclicBus:
     """Make a bus.
 
@@ -67,13 +69,20 @@ def make_bus(
         Settings that replace the profile's: another interface.
     opened : callable, optional
         Returns the interface, in the place of the real one.
+    frames : FrameLog, optional
+        Records what passes on a CAN interface, see `drivers.can.frame_log`.
     """
     settings = dataclasses.replace(entry.settings, **(on or {}))
     open_interface = _load(_PROTOCOLS.get(entry.protocol, _CAN).open)
-    bus: CyclicBus = REGISTRY.load("bus", entry.protocol)(
-        name, settings, opened or (lambda: open_interface(settings)), clock, period
-    )
+    opened = opened or (lambda: open_interface(settings))
+    if frames is not None and is_can(entry):
+        opened = partial(_open_recorded, frames, name, clock, opened)
+    bus: CyclicBus = REGISTRY.load("bus", entry.protocol)(name, settings, opened, clock, period)
     return bus
+
+
+def _open_recorded(frames: Any, name: str, clock: Clock, opened: Callable[[], Any]) -> Any:
+    return frames.tap(name, clock, opened())
 
 
 def bus_loads(profile: Profile) -> dict[str, Any]:

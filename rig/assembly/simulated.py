@@ -102,8 +102,16 @@ def emulate_nodes(profile: Profile, plant: Any, bus: str) -> list[Any]:
 _virtual_channels = itertools.count()
 
 
-def build_virtual(profile: Profile) -> Rig:
-    """Build a rig with production drivers against emulated nodes, in virtual time."""
+def build_virtual(profile: Profile, frames: Any = None) -> Rig:
+    """Build a rig with production drivers against emulated nodes, in virtual time.
+
+    Parameters
+    ----------
+    profile : Profile
+        What the rig is.
+    frames : FrameLog, optional
+        Records the CAN buses.
+    """
     import can
 
     from drivers.sim.clock import SimClock
@@ -148,7 +156,7 @@ def build_virtual(profile: Profile) -> Rig:
     clock = SimClock(world)
     period = profile.loop.period
     buses = {
-        name: make_bus(name, bus, clock, period, on.get(name), ports.get(name))
+        name: make_bus(name, bus, clock, period, on.get(name), ports.get(name), frames)
         for name, bus in profile.buses.items()
     }
     devices = make_devices(profile, buses, clock, links)

@@ -1,4 +1,4 @@
-"""The option ``--on``: a backend or a CAN interface."""
+"""The options ``--on``, a backend or a CAN interface, and ``--frames``."""
 
 from __future__ import annotations
 
@@ -44,3 +44,32 @@ class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
         from click.shell_completion import CompletionItem
 
         return [CompletionItem(name) for name in BACKENDS if name.startswith(incomplete)]
+
+
+class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A format of frames on file."""
+
+    name = "format"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the value if it is a format."""
+        from rig.assembly.frames import FORMATS
+
+        if value not in FORMATS:
+            self.fail(
+                f"{value!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
+                "write --frames last.",
+                param,
+                ctx,
+            )
+        return value
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete the formats."""
+        from click.shell_completion import CompletionItem
+
+        from rig.assembly.frames import FORMATS
+
+        return [CompletionItem(name) for name in FORMATS if name.startswith(incomplete)]

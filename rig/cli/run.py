@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.interfaces import OnBackend
+from rig.cli.interfaces import FrameFormat, OnBackend
 from rig.cli.names import complete_experiment, complete_rig
 from rig.cli.tables import print_data
 
@@ -41,6 +41,10 @@ if TYPE_CHECKING:
     help="Where run folders live.",
 )  # fmt: skip
 @click.option("--configs", type=click.Path(path_type=Path), help="Folder of configurations.")
+@click.option(
+    "--frames", is_flag=False, flag_value="log", type=FrameFormat(), metavar="[FORMAT]",
+    help="Record the CAN buses: frames.log as candump writes it, or --frames=asc, --frames=blf.",
+)  # fmt: skip
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 def run(
@@ -52,6 +56,7 @@ def run(
     seed: int | None,
     out: Path,
     configs: Path | None,
+    frames: str | None,
     no_report: bool,
     as_json: bool,
 ) -> int:
@@ -83,6 +88,7 @@ def run(
             overrides=options,
             watcher=line,
             report=not no_report,
+            frames=frames,
         )
     if as_json:
         print_data(json.dumps(as_data(result), indent=2))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
+from rig.assembly.frames import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
@@ -77,6 +78,7 @@ def run_experiment(
     overrides: Sequence[str] = (),
     watcher: Watcher | None = None,
     report: bool = True,
+    frames: str | None = None,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -96,6 +98,8 @@ def run_experiment(
         Is told what happens.
     report : bool
         Draw figures and write the report.
+    frames : str, optional
+        Record the CAN buses, in one of `rig.assembly.frames.FORMATS`.
 
     Returns
     -------
@@ -108,9 +112,12 @@ def run_experiment(
         The run folder cannot be made, or the profile does not run on this backend.
     """
     watcher = watcher or Watcher()
-    rig = build_rig(plan.profile, backend, on)
+    frame_log = None if frames is None else make_frame_log(plan.profile, backend)
+    rig = build_rig(plan.profile, backend, on, frame_log)
     try:
-        folder = _create_folder(plan, backend, on, out, overrides)
+        folder = _create_folder(plan, backend, on, out, overrides, frames)
+        if frame_log is not None:
+            frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
     except BaseException:
         rig.close()
         raise
@@ -118,6 +125,8 @@ def run_experiment(
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
         stop.shield()  # what is left is bookkeeping; it is not to be torn either
+        if frame_log is not None:
+            _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
         metrics = _finish(plan, folder, status)
         if status is RunStatus.OK and not all_passed(metrics):
             status, code = RunStatus.FAILED, EXIT_MISSED
@@ -130,12 +139,19 @@ def run_experiment(
 
 
 def _create_folder(
-    plan: Plan, backend: Backend, on: str | None, out: Path, overrides: Sequence[str]
+    plan: Plan,
+    backend: Backend,
+    on: str | None,
+    out: Path,
+    overrides: Sequence[str],
+    frames: str | None,
 ) -> RunFolder:
     experiment, profile = plan.experiment, plan.profile
     command = ["rig", "run", experiment.name, "--on", on or backend.value]
     for option in overrides:
         command += ["--set", option]
+    if frames is not None:
+        command.append(f"--frames={frames}")
     calibrations = {
         f"calibration/{path.name}": path.read_text(encoding="utf-8")
         for path in profile.files
@@ -160,6 +176,20 @@ def _create_folder(
         ),
     )
     return folder
+
+
+def _keep_frames(
+    plan: Plan, folder: RunFolder, watcher: Watcher, trouble: str | None, kind: str
+) -> None:
+    """Give the recorded frames the format that was asked for, now that the rig is safe."""
+    if trouble is None:
+        try:
+            convert_frames(folder.path / f"{FRAMES}.{FORMATS[0]}", kind, plan.profile)
+        except (OSError, ValueError) as error:
+            trouble = f"the frames stay in candump's format: {error}"
+    if trouble is not None:
+        watcher.said(trouble)
+        _Events(folder)(None, "frames", trouble, {})
 
 
 def _run(

@@ -1,0 +1,118 @@
+"""One CAN frame as one line of text, as can-utils' ``candump -L`` writes it.
+
+References
+----------
+can-utils, ``candump -L`` and ``log2asc``: ``(seconds) channel id#data``, the identifier with 3
+hexadecimal digits, or 8 where it is extended or an error class; ``id#R`` is a remote frame.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Final, NamedTuple
+
+from drivers.can.frame import (
+    ERROR_FLAG,
+    EXTENDED_FLAG,
+    EXTENDED_MASK,
+    REMOTE_FLAG,
+    STANDARD_MASK,
+)
+
+_LINE: Final = re.compile(
+    r"\(\s*(\d+\.\d+)\)\s+(\S+)\s+"  # time and channel
+    r"([0-9A-F]{3}|[0-9A-F]{8})#(?:(R)\d?|((?:[0-9A-F]{2}\.?){0,8}))"  # frame
+    r"(?:\s+[RT])?\s*",  # direction, of newer candumps and of python-can
+    re.IGNORECASE,
+)
+
+
+class LoggedFrame(NamedTuple):
+    """A frame and where and when it was seen.
+
+    Attributes
+    ----------
+    time : float
+        Seconds since the epoch, or since whatever its recorder chose.
+    channel : str
+        The bus.
+    can_id : int
+        With the flags of `drivers.can.frame`.
+    data : bytes
+        0 … 8 bytes.
+    """
+
+    time: float
+    channel: str
+    can_id: int
+    data: bytes
+
+
+def format_frame(can_id: int, data: bytes) -> str:
+    """Return a frame as ``id#data``.
+
+    Parameters
+    ----------
+    can_id : int
+        With the flags of `drivers.can.frame`.
+    data : bytes
+        0 … 8 bytes.
+    """
+    if can_id <= STANDARD_MASK:  # nearly all
+        return f"{can_id:03X}#{data.hex().upper()}"
+    if can_id & ERROR_FLAG:
+        name = f"{can_id & (EXTENDED_MASK | ERROR_FLAG):08X}"
+    elif can_id & EXTENDED_FLAG:
+        name = f"{can_id & EXTENDED_MASK:08X}"
+    else:
+        name = f"{can_id & STANDARD_MASK:03X}"
+    return f"{name}#R" if can_id & REMOTE_FLAG else f"{name}#{data.hex().upper()}"
+
+
+def parse_line(line: str) -> LoggedFrame:
+    """Return the frame of a line.
+
+    Raises
+    ------
+    ValueError
+        It is not such a line, or its frame is none of classic CAN.
+    """
+    found = _LINE.fullmatch(line)
+    if found is None:
+        raise ValueError("this is no frame as candump -L writes it, (seconds) channel id#data")
+    time, channel, name, remote, data = found.groups()
+    can_id = int(name, 16)
+    if len(name) == 8 and not can_id & ERROR_FLAG:
+        can_id |= EXTENDED_FLAG
+    elif len(name) == 3 and can_id > STANDARD_MASK:
+        raise ValueError(f"0x{name} is no 11-bit identifier")
+    if remote:
+        can_id |= REMOTE_FLAG
+    return LoggedFrame(float(time), channel, can_id, bytes.fromhex((data or "").replace(".", "")))
+
+
+def parse_lines(lines: Iterable[str], name: str) -> Iterator[LoggedFrame]:
+    """Yield the frames of a log.
+
+    The last line may be torn, where its writer was killed; it is left out.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        With their ends.
+    name : str
+        What an error calls the log.
+
+    Raises
+    ------
+    ValueError
+        A line is none of a frame; with its number.
+    """
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            yield parse_line(line)
+        except ValueError as error:
+            if not line.endswith("\n"):
+                return
+            raise ValueError(f"{name}:{number}: {error}") from error

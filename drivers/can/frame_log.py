@@ -1,0 +1,177 @@
+"""Write every frame of a rig's buses to a file, as they pass.
+
+A frame is in the kernel's hands before the program goes on: what was recorded survives a
+program that is killed (a torn last line at most), and not a machine that loses power. All the
+frames that one look at a bus brings are one write, and so is each frame that is sent.
+"""
+
+import contextlib
+import os
+import time
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from drivers.can.candump import format_frame
+from drivers.can.fast_path import drain_of, send_of
+from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
+from rig.hal import CanBus, Clock, ConfigurationError, Frame
+
+
+class FrameLog:
+    """A file of frames from all buses of a rig, in candump's format.
+
+    What cannot be written is not recorded and never raised: a full disk must not stop a rig.
+
+    Attributes
+    ----------
+    count : int
+        Frames on file.
+    lost : int
+        Frames that could not be written.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.lost = 0
+        self._fd = -1
+        self._end = 0
+        self._failed: OSError | None = None
+
+    def start(self, path: Path) -> None:
+        """Make the file; frames that passed before are not in it.
+
+        Raises
+        ------
+        ConfigurationError
+            It cannot be made.
+        """
+        try:
+            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        except OSError as error:
+            raise ConfigurationError(f"cannot record frames in {path}: {error.strerror}") from error
+
+    def tap(self, name: str, clock: Clock, bus: CanBus) -> CanBus:
+        """Return a bus that records what passes through it.
+
+        Parameters
+        ----------
+        name : str
+            What the file calls it.
+        clock : Clock
+            The rig's.
+        bus : CanBus
+            Open; it is owned from now on.
+        """
+        return RecordedBus(name, clock, bus, self)
+
+    def write(self, text: str, frames: int) -> None:
+        """Append whole lines. Hot path."""
+        if self._fd < 0 or self._failed is not None:
+            self.lost += frames
+            return
+        data = text.encode("ascii", "replace")
+        try:
+            done = os.write(self._fd, data)
+            if done != len(data):
+                self._write_rest(data[done:])
+        except OSError as error:
+            self._failed = error
+            self.lost += frames
+            with contextlib.suppress(OSError):
+                os.ftruncate(self._fd, self._end)
+            return
+        self._end += len(data)
+        self.count += frames
+
+    def close(self) -> str | None:
+        """Release the file; return what was wrong with it, if something was. Idempotent."""
+        descriptor, self._fd = self._fd, -1
+        if descriptor >= 0:
+            os.close(descriptor)
+        if self._failed is None:
+            return None
+        return (
+            f"{self.lost} frames of the buses could not be written: "
+            f"{self._failed.strerror or self._failed}"
+        )
+
+    def _write_rest(self, data: bytes) -> None:
+        while data:
+            data = data[os.write(self._fd, data) :]
+
+
+class RecordedBus:
+    """A CAN interface whose frames are recorded; satisfies `rig.hal.CanBus`.
+
+    What is received bears the time at which it was taken from the interface, on the rig's
+    clock, moved to the wall clock's origin at the opening.
+
+    Parameters
+    ----------
+    name : str
+        What the file calls it.
+    clock : Clock
+        The rig's.
+    bus : CanBus
+        The interface itself.
+    log : FrameLog
+        Where the frames go.
+    """
+
+    def __init__(self, name: str, clock: Clock, bus: CanBus, log: FrameLog) -> None:
+        self._bus = bus
+        self._name = name.replace(" ", "_")
+        self._now = clock.now
+        self._origin = time.time() - clock.now()
+        self._write = log.write
+        self._drain = drain_of(bus)
+        self._send = send_of(bus)
+
+    def drain(self, limit: int = 256) -> list[tuple[int, bytes]]:
+        """Return the waiting frames, at most `limit`, as (identifier with flags, data)."""
+        frames = self._drain(limit)
+        if frames:
+            head = f"({self._origin + self._now():.6f}) {self._name} "
+            self._write("".join([f"{head}{format_frame(i, d)}\n" for i, d in frames]), len(frames))
+        return frames
+
+    def send_data(self, can_id: int, data: bytes) -> None:
+        """Queue a frame given by identifier (with flags) and data."""
+        self._send(can_id, data)
+        self._record(can_id, data)
+
+    def send(self, msg: Frame, timeout: float | None = None) -> None:
+        """Queue a frame."""
+        self.send_data(_flagged_id(msg), bytes(msg.data))
+
+    def recv(self, timeout: float | None = None) -> Frame | None:
+        """Return the next frame, or None after `timeout` (s)."""
+        frame = self._bus.recv(timeout)
+        if frame is not None:
+            self._record(_flagged_id(frame), bytes(frame.data))
+        return frame
+
+    def accept(self, ids: Iterable[int]) -> None:
+        """Do nothing: what nobody here waits for belongs on file too."""
+
+    def shutdown(self) -> None:
+        """Release the interface."""
+        self._bus.shutdown()
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the interface offers beside the seam."""
+        return getattr(self._bus, name)
+
+    def _record(self, can_id: int, data: bytes) -> None:
+        head = f"({self._origin + self._now():.6f}) {self._name} "
+        self._write(f"{head}{format_frame(can_id, data)}\n", 1)
+
+
+def _flagged_id(frame: Frame) -> int:
+    can_id = frame.arbitration_id
+    if frame.is_error_frame:
+        can_id |= ERROR_FLAG
+    elif frame.is_extended_id:
+        can_id |= EXTENDED_FLAG
+    return can_id | REMOTE_FLAG if frame.is_remote_frame else can_id
