@@ -6,11 +6,12 @@ units. Here it becomes a pydantic type in which
 - an unknown key is an error, and so is a missing one without a default;
 - a field with a `Unit` also takes a text with a unit of the same dimension;
 - a number is a number: no booleans, no texts, finite; whole numbers where the type is int;
+- a nested mapping changes the default of its field: what it leaves out stays as it is there;
 - a `ValueError` of ``__post_init__`` is an error at the mapping.
 """
 
 from collections.abc import Hashable, Iterable, Iterator
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass, replace
 from functools import lru_cache, reduce
 from operator import or_
 from types import GenericAlias, NoneType, UnionType
@@ -71,17 +72,18 @@ def adapter(settings: Hashable) -> TypeAdapter[Any]:
     return TypeAdapter(annotation(settings))
 
 
-def annotation(hint: Any) -> Any:
-    """Return the strict pydantic annotation for the annotation of a settings field."""
+def annotation(hint: Any, base: Any = None) -> Any:
+    """Return the strict pydantic annotation for that of a settings field and its default."""
     bare, metadata = split_annotated(hint)
     if is_dataclass(bare):
         assert isinstance(bare, type)
-        mapping = closed_mapping(bare.__name__, entries_of(bare))
-        return Annotated[mapping, AfterValidator(_Constructor(bare))]
+        default = base if type(base) is bare else None
+        mapping = closed_mapping(bare.__name__, entries_of(bare, default))
+        return Annotated[mapping, AfterValidator(_Constructor(bare, default))]
     arms = tuple(arm for arm in get_args(bare) if arm is not NoneType)
     # The bounds of an optional or of a tuple of numbers are those of the number.
     if get_origin(bare) in (Union, UnionType):
-        inner = [annotation(Annotated[(arm, *metadata)] if metadata else arm) for arm in arms]
+        inner = [annotation(Annotated[(arm, *metadata)] if metadata else arm, base) for arm in arms]
         return reduce(or_, [*inner, *([None] if NoneType in get_args(bare) else [])])
     unit = next((item for item in metadata if isinstance(item, Unit)), None)
     if get_origin(bare) is tuple:
@@ -102,20 +104,31 @@ def annotation(hint: Any) -> Any:
     return _annotated(bare, metadata)
 
 
-def entries_of(settings: type) -> dict[str, Any]:
-    """Return the keys of a settings dataclass with their pydantic annotations."""
+def entries_of(settings: type, base: Any = None) -> dict[str, Any]:
+    """Return the keys of a settings dataclass with their pydantic annotations.
+
+    Parameters
+    ----------
+    settings : type
+        The dataclass.
+    base : instance, optional
+        Has the values of the keys that are left out, in place of the dataclass's own defaults.
+    """
     texts = parameter_texts(settings)
     entries: dict[str, Any] = {}
     for field in fields(settings):
         if not field.init:
             continue
-        default = field.default
+        default = _default_of(field) if base is None else getattr(base, field.name)
         schema: Any = {"default": default} if isinstance(default, _JSON_SCALARS) else None
         info = PydanticField(description=texts.get(field.name), json_schema_extra=schema)
-        made = _annotated(annotation(hints(settings)[field.name]), [info])
-        required = default is MISSING and field.default_factory is MISSING
-        entries[field.name] = Required[made] if required else NotRequired[made]
+        made = _annotated(annotation(hints(settings)[field.name], default), [info])
+        entries[field.name] = Required[made] if default is MISSING else NotRequired[made]
     return entries
+
+
+def _default_of(field: Field[Any]) -> Any:
+    return field.default if field.default_factory is MISSING else field.default_factory()
 
 
 def closed_mapping(name: str, entries: dict[str, Any]) -> Any:
@@ -134,12 +147,13 @@ def _annotated(bare: Any, metadata: Iterable[Any]) -> Any:
 class _Constructor:
     """Makes the instance from checked values; one per class keeps error messages short."""
 
-    def __init__(self, settings: type) -> None:
+    def __init__(self, settings: type, base: Any = None) -> None:
         self._settings = settings
+        self._base = base
 
     def __call__(self, values: dict[str, Any]) -> Any:
         try:
-            return self._settings(**values)
+            return self._settings(**values) if self._base is None else replace(self._base, **values)
         except ArithmeticError as error:
             raise ValueError(f"these values cannot be used together: {error}") from error
 

@@ -15,6 +15,7 @@ from rig.config.yaml_loader import parse
 @dataclass(frozen=True, slots=True)
 class Inner:
     x: Annotated[float, Unit("m")] = 0.0
+    y: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +32,7 @@ class Outer:
     many: Annotated[tuple[float, ...], Unit("m"), MinLen(1)] = (0.0,)
     by_name: dict[str, Inner] = field(default_factory=dict)
     lengths: Annotated[dict[str, float], Unit("m")] = field(default_factory=dict)
-    nested: Inner = field(default_factory=Inner)
+    nested: Inner = field(default_factory=lambda: Inner(1.0, 2.0))
     maybe: Inner | None = None
     inners: tuple[Inner, ...] = ()
     derived: float = field(init=False, default=5.0)
@@ -62,6 +63,8 @@ def make(text):
         ("by_name: {a: {x: 1 mm}, b: {}}", Outer(by_name={"a": Inner(1e-3), "b": Inner()})),
         ("lengths: {a: 1 mm}", Outer(lengths={"a": 1e-3})),
         ("maybe: {x: 2}", Outer(maybe=Inner(2.0))),
+        ("nested: {}", Outer()),
+        ("nested: {y: 3}", Outer(nested=Inner(1.0, 3.0))),
         ("inners: [{x: 2}, {}]", Outer(inners=(Inner(2.0), Inner()))),
     ],
 )
@@ -90,7 +93,7 @@ def test_accepted(text, expected):
         ("pair: [1 mm]", 1, 7, "pair has 1 values, which is too few"),
         ("many: []", 1, 7, "at least 1 values"),
         ("many: 1, 2", 1, 7, "many is '1, 2', expected a list"),
-        ("by_name:\n  a:\n    y: 1", 3, 5, "unknown key 'y'"),
+        ("by_name:\n  a:\n    z: 1", 3, 5, "unknown key 'z'"),
         ("by_name: {a: {x: 1 s}}", 1, 18, "by_name.a.x: '1 s' is not in m"),
         ("lengths: {a: 1 s}", 1, 14, "lengths.a: '1 s' is not in m"),
         ("maybe: {x: 1 s}", 1, 12, "maybe.x: '1 s' is not in m"),
