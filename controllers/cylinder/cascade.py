@@ -213,4 +213,4 @@ class Cascade:
         most = self._trim_limit
         self._trim = -most if trim < -most else most if trim > most else trim
         self.estimate = _new(PairEstimate, (velocity, disturbance))
-        return self._range.split(self._range.clip(setpoint))
+        return self._range.split(setpoint)

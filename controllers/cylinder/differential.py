@@ -52,7 +52,10 @@ class DifferentialRange:
         return -limit if differential < -limit else limit if differential > limit else differential
 
     def split(self, differential: float) -> PairCommand:
-        """Return the setpoints for a differential (Pa) that is within the limit."""
+        """Return the setpoints for the nearest differential (Pa) that both chambers can take."""
+        limit = self.limit
+        if not -limit <= differential <= limit:
+            differential = self.clip(differential)
         half = 0.5 * differential
         base, lifted = self._base, self._floor + abs(half)
         mean = lifted if lifted > base else base

@@ -148,4 +148,4 @@ class PidFriction:
             setpoint += settings.dither_amplitude * math.sin(self._dither_phase)
             self._dither_phase = (self._dither_phase + self._dither_step) % math.tau
         self.estimate = PairEstimate(velocity, -self._area * self._integral)
-        return self._range.split(self._range.clip(setpoint))
+        return self._range.split(setpoint)

@@ -66,8 +66,11 @@ class Cia401Regulators:
         self._setpoint_codecs = tuple(setpoint_codec(channel.setpoint) for channel in wiring)
         self._encoders = tuple(setpoint_encoder(codec) for codec in self._setpoint_codecs)
         self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
-        # With their numbers and as plain tuples, which unpack faster than named ones.
-        self._monitor_lines = tuple((k, *codec) for k, codec in enumerate(self._monitor_codecs))
+        # What every sample needs of them, in counts.
+        self._monitor_lines = tuple(
+            (k, codec.gain, codec.offset, *codec.intact_counts)
+            for k, codec in enumerate(self._monitor_codecs)
+        )
         low, high = self.pressure_range
         slack = _ROUNDING * (high - low)
         self._lowest, self._highest = low - slack, high + slack
@@ -126,9 +129,9 @@ class Cia401Regulators:
         """Decode a sample: monitors, then the digital byte. Hot path."""
         pressures = []
         intact = True
-        for k, gain, offset, signal_gain, signal_offset, below, above in self._monitor_lines:
+        for k, gain, offset, low, high in self._monitor_lines:
             raw = values[k]
-            if not below <= signal_gain * raw + signal_offset <= above and below != 0.0:
+            if not low <= raw <= high:
                 intact = False
             pressures.append(gain * raw + offset)
         if intact:  # else the last good sample is held, and grows old
@@ -143,14 +146,13 @@ class Cia401Regulators:
 
     def _count_broken(self, values: tuple[Any, ...]) -> None:
         """Count in how many samples in a row each monitor's signal told a broken wire."""
-        for k, codec in enumerate(self._monitor_codecs):
-            signal = codec.signal_gain * values[k] + codec.signal_offset
-            below, above = codec.broken_below, codec.broken_above
-            if below <= signal <= above or below == 0.0:
+        for k, _, _, low, high in self._monitor_lines:
+            if low <= values[k] <= high:
                 self._broken[k] = 0
             else:
+                codec = self._monitor_codecs[k]
                 self._broken[k] += 1
-                self._signals[k] = signal
+                self._signals[k] = codec.signal_gain * values[k] + codec.signal_offset
 
     # Life cycle -----------------------------------------------------------------------
 

@@ -1,10 +1,11 @@
 """What a profile says of a CiA 401 module with electro-pneumatic regulators on it."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.canopen.described import DescribedNode, Quantity
 from drivers.canopen.mapping import (
     RANGES,
     DataTypeName,
@@ -17,6 +18,9 @@ from drivers.canopen.mapping import (
 _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
+
+_DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
+_DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +85,11 @@ class AnalogueSignal:
     def entry(self) -> Entry:
         """The object, as it is mapped into a PDO."""
         return Entry(self.index, self.sub, self.type)
+
+    def quantity(self, name: str) -> Quantity:
+        """Return what its counts mean."""
+        gain = (self.pressure[1] - self.pressure[0]) / (self.raw[1] - self.raw[0])
+        return Quantity(name, "Pa", gain, self.pressure[0] - gain * self.raw[0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -243,13 +252,13 @@ class Cia401Settings:
     @property
     def receive_entries(self) -> Layout:
         """What the module receives each cycle, in order."""
-        digital = () if self.supply_bit is None else (Entry(0x6200, 1, "u8"),)
+        digital = () if self.supply_bit is None else (_DIGITAL_OUTPUT,)
         return (*(channel.setpoint.entry for channel in self.channels.values()), *digital)
 
     @property
     def transmit_entries(self) -> Layout:
         """What the module sends each cycle, in order."""
-        digital = () if self.stop_bit is None else (Entry(0x6000, 1, "u8"),)
+        digital = () if self.stop_bit is None else (_DIGITAL_INPUT,)
         return (*(channel.monitor.entry for channel in self.channels.values()), *digital)
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
@@ -264,3 +273,45 @@ class Cia401Settings:
                 for n, layout in enumerate(pack(self.transmit_entries), 1)
             ),
         )
+
+    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+        """Return what the module exchanges and what its counts mean.
+
+        Parameters
+        ----------
+        name : str
+            The device's name in the profile.
+        """
+        quantities: dict[Entry, Quantity] = {}
+        origins: dict[Entry, tuple[str | int, ...]] = {}
+        for channel, wired in self.channels.items():
+            for side, what in (("setpoint", "setpoint"), ("monitor", "pressure")):
+                signal: AnalogueSignal = getattr(wired, side)
+                quantities[signal.entry] = signal.quantity(f"{channel} {what}")
+                origins[signal.entry] = ("channels", channel, side)
+        for bit, entry, key, words in (
+            (self.supply_bit, _DIGITAL_OUTPUT, "supply_bit", ("shut", "open")),
+            (self.stop_bit, _DIGITAL_INPUT, "stop_bit", _stop_words(self.stop_active_low)),
+        ):
+            if bit is not None:
+                quantities[entry] = _digital(key.removesuffix("_bit"), bit, words)
+                origins[entry] = (key,)
+        return (
+            DescribedNode(
+                name,
+                self.node,
+                pack(self.receive_entries),
+                pack(self.transmit_entries),
+                self.remap,
+                quantities,
+                origins,
+            ),
+        )
+
+
+def _stop_words(active_low: bool) -> tuple[str, str]:
+    return ("pressed", "released") if active_low else ("released", "pressed")
+
+
+def _digital(name: str, bit: int, words: tuple[str, str]) -> Quantity:
+    return Quantity(name, words=lambda byte: words[byte >> bit & 1])
