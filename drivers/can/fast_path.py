@@ -11,7 +11,7 @@ from drivers.can.frame import (
     EXTENDED_MASK,
     REMOTE_FLAG,
 )
-from rig.hal import CanBus
+from rig.hal import CanBus, Frame
 
 Drain = Callable[[int], list[tuple[int, bytes]]]
 Send = Callable[[int, bytes], None]
@@ -30,17 +30,20 @@ def drain_of(bus: CanBus) -> Drain:
             frame = recv(0.0)
             if frame is None:
                 break
-            can_id = frame.arbitration_id
-            if frame.is_error_frame:
-                can_id |= ERROR_FLAG
-            elif frame.is_extended_id:
-                can_id |= EXTENDED_FLAG
-            if frame.is_remote_frame:
-                can_id |= REMOTE_FLAG
-            frames.append((can_id, bytes(frame.data)))
+            frames.append((flagged_id(frame), bytes(frame.data)))
         return frames
 
     return drain
+
+
+def flagged_id(frame: Frame) -> int:
+    """Return a frame's identifier with the flags of `drivers.can.frame`."""
+    can_id = frame.arbitration_id
+    if frame.is_error_frame:
+        can_id |= ERROR_FLAG
+    elif frame.is_extended_id:
+        can_id |= EXTENDED_FLAG
+    return can_id | REMOTE_FLAG if frame.is_remote_frame else can_id
 
 
 def send_of(bus: CanBus) -> Send:

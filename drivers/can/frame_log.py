@@ -8,13 +8,12 @@ frames that one look at a bus brings are one write, and so is each frame that is
 import contextlib
 import os
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from drivers.can.candump import format_frame
-from drivers.can.fast_path import drain_of, send_of
-from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
+from drivers.can.fast_path import drain_of, flagged_id, send_of
 from rig.hal import CanBus, Clock, ConfigurationError, Frame
 
 
@@ -37,6 +36,7 @@ class FrameLog:
         self._fd = -1
         self._end = 0
         self._failed: OSError | None = None
+        self._origin: float | None = None
 
     def start(self, path: Path) -> None:
         """Make the file; frames that passed before are not in it.
@@ -64,6 +64,12 @@ class FrameLog:
             Open; it is owned from now on.
         """
         return RecordedBus(name, clock, bus, self)
+
+    def origin(self, clock: Clock) -> float:
+        """Return the wall-clock time (s since the epoch) of a rig's time 0, one for all buses."""
+        if self._origin is None:
+            self._origin = time.time() - clock.now()
+        return self._origin
 
     def write(self, text: str, frames: int) -> None:
         """Append whole lines. Hot path."""
@@ -123,12 +129,12 @@ class RecordedBus:
         self._bus = bus
         self._name = name.replace(" ", "_")
         self._now = clock.now
-        self._origin = time.time() - clock.now()
+        self._origin = log.origin(clock)
         self._write = log.write
         self._drain = drain_of(bus)
         self._send = send_of(bus)
 
-    def drain(self, limit: int = 256) -> list[tuple[int, bytes]]:
+    def drain(self, limit: int = 256) -> Sequence[tuple[int, bytes]]:
         """Return the waiting frames, at most `limit`, as (identifier with flags, data)."""
         frames = self._drain(limit)
         if frames:
@@ -143,13 +149,13 @@ class RecordedBus:
 
     def send(self, msg: Frame, timeout: float | None = None) -> None:
         """Queue a frame."""
-        self.send_data(_flagged_id(msg), bytes(msg.data))
+        self.send_data(flagged_id(msg), bytes(msg.data))
 
     def recv(self, timeout: float | None = None) -> Frame | None:
         """Return the next frame, or None after `timeout` (s)."""
         frame = self._bus.recv(timeout)
         if frame is not None:
-            self._record(_flagged_id(frame), bytes(frame.data))
+            self._record(flagged_id(frame), bytes(frame.data))
         return frame
 
     def accept(self, ids: Iterable[int]) -> None:
@@ -166,12 +172,3 @@ class RecordedBus:
     def _record(self, can_id: int, data: bytes) -> None:
         head = f"({self._origin + self._now():.6f}) {self._name} "
         self._write(f"{head}{format_frame(can_id, data)}\n", 1)
-
-
-def _flagged_id(frame: Frame) -> int:
-    can_id = frame.arbitration_id
-    if frame.is_error_frame:
-        can_id |= ERROR_FLAG
-    elif frame.is_extended_id:
-        can_id |= EXTENDED_FLAG
-    return can_id | REMOTE_FLAG if frame.is_remote_frame else can_id

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Unit
 
+from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
 
 
@@ -132,3 +133,42 @@ class Cia406Settings:
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what the encoder puts on the bus each cycle: names and bytes."""
         return (("TPDO1 position", layout_size(self.transmit_entries)),)
+
+    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+        """Return what the encoder exchanges and what its counts mean.
+
+        Parameters
+        ----------
+        name : str
+            The device's name in the profile.
+        """
+        factor = -self.scale if self.reversed else self.scale
+        position, *others = self.transmit_entries
+        quantities = {
+            position: Quantity(
+                "position", "m", None if self.step is None else factor * self.step, self.offset
+            )
+        }
+        origins: dict[Entry, tuple[str | int, ...]] = {position: ("position",)}
+        told = [Told(0x6005, 1, position, factor * 1e-9)]  # it counts nanometres
+        if self.speed is not None:
+            speed = others.pop(0)
+            gain = None if self.speed_step is None else factor * self.speed_step
+            quantities[speed] = Quantity("speed", "m/s", gain)
+            origins[speed] = ("speed",)
+            told.append(Told(0x6005, 2, speed, factor * 1e-5))  # 0.01 mm/s
+        for alarms in others:
+            quantities[alarms] = Quantity("alarms", words=lambda bits: f"0x{bits:04X}")
+            origins[alarms] = ("alarms",)
+        return (
+            DescribedNode(
+                name,
+                self.node,
+                (),
+                (self.transmit_entries,),
+                self.remap,
+                quantities,
+                origins,
+                tuple(told),
+            ),
+        )

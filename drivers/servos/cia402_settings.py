@@ -5,7 +5,10 @@ from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
+from drivers.servos.cia402_errors import describe_error
+from drivers.servos.cia402_states import decode_state
 from drivers.servos.joint_settings import JointSettings
 
 Mode = Literal["csp", "csv"]
@@ -177,3 +180,68 @@ class Cia402Settings:
     def timed_frames(self, heartbeat: float) -> tuple[tuple[str, int, float], ...]:
         """Return what comes besides: names, bytes and rates (Hz), one heartbeat per drive."""
         return tuple((f"{joint} heartbeat", 1, 1.0 / heartbeat) for joint in self.joints)
+
+    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+        """Return what each drive exchanges and what its counts mean.
+
+        Parameters
+        ----------
+        name : str
+            The device's name in the profile.
+        """
+        layouts = self.transmit_layouts
+        origins: dict[Entry, tuple[str | int, ...]] = {_TARGETS[self.mode]: ("mode",)}
+        for k, what in enumerate(self.feedback):
+            origins[_FEEDBACK[what]] = ("feedback", k)
+        return tuple(
+            DescribedNode(
+                f"{name} {joint}",
+                drive.node,
+                (self.receive_layout,),
+                layouts,
+                self.remap,
+                _quantities(drive),
+                origins,
+                (Told(0x6076, 0, _FEEDBACK["torque"], _torque_factor(drive)),),
+            )
+            for joint, drive in self.joints.items()
+        )
+
+
+def _quantities(drive: DriveSettings) -> dict[Entry, Quantity]:
+    angle, speed = 1.0 / drive.counts_per_radian, 1.0 / drive.velocity_per_radian
+    return {
+        Entry(0x6040, 0, "u16"): Quantity("control", words=_control_words),
+        Entry(0x6041, 0, "u16"): Quantity("status", words=_status_words),
+        Entry(0x6060, 0, "i8"): Quantity("mode", words=_mode_words),
+        Entry(0x6061, 0, "i8"): Quantity("mode", words=_mode_words),
+        Entry(0x6064, 0, "i32"): Quantity("position", "rad", angle, drive.offset),
+        _TARGETS["csp"]: Quantity("target position", "rad", angle, drive.offset),
+        _TARGETS["csv"]: Quantity("target velocity", "rad/s", speed),
+        _FEEDBACK["velocity"]: Quantity("velocity", "rad/s", speed),
+        _FEEDBACK["torque"]: Quantity("torque", "N m", None),
+        _FEEDBACK["error_code"]: Quantity("error", words=_error_words),
+    }
+
+
+def _torque_factor(drive: DriveSettings) -> float:
+    """Return the joint's torque (N m) for one count of 0x6077 and one mN m rated torque."""
+    return (-1.0 if drive.reversed else 1.0) * drive.gear * 1e-6
+
+
+def _control_words(word: int) -> str:
+    names = {0x00: "disable voltage", 0x02: "quick stop", 0x06: "shutdown", 0x07: "switch on"}
+    return {**names, 0x0F: "enable operation", 0x80: "fault reset"}.get(word, f"0x{word:04X}")
+
+
+def _status_words(word: int) -> str:
+    state = decode_state(word)
+    return f"0x{word:04X} {'no state' if state is None else state.name.replace('_', ' ')}"
+
+
+def _mode_words(mode: int) -> str:
+    return {8: "csp", 9: "csv"}.get(mode, str(mode))
+
+
+def _error_words(code: int) -> str:
+    return "none" if code == 0 else f"0x{code:04X} {describe_error(code)}"

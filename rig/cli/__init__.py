@@ -18,6 +18,7 @@ COMMANDS = {
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
+    "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
     "export": ("rig.cli.export:export", "Write a run's log as csv, npz or mat."),

@@ -154,6 +154,29 @@ def complete_run(
     return _complete([LATEST, *runs], incomplete)
 
 
+def complete_device(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Complete the name of a device of the profile that the command line names before."""
+    return _complete(_device_names(ctx), incomplete)
+
+
+def _device_names(ctx: click.Context) -> list[str]:
+    """Look for the keys below ``devices:``, without reading what they mean."""
+    import re
+
+    from rig.config.names import find_configs, find_file
+    from rig.hal import ConfigurationError
+
+    try:
+        path = find_file(ctx.params["rig"], "rigs", find_configs(ctx.params.get("configs")))
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except (ConfigurationError, OSError, KeyError):  # a shell has no place for an error
+        return []
+    section = re.search(r"^devices:.*\n((?:[ #].*\n|\n)*)", text, re.MULTILINE)
+    return re.findall(r"^  ([\w.+-]+):", section[1], re.MULTILINE) if section else []
+
+
 def _names(ctx: click.Context, folder: Any) -> list[str]:
     from rig.config.names import find_configs, list_files
     from rig.hal import ConfigurationError

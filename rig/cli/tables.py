@@ -45,11 +45,18 @@ def print_data(text: str) -> None:
         click.echo(text)
         sys.stdout.flush()
     except BrokenPipeError:
-        # click would exit with 1, which here means a missed bound. What is still in the
-        # buffer goes nowhere, or the interpreter would complain at its exit.
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
+        abandon_stdout()
+
+
+def abandon_stdout() -> None:
+    """Say nothing more on stdout, whose reader has gone.
+
+    click would exit with 1, which here means a missed bound. What is still in the buffer goes
+    nowhere, or the interpreter would complain at its exit.
+    """
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
 
 
 def _draw(tables: Sequence[Table]) -> None:

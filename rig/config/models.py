@@ -157,6 +157,8 @@ class DeviceEntry:
         The driver's settings, calibration included.
     calibration : Calibration or None
         What was laid over the settings.
+    eds : Path or None
+        The file with the device's objects that its settings name.
     """
 
     driver: str
@@ -164,6 +166,7 @@ class DeviceEntry:
     serial: int | None
     settings: Any
     calibration: Calibration | None = None
+    eds: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,256 @@
+"""`rig monitor`: recorded or live frames, in the names of a profile and in SI."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.names import (
+    complete_device,
+    complete_rig,
+    complete_run,
+    configs_option,
+    find_run,
+    runs_option,
+    set_option,
+)
+from rig.cli.tables import abandon_stdout
+
+if TYPE_CHECKING:
+    from drivers.can.candump import LoggedFrame
+    from rig.assembly.decoding import Decoder
+    from rig.config import Profile
+
+_LIVE = ""  # what `--frames` without a source means
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.option(
+    "--frames", "source", is_flag=False, flag_value=_LIVE, metavar="[FILE|RUN]",
+    shell_complete=complete_run,
+    help="A candump, ASC or BLF file, - for a pipe, or a run recorded with --frames; without "
+    "one, the frames that pass on the interface of --on.",
+)  # fmt: skip
+@click.option(
+    "--on", metavar="INTERFACE",
+    help="Listen there: hardware (what the profile names), vcan0, slcan:/dev/ttyACM0, as in "
+    "`rig simulate`. Nothing is sent.",
+)  # fmt: skip
+@click.option(
+    "--device", "devices", multiple=True, shell_complete=complete_device,
+    help="Only frames of this device; may be given again.",
+)  # fmt: skip
+@click.option(
+    "--for", "duration", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+    help="End after this time, of the frames.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object per line.")
+@set_option
+@runs_option
+@configs_option
+def monitor(
+    rig: str,
+    source: str | None,
+    on: str | None,
+    devices: tuple[str, ...],
+    duration: float | None,
+    as_json: bool,
+    overrides: tuple[str, ...],
+    runs: Path,
+    configs: Path | None,
+) -> int:
+    """Show the frames of RIG's CAN buses: device, service, and what is in them, in SI.
+
+    RIG is a name from `rig list` or the path of a profile; of a run, its profile.yaml is exact.
+
+    \b
+    rig monitor cylinder --frames latest | less
+    rig monitor joint --frames --on vcan0
+    candump -L can0 | rig monitor joint --frames -
+    """  # noqa: D301 - click wants the character
+    from rig.assembly import REGISTRY, check_profile
+    from rig.assembly.decoding import make_decoders
+    from rig.config import load_profile
+    from rig.config.names import find_configs
+
+    if source is None or (source == _LIVE) == (on is None):
+        raise click.UsageError(
+            "Say whose frames: --frames FILE or RUN for recorded ones, --frames --on INTERFACE "
+            "for live ones."
+        )
+    profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
+    check_profile(profile)
+    _check_devices(devices, profile)
+    viewer = _Viewer(make_decoders(profile), devices, duration, as_json)
+    try:
+        if on is not None:
+            with contextlib.suppress(KeyboardInterrupt):
+                _show_live(profile, on, viewer)
+        else:
+            _show_recorded(profile, source, runs, viewer)
+    except BrokenPipeError:
+        abandon_stdout()
+    click.echo(viewer.summary(), err=True)
+    return 0
+
+
+def _show_live(profile: Profile, on: str, viewer: _Viewer) -> None:
+    from rig.assembly import parse_interfaces
+    from rig.assembly.frame_sources import listen
+
+    interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
+    with listen(profile, interfaces) as batches:
+        for frames in batches:
+            for line in viewer.lines(frames):
+                sys.stdout.write(line)
+            if frames:
+                sys.stdout.flush()
+            if viewer.is_over:
+                return
+
+
+def _show_recorded(profile: Profile, source: str, runs: Path, viewer: _Viewer) -> None:
+    from rig.assembly.frame_sources import STDIN, read_frames
+
+    path: str | Path = source if source == STDIN else _find_frames(source, runs)
+    with contextlib.closing(read_frames(path, profile)) as frames:  # type: ignore[type-var]
+        for line in viewer.lines(frames):
+            sys.stdout.write(line)
+            if source == STDIN:  # perhaps of a program that still runs
+                sys.stdout.flush()
+            if viewer.is_over:
+                break
+    sys.stdout.flush()
+
+
+def _find_frames(source: str, runs: Path) -> Path:
+    from rig.assembly.frame_sources import frames_of_run
+    from rig.hal import ConfigurationError
+
+    path = Path(source)
+    if path.is_file():
+        return path
+    if path.suffix and not path.is_dir() and not (runs / source).is_dir():
+        raise ConfigurationError(f"there is no file {source}")
+    return frames_of_run(find_run(source, runs))
+
+
+def _check_devices(devices: Iterable[str], profile: Profile) -> None:
+    from rig.config.diagnostics import nearest
+    from rig.hal import ConfigurationError
+
+    for name in devices:
+        if name not in profile.devices:
+            hint = nearest(name, profile.devices)
+            raise ConfigurationError(f"no device of {profile.name} is called {name!r}; {hint}")
+
+
+class _Viewer:
+    """Turns frames into lines, and counts them.
+
+    Parameters
+    ----------
+    decoders : dict of str to Decoder
+        By bus.
+    devices : tuple of str
+        Show these only; empty for all.
+    duration : float or None
+        Stop after this time of the frames, s.
+    as_json : bool
+        Objects, not columns.
+    """
+
+    def __init__(
+        self,
+        decoders: dict[str, Decoder],
+        devices: tuple[str, ...],
+        duration: float | None,
+        as_json: bool,
+    ) -> None:
+        self._decoders = decoders
+        self._devices = devices
+        self._duration = duration
+        self._line = _json_line if as_json else _text_line
+        self._widths = [max(map(len, decoders), default=0), 16]
+        self._began: float | None = None
+        self.is_over = False
+        self.count = self.unknown = 0
+
+    def lines(self, frames: Iterable[LoggedFrame]) -> Iterator[str]:
+        """Yield the line of every frame that is to be shown."""
+        from drivers.can.decoded import UNKNOWN
+
+        for frame in frames:
+            if self._began is None:
+                self._began = frame.time
+            t = frame.time - self._began
+            if self._duration is not None and t > self._duration:
+                self.is_over = True
+                return
+            decoder = self._decoders.get(frame.channel)
+            decoded = UNKNOWN if decoder is None else decoder.decode(frame.can_id, frame.data)
+            self.count += 1
+            self.unknown += not decoded.known
+            if not self._devices or self._is_wanted(decoded.device):
+                self._widths[1] = max(self._widths[1], len(decoded.device))
+                yield self._line(t, frame, decoded, self._widths)
+
+    def summary(self) -> str:
+        """Return how many frames there were."""
+        unknown = f", {self.unknown} that the profile does not know" if self.unknown else ""
+        return f"{self.count} frames{unknown}"
+
+    def _is_wanted(self, device: str) -> bool:
+        # A device with several nodes shows as "arm q1", "arm q2".
+        return any(device == name or device.startswith(f"{name} ") for name in self._devices)
+
+
+def _text_line(t: float, frame: LoggedFrame, decoded: Any, widths: Sequence[int]) -> str:
+    from drivers.can.candump import format_frame
+    from rig.config.quantities import format_quantity
+
+    parts = [decoded.text] if decoded.text else []
+    for value in decoded.values:
+        text = format_quantity(value.value, value.unit) if value.unit else str(value.value)
+        parts.append(f"{value.name} {text}".lstrip())
+    name, _, data = format_frame(frame.can_id, frame.data).partition("#")
+    content = ", ".join(parts) or data
+    return (
+        f"{t:12.6f}  {frame.channel:{widths[0]}}  {name:>3}  "
+        f"{decoded.device or '-':{widths[1]}}  {decoded.service:9}  {content}".rstrip()
+        + "\n"
+    )
+
+
+def _json_line(t: float, frame: LoggedFrame, decoded: Any, widths: Sequence[int]) -> str:
+    from drivers.can.candump import format_frame
+
+    name, _, data = format_frame(frame.can_id, frame.data).partition("#")
+    content = {
+        "t": round(t, 6),
+        "time": frame.time,
+        "bus": frame.channel,
+        "id": name,
+        "data": data,
+        "device": decoded.device or None,
+        "service": decoded.service,
+        "known": decoded.known,
+        "values": [
+            {
+                "name": value.name,
+                "object": value.object,
+                "value": value.value,
+                "unit": value.unit or None,
+            }
+            for value in decoded.values
+        ],
+        "text": decoded.text or None,
+    }
+    return json.dumps(content, ensure_ascii=False) + "\n"
