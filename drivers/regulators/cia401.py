@@ -10,7 +10,8 @@ digital error modes and values. CiA 301: 0x1029 error behaviour.
 from math import inf
 from typing import Any, Final
 
-from drivers.canopen.bus import CanopenBus, TransmitPdo
+from drivers.can.cyclic import CyclicFrame
+from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.mapping import pack
 from drivers.canopen.node import CanopenNode, pdo_id
@@ -87,10 +88,10 @@ class Cia401Regulators:
         vented = [encode(self._vented[k]) for k, encode in enumerate(self._encoders)]
         safe = self._contents(vented, supply=False)
         self._pdos = tuple(
-            TransmitPdo(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
+            CyclicFrame(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
         )
         for pdo in self._pdos:
-            bus.add_pdo(pdo)
+            bus.add(pdo)
         self._inputs = CyclicInputs(
             name,
             settings.node,

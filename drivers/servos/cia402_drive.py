@@ -3,7 +3,8 @@
 from math import inf
 from typing import Any, Final
 
-from drivers.canopen.bus import CanopenBus, TransmitPdo
+from drivers.can.cyclic import CyclicFrame
+from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.servos.cia402_errors import describe_error
@@ -104,8 +105,8 @@ class Cia402Drive:
             for what in ("velocity", "torque", "error_code")
         )
         self._pack = layout_struct(shared.receive_layout).pack
-        self.pdo = TransmitPdo(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
-        bus.add_pdo(self.pdo)
+        self.pdo = CyclicFrame(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
+        bus.add(self.pdo)
         self.inputs = CyclicInputs(
             self.name,
             settings.node,

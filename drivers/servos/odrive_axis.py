@@ -4,8 +4,9 @@ from contextlib import suppress
 from math import copysign, inf, isfinite
 from typing import Final
 
+from drivers.can.cyclic import CyclicFrame
 from drivers.servos.following import FollowingWatch
-from drivers.servos.odrive_bus import OdriveBus, Setpoint
+from drivers.servos.odrive_bus import OdriveBus
 from drivers.servos.odrive_client import OdriveClient
 from drivers.servos.odrive_codec import (
     FEEDFORWARD_RANGE,
@@ -89,8 +90,8 @@ class OdriveAxis:
         self._asks_again = -inf
         self._speed = 0.0  # of the setpoint, rad/s
         command = Command.SET_INPUT_VEL if self._follows_velocity else Command.SET_INPUT_POS
-        self.setpoint = Setpoint(can_id(settings.axis, command), bytes(8))
-        bus.add_setpoint(self.setpoint)
+        self.setpoint = CyclicFrame(can_id(settings.axis, command), bytes(8))
+        bus.add(self.setpoint)
         bus.subscribe(can_id(settings.axis, Command.GET_ENCODER_ESTIMATES), self._take)
 
     # Codec ----------------------------------------------------------------------------

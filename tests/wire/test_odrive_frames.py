@@ -6,9 +6,10 @@ import struct
 import pytest
 from scripted_bus import ScriptedBus, TestClock
 
+from drivers.can.cyclic import CyclicFrame
 from drivers.can.socketcan import SocketCanBus
 from drivers.servos.odrive import OdriveServos
-from drivers.servos.odrive_bus import OdriveBus, Setpoint
+from drivers.servos.odrive_bus import OdriveBus
 from drivers.servos.odrive_codec import (
     AxisState,
     Command,
@@ -601,8 +602,8 @@ def test_on_a_raw_socket_remote_frames_and_setpoints_go_out_as_struct_can_frame(
     )
     heard = []
     bus.subscribe(0x061, lambda data, now: heard.append((data, now)))
-    setpoint = Setpoint(0x06C, bytes(8))
-    bus.add_setpoint(setpoint)
+    setpoint = CyclicFrame(0x06C, bytes(8))
+    bus.add(setpoint)
     bus.open()
     bus.request(0x060)
     bus.transmit(clock.now())
