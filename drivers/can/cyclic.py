@@ -5,7 +5,7 @@ the rig's clock pass (`wait_until`), so that every backend runs the same code an
 deterministic.
 """
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
@@ -62,7 +62,7 @@ class CyclicFrame:
         self.active = False
 
 
-class CyclicCanBus:
+class CyclicCanBus(ABC):
     """The master's end of one CAN interface; what it sends each cycle is the protocol's.
 
     Parameters
