@@ -1,4 +1,6 @@
-"""What plain ``pytest`` leaves out: tests that take long or measure, unless they are asked for."""
+"""What plain ``pytest`` leaves out, and how many processes share the work."""
+
+import os
 
 APART = ("benchmark", "slow")
 
@@ -11,3 +13,8 @@ def pytest_collection_modifyitems(config, items):
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if item not in set(left_out)]
+
+
+def pytest_xdist_auto_num_workers(config):
+    """Measure alone, and test on every core."""
+    return 0 if "benchmark" in config.option.markexpr else os.cpu_count()
