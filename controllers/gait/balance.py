@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 GRAVITY = 9.80665
 """m/s²."""
 
+_LINKS_PER_LEG = 5
+
 
 class LinkCentres(NamedTuple):
     """Where the masses are.
@@ -97,6 +99,33 @@ def zero_moment_point(links: LinkCentres, period: float, response_time: float) -
     )
     point: Array = np.sum(moment, axis=1) / np.sum(lift, axis=1)
     return point
+
+
+def standing_knee_torque(geometry: LegGeometry, leg: int, q: Array, waist: Array) -> Array:
+    """Return what the knee bears if its leg alone carries the robot at rest, shape (n,), N m.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        Lengths and masses.
+    leg : int
+        That stands: 0 right, 1 left.
+    q : ndarray, shape (n, 12)
+        Joint angles, rad.
+    waist : ndarray, shape (n, 3)
+        Its position in the ground's frame, m.
+    """
+    links = link_centres(geometry, q, waist)
+    at = leg_posture(geometry, leg, q)
+    below = [_LINKS_PER_LEG * leg + k for k in (3, 4, 5)]  # shank, ankle, foot
+    masses = links.masses.copy()
+    masses[below] = 0.0
+    arms = links.positions - (waist + at.knee)[:, None]
+    moment = GRAVITY * np.einsum("k,nki->ni", masses, arms)
+    roll = q[:, 6 * leg + 5]
+    axis = np.cos(roll)[:, None] * at.foot[..., 1] - np.sin(roll)[:, None] * at.foot[..., 2]
+    torque: Array = axis[:, 1] * moment[:, 0] - axis[:, 0] * moment[:, 1]
+    return torque
 
 
 def support_polygon(

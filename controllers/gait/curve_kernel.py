@@ -25,6 +25,9 @@ DONE, NOTHING_MOVES, TANGENTIAL = 0, 1, 2
 _PER_LEG = 7
 _STRAIGHT = 1e-9
 """sin(knee) below which both legs count as straight together: rounding of the last step."""
+_LONGEST_PIECE, _MOST_PIECES = 2e-3, 100
+"""rad of the joints' curve. The rule's error goes with the fourth power: at 14 mrad, a fast walk at
+200 Hz, the legs come to disagree by 44 nm on where the waist is; at 2 mrad by 0.04 nm."""
 
 
 class Step(NamedTuple):
@@ -193,10 +196,23 @@ def rates(phase: Array, joints: Joints, xi: float) -> tuple[float, float]:
 
 
 @compiled
+def _pieces(phase: Array, y: Angles, length: float, by_path: bool) -> int:
+    """Return in how many pieces a step keeps both legs on one path; one at usual speeds."""
+    turn = abs(length)
+    if by_path:
+        _, _, _, _, _, _, path, norm, _ = _ray(phase, y)
+        speed = abs(path) * _speed(phase, y[6])
+        turn = turn * norm / speed if speed > 0.0 else 0.0
+    if turn < _LONGEST_PIECE:
+        return 1
+    return int(min(math.ceil(turn / _LONGEST_PIECE), _MOST_PIECES))
+
+
+@compiled
 def follow(
     phase: Array, joints: Joints, xi: float, length: float, by_path: bool, period: float
 ) -> Step:
-    """Take one step of the classical Runge-Kutta rule along the ray.
+    """Go on along the ray by the classical Runge-Kutta rule, in pieces that are short enough.
 
     Parameters
     ----------
@@ -214,12 +230,17 @@ def follow(
         For the velocities, s.
     """
     y = (joints[3], joints[4], joints[5], joints[9], joints[10], joints[11], xi)
-    k_1, first = _slope(phase, y, by_path)
-    k_2, second = _slope(phase, _ahead(y, 0.5 * length, k_1), by_path)
-    k_3, third = _slope(phase, _ahead(y, 0.5 * length, k_2), by_path)
-    k_4, fourth = _slope(phase, _ahead(y, length, k_3), by_path)
-    w = length / 6.0
-    z = _ahead(_ahead(_ahead(_ahead(y, w, k_1), 2.0 * w, k_2), 2.0 * w, k_3), w, k_4)
+    z, outcome = y, DONE
+    pieces = _pieces(phase, y, length, by_path)
+    h = length / pieces
+    w = h / 6.0
+    for _ in range(pieces):
+        k_1, first = _slope(phase, z, by_path)
+        k_2, second = _slope(phase, _ahead(z, 0.5 * h, k_1), by_path)
+        k_3, third = _slope(phase, _ahead(z, 0.5 * h, k_2), by_path)
+        k_4, fourth = _slope(phase, _ahead(z, h, k_3), by_path)
+        z = _ahead(_ahead(_ahead(_ahead(z, w, k_1), 2.0 * w, k_2), 2.0 * w, k_3), w, k_4)
+        outcome = max(outcome, first, second, third, fourth)
     p = 1.0 / period
     a, b, c = p * (z[0] - y[0]), p * (z[1] - y[1]), p * (z[2] - y[2])
     d, e, f = p * (z[3] - y[3]), p * (z[4] - y[4]), p * (z[5] - y[5])
@@ -227,5 +248,5 @@ def follow(
         (0.0, -z[2], -z[0] - z[1], z[0], z[1], z[2], 0.0, -z[5], -z[3] - z[4], z[3], z[4], z[5]),
         (0.0, -c, -a - b, a, b, c, 0.0, -f, -d - e, d, e, f),
         z[6],
-        max(first, second, third, fourth),
+        outcome,
     )

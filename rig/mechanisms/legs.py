@@ -1,6 +1,7 @@
 """Two walking legs on servo drives."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -31,12 +32,20 @@ class PlannedGait:
         The same at 1 kHz, for peak rates.
     distance : float
         How far the waist was to go, m.
+    flat : GaitPlan, optional
+        The same walk with the hip at constant height, if this one's is not.
     """
 
     waits = True
     """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
-    def __init__(self, plan: GaitPlan, fine: GaitPlan, distance: float = 0.0) -> None:
+    def __init__(
+        self,
+        plan: GaitPlan,
+        fine: GaitPlan,
+        distance: float = 0.0,
+        flat: GaitPlan | None = None,
+    ) -> None:
         self.plan = plan
         self._rows: list[tuple[float, ...]] = np.column_stack(
             [
@@ -50,7 +59,7 @@ class PlannedGait:
                 plan.path,
             ]
         ).tolist()
-        self.facts = plan_facts(plan, fine, distance)
+        self.facts = plan_facts(plan, fine, distance, flat)
 
     @property
     def duration(self) -> float:
@@ -148,8 +157,13 @@ class Legs(ServoJoints):
             raise ValueError("the reference is not one for legs")
         law = type(controller)
         fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
+        flat = None
+        if getattr(reference, "bob", None) is not None:
+            flat = law(controller.settings, controller.model, period).prepare(
+                replace(reference, bob=None)
+            )
         distance = getattr(reference, "distance", 0.0)
-        return PlannedGait(controller.prepare(reference), fine, distance)
+        return PlannedGait(controller.prepare(reference), fine, distance, flat)
 
     @classmethod
     def approach(

@@ -36,13 +36,11 @@ def color_of(number: int) -> str:
 
 def metric_values(runs: Sequence[RunData], name: str) -> "NDArray[np.float64]":
     """Return a metric of each run, shape (n,); not a number where a run has none."""
-    return np.array(
-        [
-            next((m["value"] for m in run.metrics if m["name"] == name), None) or np.nan
-            for run in runs
-        ],
-        float,
-    )
+    values = []
+    for run in runs:
+        value = next((m["value"] for m in run.metrics if m["name"] == name), None)
+        values.append(np.nan if value is None else value)
+    return np.array(values, float)
 
 
 def write_value(axes: "Axes", text: str, x: float, y: float) -> None:

@@ -1,5 +1,7 @@
 """Centre of mass and zero-moment point against the edge of the support."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -8,12 +10,14 @@ from controllers.gait.balance import (
     LinkCentres,
     link_centres,
     margin,
+    standing_knee_torque,
     support_polygon,
     zero_moment_point,
 )
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.laws import InverseLaw, MinimumJerkLaw, TrapezoidNormLaw
 from controllers.gait.motions import WalkSettings
+from controllers.gait.postures import leg_posture
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.motion import InfeasibleMotion
 
@@ -119,3 +123,49 @@ def test_pose_to_hold_is_the_nearest_that_stands_safely(plan):
     assert made.balance.static_margin[round(held / 1e-3)] >= 30e-3
     with pytest.raises(ValueError, match=r"at no instant .* 90 mm inside"):
         made.nearest_stable(20.0, 90e-3)
+
+
+def test_standing_knee_bears_what_is_above_it(plan):
+    """A hanging shank, ankle and foot apart, the torque is the weight times its lever."""
+    made = plan("sc-trapezoid")
+    sample = round(22.5 / 1e-3)  # the left leg swings
+    q, waist = made.q[sample : sample + 1], made.waist[sample : sample + 1]
+    torque = standing_knee_torque(GEOMETRY, 0, q, waist)
+    masses = GEOMETRY.masses
+    below = masses.shank + masses.ankle + masses.foot
+    knee = leg_posture(GEOMETRY, 0, q).knee[0] + waist[0]
+    links = link_centres(GEOMETRY, q, waist)
+    others = [k for k in range(11) if k not in (3, 4, 5)]
+    centre = links.masses[others] @ links.positions[0, others] / links.masses[others].sum()
+    roll = q[0, 5]
+    ahead, aside = (centre - knee)[:2]
+    lever = ahead * np.cos(roll)  # the knee's axis leans with the leg; aside counts for nothing
+    weight = GRAVITY * (masses.total - below)
+    assert torque[0] == pytest.approx(weight * lever, rel=1e-9)
+    assert aside != 0.0
+
+
+def test_standing_knee_bears_less_the_straighter_it_is():
+    law = TrapezoidNormLaw(TrapezoidNormLaw.Settings(), GaitModel(), 5e-3)
+    torques = []
+    for degrees in (1.0, 10.0, 20.0, 30.0, 40.0):
+        made = law.prepare(WalkSettings(knee_min=math.radians(degrees)))
+        swings = [planned for planned in made.phases if sum(planned.phase.standing) == 1]
+        torques.append(
+            np.mean(
+                np.concatenate(
+                    [
+                        np.abs(
+                            standing_knee_torque(
+                                GEOMETRY,
+                                planned.phase.standing.index(True),
+                                made.q[planned.first : planned.last],
+                                made.waist[planned.first : planned.last],
+                            )
+                        )
+                        for planned in swings
+                    ]
+                )
+            )
+        )
+    assert torques == pytest.approx((0.68, 0.76, 0.97, 1.25, 1.56), rel=0.03)

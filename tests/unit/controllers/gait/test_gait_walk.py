@@ -87,6 +87,14 @@ def test_the_way_is_kept_by_both_legs(plan, pulse, law, period):
     assert np.ptp(heights) < 1e-9
 
 
+@pytest.mark.parametrize("law", ["sc", "sc-trapezoid"])
+def test_both_legs_agree_however_far_a_period_takes_them(plan, law):
+    made = plan(law, "walk 5x", 5e-3)
+    assert made.peak_norm * made.period > 7e-3  # rad in one update
+    assert made.mismatch() < 1e-10
+    assert made.off_path < 1e-10
+
+
 @pytest.mark.parametrize("law", NAMES)
 def test_feet_follow_half_sines_to_their_prints(plan, law):
     made = plan(law)
