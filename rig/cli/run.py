@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -110,21 +109,17 @@ def as_data(result: Result) -> dict[str, object]:
 
 def show(result: Result, *, has_report: bool) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
-    from rig.config.quantities import format_quantity
+    from rig.config.quantities import format_against
 
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)
     width = max((len(metric.name) for metric in result.metrics), default=0)
     lines = []
     for metric in result.metrics:
-        value = "never"
-        if math.isfinite(metric.value):
-            value = format_quantity(metric.value, metric.unit or "1")
-        bound = ""
+        value, bound = format_against(metric.value, metric.bound, metric.unit)
         if metric.bound is not None:
             sign = "<=" if metric.bound_kind == "max" else ">="
-            verdict = "ok" if metric.passed else "MISSED"
-            bound = f"{sign} {format_quantity(metric.bound, metric.unit or '1')}  {verdict}"
+            bound = f"{sign} {bound}  {'ok' if metric.passed else 'MISSED'}"
         lines.append(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
     if lines:
         print_data("\n".join(lines))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     )
     from rig.config.names import find_configs, find_file, list_files
     from rig.config.profile import PROFILE_KEYS, load_profile
-    from rig.config.quantities import format_quantity, parse_quantity
+    from rig.config.quantities import format_against, format_quantity, parse_quantity
     from rig.config.registry import Kind, Registry
     from rig.config.resolve import dump_resolved
     from rig.config.schema import experiment_schema, profile_schema
@@ -49,7 +49,7 @@ _HOME = {
     ),
     "names": ("find_configs", "find_file", "list_files"),
     "profile": ("PROFILE_KEYS", "load_profile"),
-    "quantities": ("format_quantity", "parse_quantity"),
+    "quantities": ("format_against", "format_quantity", "parse_quantity"),
     "registry": ("Kind", "Registry"),
     "resolve": ("dump_resolved",),
     "schema": ("experiment_schema", "profile_schema"),
@@ -79,6 +79,7 @@ __all__ = [
     "experiment_schema",
     "find_configs",
     "find_file",
+    "format_against",
     "format_quantity",
     "list_files",
     "load_experiment",

@@ -332,9 +332,48 @@ def format_quantity(value: float, unit: str) -> str:
     str
         With four significant digits, such as ``"0.12 mm"``.
     """
+    name, scale = _for_people(value, unit)
+    return f"{value / scale:.4g} {name}".rstrip()
+
+
+def format_against(value: float | None, bound: float | None, unit: str) -> tuple[str, str]:
+    """Write a number and its bound in one unit, with as many digits as tell them apart.
+
+    Parameters
+    ----------
+    value : float or None
+        In `unit`; None or infinite for what never happened.
+    bound : float or None
+        In `unit`.
+    unit : str
+        SI unit; empty or ``"1"`` for a ratio.
+
+    Returns
+    -------
+    tuple of str
+        With four to nine significant digits, such as ``"10.8583 s"`` and ``"10.8603 s"``; the
+        second is empty if there is no bound.
+    """
+    if value is not None and not math.isfinite(value):
+        value = None
+    if bound is None:
+        return ("never" if value is None else format_quantity(value, unit)), ""
+    name, scale = _for_people(bound or value or 0.0, unit)
+    if value is None:
+        return "never", f"{bound / scale:.4g} {name}".rstrip()
+    for digits in range(4, 10):
+        texts = [f"{number / scale:.{digits}g} {name}".rstrip() for number in (value, bound)]
+        if value == bound or texts[0] != texts[1]:
+            break
+    return texts[0], texts[1]
+
+
+def _for_people(value: float, unit: str) -> tuple[str, float]:
+    """Return the unit that a person would use for a number, and its SI value."""
     if value == 0.0:
-        return f"0 {_AT_ZERO.get(unit, '' if unit == '1' else unit)}".rstrip()
+        name = _AT_ZERO.get(unit, "" if unit == "1" else unit)
+        return name, 1.0
     for least, name, scale in _PEOPLE.get(unit, ()):
         if abs(value) >= least * (1.0 - 1e-9):
-            return f"{value / scale:.4g} {name}"
-    return f"{value:.4g} {'' if unit == '1' else unit}".rstrip()
+            return name, scale
+    return "" if unit == "1" else unit, 1.0

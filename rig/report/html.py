@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from rig.config import format_against
 from rig.report.figures import FIGURES
 from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
 
@@ -22,13 +23,6 @@ _EXPLANATIONS = {
 _EVENTS_SHOWN = 200
 _SCREEN_SCALE = 0.62
 """Pixels on the page per pixel of a figure: 85 mm and 170 mm stay one and two columns."""
-_DISPLAY = {
-    "m": (1e3, "mm"),
-    "m/s": (1e3, "mm/s"),
-    "Pa": (1e-3, "kPa"),
-    "": (1e2, "%"),
-}
-"""Units people read, by SI unit: factor and name."""
 
 
 def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[str]) -> Path:
@@ -80,14 +74,6 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     return target
 
 
-def format_quantity(value: float | None, unit: str) -> str:
-    """Format a number in SI with the unit people read: mm, kPa, %, s."""
-    if value is None:
-        return "never"
-    factor, name = _DISPLAY.get(unit, (1.0, unit))
-    return f"{value * factor:.4g} {name}".rstrip()
-
-
 def _header(folder: RunFolder, title: str) -> str:
     manifest, status = folder.manifest, folder.status
     message = manifest.get("message") or _EXPLANATIONS[status]
@@ -115,7 +101,9 @@ def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> s
         return ""
     rows = []
     for metric in metrics:
-        unit, bound = metric.get("unit", ""), metric.get("bound")
+        value, bound = format_against(
+            metric["value"], metric.get("bound"), metric.get("unit") or "1"
+        )
         sign = {"max": "≤", "min": "≥"}.get(str(metric.get("bound_kind")), "")
         passed = metric.get("pass")
         verdict = "" if passed is None else "pass" if passed else "fail"
@@ -123,8 +111,8 @@ def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> s
             [
                 f"<code>{escape(str(metric['name']))}</code>",
                 escape(str(metric.get("segments", ""))),
-                escape(format_quantity(metric["value"], unit)),
-                escape(f"{sign} {format_quantity(bound, unit)}") if bound is not None else "",
+                escape(value),
+                escape(f"{sign} {bound}") if bound else "",
                 f'<span class="{verdict}">{verdict}</span>' if verdict else "–",
             ]
         )

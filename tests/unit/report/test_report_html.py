@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from rig.hal import ConfigurationError
-from rig.report.html import format_quantity
 from rig.report.regenerate import write_report
 from rig.run_folder import RunFolder, RunStatus
 
@@ -114,14 +113,3 @@ def test_live_run_is_left_alone(make_run: MakeRun, tmp_path: Path) -> None:
 def test_other_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="not a run folder"):
         write_report(tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (1.5e-4, "m", "0.15 mm"), (4.5e5, "Pa", "450 kPa"), (0.123, "", "12.3 %"),
-        (0.25, "s", "0.25 s"), (None, "s", "never"), (3.0, "N", "3 N"),
-    ],
-)  # fmt: skip
-def test_quantities_read_well(value: float | None, unit: str, text: str) -> None:
-    assert format_quantity(value, unit) == text
