@@ -134,6 +134,8 @@ def start(live):
     live.master.setup_402_state_machine()
     live.master.nmt.state = "OPERATIONAL"
     wait_until(lambda: live.node.state == 5)
+    # What canopen knows of the drive is its last status word, and before the first one nothing.
+    wait_until(lambda: live.master.state == "SWITCH ON DISABLED")
 
 
 def test_canopen_takes_the_drive_through_its_states_and_back(live):
