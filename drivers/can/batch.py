@@ -50,9 +50,9 @@ class PacketBatch:
     Parameters
     ----------
     sock : socket.socket
-        Of a kind that keeps packets apart.
+        Of a kind that keeps packets apart, and has none of another size.
     size : int
-        Of a whole packet, bytes; what is shorter is left out.
+        Of a packet, bytes.
     capacity : int
         Most packets in one call.
     """
@@ -69,9 +69,6 @@ class PacketBatch:
             self._messages[k].header.vectors = ctypes.pointer(self._vectors[k])
             self._messages[k].header.vector_count = 1
         self._bytes = memoryview(self._packets)
-        self._words = memoryview(self._messages).cast("B").cast("I")
-        self._stride = ctypes.sizeof(_Message) // 4
-        self._length_at = _Message.length.offset // 4
         # It never waits, so it need not give the interpreter away meanwhile, as CDLL does.
         self._recvmmsg = ctypes.PyDLL(None, use_errno=True).recvmmsg
         self._socket = ctypes.c_int(sock.fileno())
@@ -87,15 +84,9 @@ class PacketBatch:
         """
         most = limit if limit < self._capacity else self._capacity
         count: int = self._recvmmsg(self._socket, self._address, most, _MSG_DONTWAIT, None)
-        if count <= 0:
-            return self._failed() if count else b""
-        size, stride = self._size, self._stride
-        lengths = self._words[self._length_at : count * stride : stride].tolist()
-        if lengths.count(size) == count:
-            return self._bytes[: count * size]
-        return b"".join(
-            self._bytes[k * size : (k + 1) * size] for k in range(count) if lengths[k] == size
-        )
+        if count > 0:
+            return self._bytes[: count * self._size]
+        return self._failed() if count else b""
 
     def close(self) -> None:
         """Forget the socket: its number may soon be another file's."""

@@ -79,6 +79,9 @@ class CyclicCanBus(ABC):
         Of the cycle, s; devices that must know it refuse a bus without.
     """
 
+    _farewell: tuple[int, bytes] | None = None
+    """The protocol's last frame on a bus, sent when it is closed."""
+
     def __init__(
         self,
         name: str,
@@ -155,7 +158,8 @@ class CyclicCanBus(ABC):
         if bus is None:
             return
         try:
-            self._say_goodbye()
+            if self._farewell is not None:
+                self._send(*self._farewell)
         except Exception as error:  # the interface may be the very thing that failed
             self._errors.refuse(error)
         finally:
@@ -163,9 +167,6 @@ class CyclicCanBus(ABC):
             for frame in self._cyclic:
                 frame.active = False
             bus.shutdown()
-
-    def _say_goodbye(self) -> None:
-        """Send what a protocol has to say last; whatever it raises is counted."""
 
     # The cycle ------------------------------------------------------------------------
 

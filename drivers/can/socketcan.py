@@ -47,8 +47,8 @@ class SocketCanBus:
     Parameters
     ----------
     sock : socket.socket
-        A bound AF_CAN raw socket, or anything that carries `struct can_frame` packets: tests
-        hand over one end of a socket pair. It is owned from now on.
+        A bound AF_CAN raw socket, which carries `struct can_frame` and nothing else unless it is
+        told to; tests hand over one end of a socket pair. It is owned from now on.
     channel : str
         Name of the interface, for messages.
     """

@@ -34,6 +34,8 @@ class CanopenBus(CyclicCanBus):
         When the last one was sent, s.
     """
 
+    _farewell = (_NMT_ID, _NMT_STOP_ALL)
+
     def __init__(
         self,
         name: str,
@@ -106,9 +108,6 @@ class CanopenBus(CyclicCanBus):
 
     def _owners(self, can_id: int) -> str:
         return f"devices have node number 0x{can_id & 0x7F:02X}"
-
-    def _say_goodbye(self) -> None:
-        self._send(_NMT_ID, _NMT_STOP_ALL)
 
     def _on_foreign_sync(self, data: bytes, now: float) -> None:
         self.sync_count += 1
