@@ -1,12 +1,17 @@
 """What a profile says of a CiA 406 linear encoder."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Interval, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
+
+if TYPE_CHECKING:
+    from drivers.canopen.eds_check import DeviceFile
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +87,9 @@ class Cia406Settings:
         What 0x6509 must hold, counts: somebody who set a preset has moved the zero.
     vendor, product : int, optional
         What the device must report in 0x1018.
+    eds : str, optional
+        The device's own EDS file, relative to this one: types are taken from it, and what it
+        says the device cannot do is refused.
     remap : bool
         Write the PDO mapping; False for devices whose mapping is fixed, which is then
         compared.
@@ -105,6 +113,7 @@ class Cia406Settings:
     preset_offset: int | None = None
     vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
     product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    eds: str | None = None
     remap: bool = True
     hold_after: Annotated[int, Ge(1)] = 2
     fault_after: Annotated[int, Ge(1)] = 5
@@ -133,6 +142,19 @@ class Cia406Settings:
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what the encoder puts on the bus each cycle: names and bytes."""
         return (("TPDO1 position", layout_size(self.transmit_entries)),)
+
+    @staticmethod
+    def read_eds(path: Path) -> "DeviceFile":
+        """Read the encoder's own EDS.
+
+        Raises
+        ------
+        EdsError
+            It cannot be read or understood.
+        """
+        from drivers.canopen.eds_check import DeviceFile
+
+        return DeviceFile(path, _typed_objects)
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what the encoder exchanges and what its counts mean.
@@ -172,3 +194,15 @@ class Cia406Settings:
                 tuple(told),
             ),
         )
+
+
+def _typed_objects(plain: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[int, int]]:
+    """Return the objects whose types are settings, from the settings as they were written."""
+    found: dict[tuple[str | int, ...], tuple[int, int]] = {}
+    for key, usual in (("position", PositionObject()), ("speed", SpeedObject())):
+        written = plain.get(key, {})
+        if isinstance(written, Mapping):  # null: the device has none
+            index, sub = written.get("index", usual.index), written.get("sub", usual.sub)
+            if isinstance(index, int) and isinstance(sub, int):
+                found[key, "type"] = index, sub
+    return found

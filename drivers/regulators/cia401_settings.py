@@ -1,7 +1,9 @@
 """What a profile says of a CiA 401 module with electro-pneumatic regulators on it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Final, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
@@ -14,6 +16,9 @@ from drivers.canopen.mapping import (
     layout_size,
     pack,
 )
+
+if TYPE_CHECKING:
+    from drivers.canopen.eds_check import DeviceFile
 
 _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
@@ -200,6 +205,9 @@ class Cia401Settings:
         When a regulator that does not follow is a fault.
     vendor, product : int, optional
         What the module must report in 0x1018.
+    eds : str, optional
+        The device's own EDS file, relative to this one: types are taken from it, and what it
+        says the device cannot do is refused.
     remap : bool
         Write the PDO mapping; False for modules whose mapping is fixed, which is then
         compared.
@@ -219,6 +227,7 @@ class Cia401Settings:
     following: FollowingSettings = field(default_factory=FollowingSettings)
     vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
     product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    eds: str | None = None
     remap: bool = True
     hold_after: Annotated[int, Ge(1)] = 2
     fault_after: Annotated[int, Ge(1)] = 5
@@ -274,6 +283,19 @@ class Cia401Settings:
             ),
         )
 
+    @staticmethod
+    def read_eds(path: Path) -> "DeviceFile":
+        """Read the module's own EDS.
+
+        Raises
+        ------
+        EdsError
+            It cannot be read or understood.
+        """
+        from drivers.canopen.eds_check import DeviceFile
+
+        return DeviceFile(path, _typed_objects)
+
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what the module exchanges and what its counts mean.
 
@@ -315,3 +337,21 @@ def _stop_words(active_low: bool) -> tuple[str, str]:
 
 def _digital(name: str, bit: int, words: tuple[str, str]) -> Quantity:
     return Quantity(name, words=lambda byte: words[byte >> bit & 1])
+
+
+def _typed_objects(plain: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[int, int]]:
+    """Return the objects whose types are settings, from the settings as they were written."""
+    found: dict[tuple[str | int, ...], tuple[int, int]] = {}
+    channels = plain.get("channels")
+    for name, channel in channels.items() if isinstance(channels, Mapping) else ():
+        for side, usual in (("setpoint", 0x6411), ("monitor", 0x6401)):
+            signal = channel.get(side) if isinstance(channel, Mapping) else None
+            if not isinstance(signal, Mapping):
+                continue
+            index, sub = signal.get("index", usual), signal.get("sub")
+            if isinstance(index, int) and isinstance(sub, int):
+                found["channels", name, side, "type"] = index, sub
+                mode = plain.get("error_mode", 0x6443)
+                if side == "setpoint" and isinstance(mode, int):
+                    found["error_mode_type",] = mode, sub
+    return found

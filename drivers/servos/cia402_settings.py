@@ -1,7 +1,8 @@
 """What a profile says of joints on CiA 402 drives."""
 
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
@@ -10,6 +11,9 @@ from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.servos.cia402_errors import describe_error
 from drivers.servos.cia402_states import decode_state
 from drivers.servos.joint_settings import JointSettings
+
+if TYPE_CHECKING:
+    from drivers.canopen.eds_check import DeviceFile
 
 Mode = Literal["csp", "csv"]
 Feedback = Literal["velocity", "torque", "error_code"]
@@ -113,6 +117,9 @@ class Cia402Settings:
         what the drive does instead must be found in its manual.
     vendor, product : int, optional
         What every drive must report in 0x1018.
+    eds : str, optional
+        The device's own EDS file, relative to this one: types are taken from it, and what it
+        says the device cannot do is refused.
     remap : bool
         Write the PDO mapping; False for drives whose mapping is fixed, which is then compared.
     hold_after, fault_after : int
@@ -128,6 +135,7 @@ class Cia402Settings:
     absent: tuple[int, ...] = ()
     vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
     product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    eds: str | None = None
     remap: bool = True
     hold_after: Annotated[int, Ge(1)] = 2
     fault_after: Annotated[int, Ge(1)] = 5
@@ -180,6 +188,19 @@ class Cia402Settings:
     def timed_frames(self, heartbeat: float) -> tuple[tuple[str, int, float], ...]:
         """Return what comes besides: names, bytes and rates (Hz), one heartbeat per drive."""
         return tuple((f"{joint} heartbeat", 1, 1.0 / heartbeat) for joint in self.joints)
+
+    @staticmethod
+    def read_eds(path: Path) -> "DeviceFile":
+        """Read the drive's own EDS.
+
+        Raises
+        ------
+        EdsError
+            It cannot be read or understood.
+        """
+        from drivers.canopen.eds_check import DeviceFile
+
+        return DeviceFile(path, lambda _: {})
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what each drive exchanges and what its counts mean.

@@ -1,5 +1,6 @@
 """Decoders of a profile's CAN buses: frames in the profile's names and in SI."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,6 +23,22 @@ def make_decoders(profile: Profile) -> dict[str, Decoder]:
         for bus, entry in profile.buses.items()
         if is_can(entry)
     }
+
+
+def decode(decoders: Mapping[str, Decoder], frame: Any) -> Any:
+    """Return what a `drivers.can.candump.LoggedFrame` says, a `drivers.can.decoded.Decoded`."""
+    from drivers.can.decoded import UNKNOWN
+
+    decoder = decoders.get(frame.channel)
+    return UNKNOWN if decoder is None else decoder.decode(frame.can_id, frame.data)
+
+
+def hexadecimal(frame: Any) -> tuple[str, str]:
+    """Return a frame's identifier and its data as candump writes them; ``R`` asks for data."""
+    from drivers.can.candump import format_frame
+
+    can_id, _, data = format_frame(frame.can_id, frame.data).partition("#")
+    return can_id, data
 
 
 def _canopen(profile: Profile, bus: str) -> Decoder:

@@ -5,16 +5,13 @@ import sys
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from rig.assembly.buses import is_can
 from rig.assembly.frames import FORMATS, FRAMES
 from rig.assembly.interfaces import Interfaces
 from rig.config import Profile
 from rig.hal import ConfigurationError, ConnectionFailed
-
-if TYPE_CHECKING:
-    from drivers.can.candump import LoggedFrame
 
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
@@ -39,16 +36,16 @@ def frames_of_run(folder: Path) -> Path:
     )
 
 
-def read_frames(path: str | Path, profile: Profile) -> Iterator["LoggedFrame"]:
-    """Yield the frames of a file, with the names of the profile's buses as channels.
+def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
+    """Yield the `drivers.can.candump.LoggedFrame` of a file.
 
     Parameters
     ----------
     path : str or Path
         A log of candump (``-L`` or ``-l``), or an ASC or BLF file. `STDIN` for a pipe.
     profile : Profile
-        A channel is one of its buses by the bus's name, by its interface's channel, or, where
-        the file counts channels, by its place; with a single CAN bus every channel is that one.
+        Whose buses become the channels: one is meant by its name, by its interface's channel,
+        or, where the file counts channels, by its place; a single CAN bus is every channel.
 
     Raises
     ------
@@ -69,7 +66,7 @@ def read_frames(path: str | Path, profile: Profile) -> Iterator["LoggedFrame"]:
         raise ConfigurationError(str(error)) from error
 
 
-def listen(profile: Profile, interfaces: Interfaces) -> "contextlib.closing[Any]":
+def listen(profile: Profile, interfaces: Interfaces) -> contextlib.closing[Any]:
     """Open the CAN buses of a profile and return an endless iterator of lists of frames.
 
     Nothing is ever sent. A list is empty where no frame has come for a moment.
@@ -82,7 +79,7 @@ def listen(profile: Profile, interfaces: Interfaces) -> "contextlib.closing[Any]
     return contextlib.closing(_listen(profile, interfaces))
 
 
-def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list["LoggedFrame"]]:
+def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list[Any]]:
     import dataclasses
 
     from drivers.can import open_bus
@@ -130,7 +127,7 @@ class _Buses:
         return self._only or self._names.get(channel, channel)
 
 
-def _read_candump(path: str | Path) -> Iterator["LoggedFrame"]:
+def _read_candump(path: str | Path) -> Iterator[Any]:
     from drivers.can.candump import parse_lines
 
     if str(path) == STDIN:
@@ -140,7 +137,7 @@ def _read_candump(path: str | Path) -> Iterator["LoggedFrame"]:
         yield from parse_lines(lines, str(path))
 
 
-def _read_vector(path: Path) -> Iterator["LoggedFrame"]:
+def _read_vector(path: Path) -> Iterator[Any]:
     import can
 
     from drivers.can.candump import LoggedFrame

@@ -23,7 +23,6 @@ from rig.cli.names import (
 from rig.cli.tables import abandon_stdout
 
 if TYPE_CHECKING:
-    from drivers.can.candump import LoggedFrame
     from rig.assembly.decoding import Decoder
     from rig.config import Profile
 
@@ -183,9 +182,9 @@ class _Viewer:
         self.is_over = False
         self.count = self.unknown = 0
 
-    def lines(self, frames: Iterable[LoggedFrame]) -> Iterator[str]:
+    def lines(self, frames: Iterable[Any]) -> Iterator[str]:
         """Yield the line of every frame that is to be shown."""
-        from drivers.can.decoded import UNKNOWN
+        from rig.assembly.decoding import decode
 
         for frame in frames:
             if self._began is None:
@@ -194,8 +193,7 @@ class _Viewer:
             if self._duration is not None and t > self._duration:
                 self.is_over = True
                 return
-            decoder = self._decoders.get(frame.channel)
-            decoded = UNKNOWN if decoder is None else decoder.decode(frame.can_id, frame.data)
+            decoded = decode(self._decoders, frame)
             self.count += 1
             self.unknown += not decoded.known
             if not self._devices or self._is_wanted(decoded.device):
@@ -212,15 +210,15 @@ class _Viewer:
         return any(device == name or device.startswith(f"{name} ") for name in self._devices)
 
 
-def _text_line(t: float, frame: LoggedFrame, decoded: Any, widths: Sequence[int]) -> str:
-    from drivers.can.candump import format_frame
+def _text_line(t: float, frame: Any, decoded: Any, widths: Sequence[int]) -> str:
+    from rig.assembly.decoding import hexadecimal
     from rig.config.quantities import format_quantity
 
     parts = [decoded.text] if decoded.text else []
     for value in decoded.values:
         text = format_quantity(value.value, value.unit) if value.unit else str(value.value)
-        parts.append(f"{value.name} {text}".lstrip())
-    name, _, data = format_frame(frame.can_id, frame.data).partition("#")
+        parts.append(f"{value.name} = {text}" if value.name else text)
+    name, data = hexadecimal(frame)
     content = ", ".join(parts) or data
     return (
         f"{t:12.6f}  {frame.channel:{widths[0]}}  {name:>3}  "
@@ -229,10 +227,10 @@ def _text_line(t: float, frame: LoggedFrame, decoded: Any, widths: Sequence[int]
     )
 
 
-def _json_line(t: float, frame: LoggedFrame, decoded: Any, widths: Sequence[int]) -> str:
-    from drivers.can.candump import format_frame
+def _json_line(t: float, frame: Any, decoded: Any, widths: Sequence[int]) -> str:
+    from rig.assembly.decoding import hexadecimal
 
-    name, _, data = format_frame(frame.can_id, frame.data).partition("#")
+    name, data = hexadecimal(frame)
     content = {
         "t": round(t, 6),
         "time": frame.time,

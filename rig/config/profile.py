@@ -14,6 +14,7 @@ from rig.config.calibration import (
     read_calibration,
     read_provenance,
 )
+from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import apply_overrides, load_document, parse_overrides
 from rig.config.models import (
@@ -304,10 +305,17 @@ class _Reader:
         settings = self._sections.settings_of("driver", driver, driver_node)
         if settings is None:
             return None
-        built = build(settings, node.with_items(items), self._problems, also=COMMON_KEYS)
+        own = node.with_items(items)
+        file = DeviceDescription.of(settings, own, self._problems)
+        if file is not None:
+            own = file.complete(own)
+        built = build(settings, own, self._problems, also=COMMON_KEYS)
+        if file is not None and built is not None:
+            file.compare(name, built, own)
         if head is None or built is None:
             return None
-        return DeviceEntry(driver, head.bus, head.serial, built, calibration)
+        path = None if file is None else file.path
+        return DeviceEntry(driver, head.bus, head.serial, built, calibration, path)
 
     def _calibration(self, device: str, node: Node | None) -> Calibration | None:
         """Return what was laid over a device, now or when a resolved profile was written."""

@@ -57,8 +57,16 @@ def _profile(profile: Profile) -> dict[str, Any]:
             continue
         ordered[key] = value
         if key == "devices":
+            _name_copies(profile, value)
             ordered[profile.mechanism] = settings
     return ordered
+
+
+def _name_copies(profile: Profile, devices: dict[str, Any]) -> None:
+    """Name the copies that a run folder keeps of the devices' own files."""
+    for name, entry in profile.devices.items():
+        if entry.eds is not None:
+            devices[name]["eds"] = f"eds/{name}.eds"
 
 
 def _plain(value: Any) -> Any:

@@ -157,6 +157,11 @@ def _create_folder(
         for path in profile.files
         if path.parent.parent.name == "calibration"
     }
+    data_sheets = {
+        f"eds/{name}.eds": _text_of(entry.eds)
+        for name, entry in profile.devices.items()
+        if entry.eds is not None
+    }
     folder = RunFolder.create(
         out,
         experiment.name,
@@ -165,6 +170,7 @@ def _create_folder(
             "profile.yaml": dump_resolved(profile),
             "experiment.yaml": dump_resolved(experiment),
             **calibrations,
+            **data_sheets,
         },
         seed=profile.simulation.seed if backend.is_simulated else None,
         command=[shlex.join(command)],
@@ -176,6 +182,14 @@ def _create_folder(
         ),
     )
     return folder
+
+
+def _text_of(path: Path) -> str:
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:  # most tools for EDS files write Latin-1
+        return content.decode("latin-1")
 
 
 def _keep_frames(
@@ -232,6 +246,10 @@ def _run(
                     timings=Timings(approach=plan.experiment.approach),
                     progress=watcher.progressed,
                 )
+        held = getattr(rig.mechanism, "pose_held", str)() if outcome.fault is not None else None
+        if held:
+            watcher.said(held)
+            events(loop.t, "hold", held, {})
         return _judge(outcome, loop.t, events)
     except KeyboardInterrupt:
         return RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted before the rig was energised"

@@ -1,0 +1,195 @@
+"""Compare what a driver wants to exchange with a node, with what the node's EDS lets it."""
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from drivers.canopen.described import DescribedNode
+from drivers.canopen.eds import EdsObject, read_eds
+from drivers.canopen.mapping import SIZES, Entry, Layout
+
+Keys = tuple[str | int, ...]
+"""Where a value stands below a device's entry in the profile."""
+
+_CAN_BE_SENT: Final = ("ro", "rw", "rwr", "const")
+_CAN_BE_RECEIVED: Final = ("wo", "rw", "rww")
+_SETTABLE: Final = ("wo", "rw", "rww", "rwr")
+_MOST_ENTRIES: Final = 64  # CiA 301: of one bit each
+_MAPPING_OFFSET: Final = 0x200
+_NOT_VALID: Final = 0x8000_0000
+_IDENTIFIER: Final = 0x7FF
+_ON_EVERY_SYNC: Final = 1
+
+
+class Finding(NamedTuple):
+    """What a device cannot do.
+
+    Attributes
+    ----------
+    keys : tuple
+        Which setting asks for it.
+    message : str
+        What it cannot do; with the line of the EDS.
+    """
+
+    keys: Keys
+    message: str
+
+
+class DeviceFile:
+    """A device's own EDS beside its settings.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    typed : callable
+        ``typed(plain)`` returns, from the settings as they were written, index and sub-index of
+        every object whose type is a setting, by the keys of that setting.
+
+    Raises
+    ------
+    EdsError
+        The file cannot be read or understood.
+    """
+
+    def __init__(
+        self, path: Path, typed: Callable[[Mapping[str, Any]], Mapping[Keys, tuple[int, int]]]
+    ) -> None:
+        self.eds = read_eds(path)
+        self._typed = typed
+
+    def values(self, plain: Mapping[str, Any]) -> dict[Keys, Any]:
+        """Return the settings that the file knows, by their keys.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings as they were written.
+        """
+        known: dict[Keys, Any] = {}
+        for keys, (index, sub) in self._typed(plain).items():
+            found = self.eds.find(index, sub)
+            if found is not None and found.type in SIZES:
+                known[keys] = found.type
+        if self._is_fixed(0x1600) is not False and self._is_fixed(0x1A00) is not False:
+            known[("remap",)] = False
+        return known
+
+    def findings(self, nodes: tuple[DescribedNode, ...]) -> list[Finding]:
+        """Return everything that the device cannot do, each once."""
+        found = dict.fromkeys(finding for node in nodes for finding in self._compare(node))
+        return list(found)
+
+    # Inside ---------------------------------------------------------------------------
+
+    def _compare(self, node: DescribedNode) -> Iterator[Finding]:
+        for word, base, layouts, access in (
+            ("RPDO", 0x1400, node.receive, _CAN_BE_RECEIVED),
+            ("TPDO", 0x1800, node.transmit, _CAN_BE_SENT),
+        ):
+            for number, layout in enumerate(layouts):
+                name = f"{word}{number + 1}"
+                default = (0x200 if word == "RPDO" else 0x180) + 0x100 * number + node.node
+                yield from self._check_parameters(node, name, base + number, layout, default)
+                for entry in layout:
+                    for message in self._check_entry(entry, name, access):
+                        yield Finding(node.origins.get(entry, ()), message)
+
+    def _check_parameters(
+        self, node: DescribedNode, name: str, index: int, layout: Layout, default: int
+    ) -> Iterator[Finding]:
+        """Check that the PDO is there, and may be set up as the driver needs it."""
+        eds = self.eds
+        last = node.origins.get(layout[-1], ())
+        identifier, kind = eds.find(index, 1), eds.find(index, 2)
+        if identifier is None or kind is None:
+            yield Finding(last, f"{eds.path} has no {name} (0x{index:04X})")
+            return
+        found = eds.default_of(identifier, node.node)
+        wrong = found is not None and (found & _NOT_VALID or found & _IDENTIFIER != default)
+        if wrong and identifier.access not in _SETTABLE:
+            text = f"{name} has the identifier 0x{found:08X}, which cannot be changed"
+            yield Finding(last, f"{text}, and 0x{default:03X} is needed {self._at(identifier)}")
+        found = eds.default_of(kind, node.node)
+        if kind.access not in _SETTABLE and found not in (None, _ON_EVERY_SYNC):
+            text = f"{name} has transmission type {found}, which cannot be changed"
+            yield Finding(last, f"{text}, and {_ON_EVERY_SYNC} is needed {self._at(kind)}")
+        yield from self._check_mapping(node, name, index + _MAPPING_OFFSET, layout)
+
+    def _check_mapping(
+        self, node: DescribedNode, name: str, mapping: int, layout: Layout
+    ) -> Iterator[Finding]:
+        last = node.origins.get(layout[-1], ())
+        count = self.eds.find(mapping, 0)
+        if count is None:
+            yield Finding(last, f"{self.eds.path} has no mapping of {name} (0x{mapping:04X})")
+            return
+        slots = self._slots(mapping)
+        if self._is_fixed(mapping):
+            have, want = self._default_mapping(mapping), [entry.code for entry in layout]
+            if have is not None and have != want:
+                text = f"the mapping of {name} cannot be changed: it is {_codes(have)}"
+                message = f"{text}, and {_codes(want)} is needed {self._at(count)}"
+                yield Finding(last, message)
+            elif node.remap:
+                message = f"the mapping of {name} cannot be written {self._at(count)}"
+                yield Finding(("remap",), message)
+        elif len(layout) > len(slots):
+            extra = node.origins.get(layout[len(slots)], ())
+            what = f"{name} can map {len(slots)} objects at most, not {len(layout)}"
+            yield Finding(extra, f"{what} {self._at(count)}")
+
+    def _check_entry(self, entry: Entry, name: str, access: tuple[str, ...]) -> Iterator[str]:
+        found = self.eds.find(entry.object, entry.sub)
+        if found is None:
+            yield f"{self.eds.path} has no object {entry}, which {name} needs"
+            return
+        where = self._at(found)
+        if not found.mappable:
+            yield f"object {entry} cannot be mapped into a PDO {where}"
+        elif found.access not in access:
+            can = "sent" if access is _CAN_BE_SENT else "received"
+            yield f"object {entry} is {found.access} and cannot be {can} in {name} {where}"
+        if found.type != entry.type:
+            yield f"object {entry} is {found.type}, not {entry.type} {where}"
+        step = self.eds.device_number("Granularity", 8)
+        if step and 8 * SIZES[entry.type] % step:
+            bits = 8 * SIZES[entry.type]
+            yield f"object {entry} has {bits} bits, but the device maps in steps of {step} {where}"
+
+    def _is_fixed(self, mapping: int) -> bool | None:
+        """Return whether a mapping cannot be written; None if there is none."""
+        count = self.eds.find(mapping, 0)
+        if count is None:
+            return None
+        first = self.eds.find(mapping, 1)
+        writable = count.access in _SETTABLE and first is not None and first.access in _SETTABLE
+        return not writable or self.eds.device_number("Granularity", 8) == 0
+
+    def _slots(self, mapping: int) -> list[EdsObject]:
+        slots = []
+        for sub in range(1, _MOST_ENTRIES + 1):
+            found = self.eds.find(mapping, sub)
+            if found is None:
+                break
+            slots.append(found)
+        return slots
+
+    def _default_mapping(self, mapping: int) -> list[int] | None:
+        """Return the entries that are mapped as shipped; None if the file does not say."""
+        defaults = [self.eds.default_of(slot, 0) for slot in self._slots(mapping)]
+        count = self.eds.find(mapping, 0)
+        number = None if count is None else self.eds.default_of(count, 0)
+        known = [code for code in defaults if code is not None]
+        if len(known) < len(defaults) and number is None:
+            return None
+        used = known if number is None else known[:number]
+        return [code for code in used if code]
+
+    def _at(self, found: EdsObject) -> str:
+        return f"({self.eds.path}:{found.line})"
+
+
+def _codes(codes: list[int]) -> str:
+    return " ".join(f"{code:08X}" for code in codes) or "nothing"

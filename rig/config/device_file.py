@@ -1,0 +1,107 @@
+"""A device's own description file (``eds:``) beside what the profile says of the device."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final
+
+from rig.config.diagnostics import Problems
+from rig.config.source import Node
+from rig.hal import ConfigurationError
+
+KEY: Final = "eds"
+"""The key of a device's entry that names the file."""
+
+
+class DeviceDescription:
+    """The file that a device's entry names.
+
+    What it means is the driver's affair: its settings class has ``read_eds(path)``, which
+    returns an object with ``values(plain)``, the settings that the file knows, and
+    ``findings(nodes)``, what the device cannot do of what the settings' ``describe_nodes(name)``
+    wants of it. This class knows where everything was written.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    node : Node
+        Where the profile names it.
+    content : object
+        What the driver read.
+    problems : Problems
+        Takes what does not fit.
+    """
+
+    def __init__(self, path: Path, node: Node, content: Any, problems: Problems) -> None:
+        self.path = path
+        self._node = node
+        self._content = content
+        self._problems = problems
+
+    @classmethod
+    def of(cls, settings: type, entry: Node, problems: Problems) -> "DeviceDescription | None":
+        """Read the file of a device's entry; None if it names none, or a broken one."""
+        node = entry.get(KEY)
+        read = getattr(settings, f"read_{KEY}", None)
+        if node is None or read is None or not isinstance(node.value, str):
+            return None
+        # Relative to the file that says it; an option is relative to where the user is.
+        written_in = Path(node.mark.source.name)
+        folder = written_in.parent if written_in.is_file() else Path()
+        path = folder / node.value
+        try:
+            return cls(path, node, read(path), problems)
+        except ConfigurationError as error:
+            problems.add(node.mark, str(error))
+            return None
+
+    def complete(self, entry: Node) -> Node:
+        """Return the entry with what the file knows and the profile does not say."""
+        try:
+            values = self._content.values(entry.plain())
+        except ConfigurationError as error:
+            self._problems.add(self._node.mark, str(error))
+            return entry
+        for keys, value in values.items():
+            entry = _with_default(entry, keys, Node(value, self._node.mark))
+        return entry
+
+    def compare(self, name: str, settings: Any, entry: Node) -> None:
+        """Note everything that the device cannot do.
+
+        Parameters
+        ----------
+        name : str
+            The device's.
+        settings : object
+            The driver's.
+        entry : Node
+            What they were built from.
+        """
+        try:
+            findings = self._content.findings(settings.describe_nodes(name))
+        except ConfigurationError as error:
+            self._problems.add(self._node.mark, str(error))
+            return
+        for keys, message in findings:
+            place, taken = entry.descend(keys)
+            if not taken:  # a default asks for it
+                place = self._node
+            scalar = not isinstance(place.value, dict | list)
+            self._problems.add(place.mark if scalar else place.heading, f"{name}: {message}")
+
+
+def _with_default(entry: Node, keys: tuple[str, ...], leaf: Node) -> Node:
+    """Return a mapping with a value below some keys, unless there is one already."""
+    if not isinstance(entry.value, dict):
+        return entry  # null, or an error that is told elsewhere
+    key, *rest = keys
+    below = entry.value.get(key)
+    if rest:
+        below = below or Node({}, leaf.mark)
+        made = _with_default(below, tuple(rest), leaf)
+    elif below is None:
+        made = leaf
+    else:
+        return entry
+    return replace(entry, value={**entry.value, key: made})
