@@ -166,8 +166,8 @@ def test_canopen_chooses_the_modes_and_moves_the_shaft(live):
     assert not master.is_op_mode_supported("PROFILED POSITION")
     master.state = "OPERATION ENABLED"
     master.sdo[0x607A].raw = COUNTS // 8
-    # Exactly: a joint that is a count away is further from there than the tolerance below.
-    wait_until(lambda: master.sdo[0x6064].raw == COUNTS // 8)
+    # At rest there: on its way through, a joint may be asked at the right moment, too.
+    wait_until(lambda: master.sdo[0x606C].raw == 0 and master.sdo[0x6064].raw == COUNTS // 8)
     assert live.plant.angles[0] == pytest.approx(3.14159265 / 4, abs=2e-3)
     master.sdo[0x60FF].raw = -COUNTS
     master.op_mode = "CYCLIC SYNCHRONOUS VELOCITY"
