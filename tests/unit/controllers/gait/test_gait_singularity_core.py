@@ -1,7 +1,5 @@
 """The ray of the singularity-consistent method, for any chain."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -15,7 +13,6 @@ from controllers.singularity.ray import (
     path_ray,
     rank_two_start,
 )
-from controllers.singularity.scale import scale_for_norm, scale_for_path, scale_for_rates
 
 GEOMETRY = LegGeometry()
 STRAIGHT = (0.0, -0.1, -0.2, 0.0, 0.2, 0.1)
@@ -104,10 +101,9 @@ def test_two_singular_chains_start_at_the_rates_that_keep_them_together():
         rank_two_start(1.0, 0.0)
 
 
-def test_scale_is_bounded_by_joints_and_path():
-    ray = Ray(np.array((3.0, -4.0, 0.0)), 0.5)
-    assert scale_for_rates(ray, (6.0, 4.0, 1e-9)) == 1.0
-    assert scale_for_norm(ray, 10.0) == 2.0
-    assert scale_for_path(ray, 0.25) == 0.5
-    assert scale_for_path(Ray(ray.joints, 0.0), 0.25) == math.inf
-    assert ray.unit().path == pytest.approx(0.1)
+def test_unit_ray_has_joint_rates_of_norm_one():
+    ray = Ray(np.array((3.0, -4.0, 0.0)), 0.5).unit()
+    assert np.linalg.norm(ray.joints) == pytest.approx(1.0)
+    assert ray.path == pytest.approx(0.1)
+    still = Ray(np.zeros(3), 0.5)
+    assert still.unit() is still
