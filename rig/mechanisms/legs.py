@@ -11,6 +11,7 @@ from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
 from rig.hal import Vector
 from rig.mechanisms.legs_facts import plan_facts
+from rig.mechanisms.legs_halt import Halt
 from rig.mechanisms.legs_settings import LegsSettings
 from rig.mechanisms.servo_joints import JointLimits, Kinds, ServoJoints, servo_columns
 from rig.runtime.columns import Column
@@ -137,6 +138,7 @@ class Legs(ServoJoints):
         self.controller: Any = None
         self.motion: PlannedGait | None = None
         self._followed = 0
+        self._halt: Halt | None = None
 
     @classmethod
     def assemble(cls, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> "Legs":
@@ -176,10 +178,51 @@ class Legs(ServoJoints):
         """See `ServoJoints.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0
+        self._halt = None
+
+    def resting_command(self, state: Any) -> Any:
+        """See `ServoJoints.resting_command`; in mid-walk both legs come to rest on their path."""
+        rest = super().resting_command(state)
+        if not self._braking or self.motion is None or not self._followed:
+            return rest
+        self._braking = False
+        self._halt = Halt(self.motion.plan, self._followed - 1, self.limits.acceleration)
+        self._stop = self._kinds.command(self._halt.end, self._still)
+        return self._stop
+
+    def limit(self, command: LegsCommand) -> LegsCommand:
+        """See `ServoJoints.limit`."""
+        if self._halt is not None:
+            command = LegsCommand(self._halt.advance(), self._still)
+        limited: LegsCommand = super().limit(command)
+        return limited
+
+    def pose_held(self) -> str | None:
+        """Say at which instant of the walk the legs are held, and how safely they stand there.
+
+        A fault holds the setpoints that were sent last. That is the nearest instant at which the
+        robot stands safely: a plan that has any other is refused beforehand.
+        """
+        if self.motion is None or not self._followed:
+            return None
+        plan = self.motion.plan
+        t = plan.nearest_stable(
+            (self._followed - 1) * self._period, self.settings.balance.min_margin
+        )
+        sample = round(t / plan.period)
+        phase = plan.phases[int(plan.phase_number[sample])].phase.name
+        margin = float(plan.balance.static_margin[sample])
+        return (
+            f"the legs are held where they are at {t:.3f} s ({phase}); there the centre of mass is "
+            f"{margin * 1e3:.1f} mm inside the edge of the support"
+        )
 
     def _end_of_motion(self) -> Vector | None:
-        """See `ServoJoints`; the plan's last sample is left when the loop's time is over."""
-        if self.motion is None or self._followed < len(self.motion.plan.t) - 1:
+        """See `ServoJoints`; the last sample is left when the loop's time is over.
+
+        Rounding of times may leave one more.
+        """
+        if self.motion is None or self._followed < len(self.motion.plan.t) - 2:
             return None
         return self.motion.at(self.motion.duration).positions
 
