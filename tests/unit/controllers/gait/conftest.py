@@ -6,13 +6,14 @@ from functools import cache
 import pytest
 
 from controllers.gait.laws import LAWS
-from controllers.gait.motions import SquatSettings, WalkSettings
+from controllers.gait.motions import BobSettings, SquatSettings, WalkSettings
 from controllers.gait.types import GaitModel
 
 MOTIONS = {
     "walk": WalkSettings(),
     "walk 5x": WalkSettings(speed=5.0),
     "walk touching": WalkSettings(knee_min=0.0),
+    "walk with bob": WalkSettings(bob=BobSettings()),
     "squat": SquatSettings(),
 }
 

@@ -169,3 +169,13 @@ def test_standing_knee_bears_less_the_straighter_it_is():
             )
         )
     assert torques == pytest.approx((0.68, 0.76, 0.97, 1.25, 1.56), rel=0.03)
+
+
+@pytest.mark.parametrize("motion", ["walk", "walk 5x", "walk with bob"])
+def test_every_instant_of_a_plan_is_one_to_hold(plan, motion):
+    """So the safe instant that is nearest to a fault is the one that it happens at."""
+    made = plan("sc-trapezoid", motion, 5e-3)
+    bound = made.static_margin
+    assert bound >= 21.9e-3
+    for t in made.t[::100].tolist():
+        assert made.nearest_stable(t, bound) == t

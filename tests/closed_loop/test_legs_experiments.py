@@ -1,0 +1,99 @@
+"""The shipped experiments of the legs: every number that the lab was promised, as a bound.
+
+The bounds are those of the experiments' own files; what depends on the law is given here.
+"""
+
+import pytest
+from legs_bench import CONFIGS
+
+from rig.assembly import Backend
+from rig.experiment.plan import load_plan
+from rig.experiment.run import run_experiment
+
+RATES = {"inverse": 7.2, "sc": 0.347, "sc-trapezoid": 0.248}
+"""Greatest knee rate of the base case, rad/s, as a plan at 1 kHz has it."""
+
+
+def measure(tmp_path, name, *options, backend=Backend.SIM):
+    """Return an experiment's metrics by name; every bound has held."""
+    plan = load_plan(name, list(options), configs=CONFIGS)
+    result = run_experiment(plan, backend, tmp_path, report=False)
+    missed = [metric for metric in result.metrics if metric.passed is False]
+    assert (missed, result.message, result.exit_code) == ([], None, 0)
+    return {metric.name: metric.value for metric in result.metrics}
+
+
+def test_legs_walk_within_its_bounds(tmp_path):
+    found = measure(tmp_path, "legs-walk")
+    assert found["peak_knee_rate"] == pytest.approx(RATES["sc-trapezoid"], rel=0.02)
+    assert found["advance"] == pytest.approx(0.120, abs=1e-5)
+    assert found["near_singular_windows"] == 6
+    assert found["static_margin"] == pytest.approx(22.1e-3, abs=0.2e-3)
+    assert found["leg_mismatch"] < 1e-9
+    assert found["knee_torque_max"] < 1.2
+    assert found["advance_measured"] >= 0.110
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["inverse", "sc"])
+def test_rates_of_the_other_laws(tmp_path, law):
+    found = measure(
+        tmp_path,
+        "legs-walk",
+        f"law={law}",
+        f"metrics.peak_knee_rate={{min: {0.98 * RATES[law]}, max: {1.02 * RATES[law]}}}",
+        "metrics.knee_torque_max={max: 4.5, segments: all}",
+    )
+    assert found["advance"] == pytest.approx(0.120, abs=1e-5)
+    assert found["near_singular_windows"] == 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rig", ["legs", "legs-can"])
+@pytest.mark.parametrize("name", ["legs-walk", "legs-walk-fast", "legs-walk-bob", "legs-squat"])
+def test_experiments_over_bytes_and_frames(tmp_path, name, rig):
+    measure(tmp_path, name, f"rig={rig}", backend=Backend.VIRTUAL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_legs_walk_of_other_robots(tmp_path, seed):
+    measure(tmp_path, "legs-walk", f"simulation.seed={seed}")
+
+
+@pytest.mark.slow
+def test_six_landings(tmp_path):
+    found = measure(tmp_path, "legs-walk", "reference.landings=6")
+    assert found["advance"] == pytest.approx(0.240, abs=1e-5)
+    assert found["near_singular_windows"] == 12
+    assert found["advance_measured"] > 0.220
+
+
+@pytest.mark.slow
+def test_at_five_times_the_speed_the_plain_law_saturates_and_the_trapezoid_does_not(tmp_path):
+    shares = {}
+    for law in ("inverse", "sc-trapezoid"):
+        found = measure(
+            tmp_path,
+            "legs-walk",
+            f"law={law}",
+            "reference.speed=5",
+            "metrics={peak_knee_rate: {}, fell: {segments: all}, saturated_share: {segments: all}}",
+        )
+        shares[law] = found["saturated_share"]
+        assert (found["peak_knee_rate"] > 4.76) == (law == "inverse")
+    assert shares["inverse"] > 0.005
+    assert shares["sc-trapezoid"] == 0.0
+
+
+@pytest.mark.slow
+def test_bob_saves_torque_on_the_robot_too(tmp_path):
+    flat, bob = (
+        measure(tmp_path, name)["knee_torque_mean"] for name in ("legs-walk", "legs-walk-bob")
+    )
+    assert bob < 0.8 * flat
+
+
+def test_plan_below_the_margin_is_refused_with_its_instant():
+    with pytest.raises(Exception, match=r"at 2\d\.\d+ s \(swing left 2\) the centre of mass .* 30"):
+        load_plan("legs-walk", ["legs.balance.min_margin=30 mm"], configs=CONFIGS)
