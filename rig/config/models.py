@@ -237,6 +237,9 @@ class MetricSpec:
     unit : str, optional
         SI unit of the bounds, taken from them where they are written with one: whoever
         knows the measure can check it.
+    when : dict
+        Settings of the rig or the experiment, by their dotted names, and the values with which
+        the metric is asked for; with others it is left out.
     """
 
     measure: Annotated[str, MinLen(1)] | None = None
@@ -244,6 +247,7 @@ class MetricSpec:
     max: float | None = None
     min: float | None = None
     unit: str | None = None
+    when: dict[str, float | str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.max is not None and self.min is not None and self.min > self.max:

@@ -7,6 +7,7 @@ from typing import Any, Final
 import yaml
 
 from rig.config.models import BusEntry, DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
+from rig.hal import ConfigurationError
 
 _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*")
 
@@ -46,6 +47,23 @@ def dump_resolved(resolved: Profile | Experiment) -> str:
         content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
         default_flow_style=None,
     )  # fmt: skip
+
+
+def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
+    """Return a setting of a rig or an experiment by its dotted name, as in ``--set``.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none of that name.
+    """
+    found: Any = {**_profile(profile), **_plain(experiment)}
+    for key in name.split("."):
+        if not isinstance(found, dict) or key not in found:
+            known = ", ".join(found) if isinstance(found, dict) else "nothing below that"
+            raise ConfigurationError(f"there is no setting {name!r}: no {key!r}; there is {known}")
+        found = found[key]
+    return found
 
 
 def _profile(profile: Profile) -> dict[str, Any]:

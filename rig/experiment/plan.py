@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Sequence
+from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,6 +19,7 @@ from rig.config import (
     load_profile,
 )
 from rig.config.experiment import rig_of
+from rig.config.resolve import setting_of
 from rig.experiment.measures import MEASURES, Measure
 from rig.hal import ConfigurationError
 from rig.runtime.motion import Fact, Motion, facts_of
@@ -128,6 +130,7 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     """
     check_profile(profile)
     try:
+        experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
         motion = plan_motion(profile, experiment.reference.settings, controller)
         _check_metrics(experiment, motion)
@@ -135,6 +138,19 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
     except ConfigurationError as error:
         raise type(error)(f"{experiment.name}: {error}") from error
     return Plan(experiment, profile, controller, motion)
+
+
+def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experiment:
+    """Return the experiment without the metrics that are for other settings than these."""
+    applying = {}
+    for name, spec in experiment.metrics.items():
+        try:
+            settings = {key: setting_of(key, profile, experiment) for key in spec.when}
+        except ConfigurationError as error:
+            raise ConfigurationError(f"metric {name}: {error}") from error
+        if settings == spec.when:
+            applying[name] = spec
+    return replace(experiment, metrics=applying)
 
 
 def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
