@@ -141,10 +141,10 @@ class Eds:
             part = self._sections.get(f"{index:04x}sub{sub:02x}")
         if part is not None:
             return self._variable(index, sub, part)
-        compact = self._number(own, "compactsubobj", 0)
+        compact = self._number(own, "CompactSubObj", 0)
         if compact:
             return self._compact(index, sub, own, compact)
-        if sub == 0 and self._number(own, "objecttype", 7) not in (8, 9):
+        if sub == 0 and self._number(own, "ObjectType", 7) not in (8, 9):
             return self._variable(index, 0, own)
         return None
 
@@ -193,7 +193,7 @@ class Eds:
             It is not a number.
         """
         section = self._sections.get("deviceinfo")
-        return default if section is None else self._number(section, key.lower(), default)
+        return default if section is None else self._number(section, key, default)
 
     # Reading --------------------------------------------------------------------------
 
@@ -231,7 +231,7 @@ class Eds:
         thing = f"0x{index:04X}:{sub:02X}"
         if not entries.get("datatype", _Entry("", 0)).text:
             raise EdsError(self.path, section.line, f"object {thing} has no DataType")
-        kind = self._number(section, "datatype", 0)
+        kind = self._number(section, "DataType", 0)
         access = entries.get("accesstype", _Entry("", section.line))
         if access.text.lower() not in _ACCESS:
             raise EdsError(
@@ -246,7 +246,7 @@ class Eds:
             name,
             _TYPES.get(kind, f"type 0x{kind:04X}"),
             access.text.lower(),
-            bool(self._number(section, "pdomapping", 0)),
+            bool(self._number(section, "PDOMapping", 0)),
             entries.get("defaultvalue", _Entry("", 0)).text,
             section.line,
         )
@@ -270,7 +270,7 @@ class Eds:
         )
 
     def _number(self, section: _Section, key: str, default: int) -> int:
-        entry = section.entries.get(key)
+        entry = section.entries.get(key.lower())
         return default if entry is None or not entry.text else self._parse(entry, key, 0)
 
     def _parse(self, entry: _Entry, what: str, node: int) -> int:

@@ -93,8 +93,8 @@ class DeviceFile:
                 default = (0x200 if word == "RPDO" else 0x180) + 0x100 * number + node.node
                 yield from self._check_parameters(node, name, base + number, layout, default)
                 for entry in layout:
-                    for message in self._check_entry(entry, name, access):
-                        yield Finding(node.origins.get(entry, ()), message)
+                    origin = node.origins.get(entry, ())
+                    yield from self._check_entry(entry, name, access, origin)
 
     def _check_parameters(
         self, node: DescribedNode, name: str, index: int, layout: Layout, default: int
@@ -140,23 +140,26 @@ class DeviceFile:
             what = f"{name} can map {len(slots)} objects at most, not {len(layout)}"
             yield Finding(extra, f"{what} {self._at(count)}")
 
-    def _check_entry(self, entry: Entry, name: str, access: tuple[str, ...]) -> Iterator[str]:
+    def _check_entry(
+        self, entry: Entry, name: str, access: tuple[str, ...], origin: Keys
+    ) -> Iterator[Finding]:
         found = self.eds.find(entry.object, entry.sub)
         if found is None:
-            yield f"{self.eds.path} has no object {entry}, which {name} needs"
+            yield Finding(origin, f"{self.eds.path} has no object {entry}, which {name} needs")
             return
         where = self._at(found)
         if not found.mappable:
-            yield f"object {entry} cannot be mapped into a PDO {where}"
+            yield Finding(origin, f"object {entry} cannot be mapped into a PDO {where}")
         elif found.access not in access:
-            can = "sent" if access is _CAN_BE_SENT else "received"
-            yield f"object {entry} is {found.access} and cannot be {can} in {name} {where}"
+            done = f"{'sent' if access is _CAN_BE_SENT else 'received'} in {name}"
+            yield Finding(origin, f"object {entry} is {found.access} and cannot be {done} {where}")
         if found.type != entry.type:
-            yield f"object {entry} is {found.type}, not {entry.type} {where}"
-        step = self.eds.device_number("Granularity", 8)
-        if step and 8 * SIZES[entry.type] % step:
-            bits = 8 * SIZES[entry.type]
-            yield f"object {entry} has {bits} bits, but the device maps in steps of {step} {where}"
+            message = f"object {entry} is {found.type}, not {entry.type} {where}"
+            yield Finding((*origin, "type"), message)
+        bits, step = 8 * SIZES[entry.type], self.eds.device_number("Granularity", 8)
+        if step and bits % step:
+            text = f"object {entry} has {bits} bits, but the device maps in steps of {step}"
+            yield Finding(origin, f"{text} {where}")
 
     def _is_fixed(self, mapping: int) -> bool | None:
         """Return whether a mapping cannot be written; None if there is none."""
