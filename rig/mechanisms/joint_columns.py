@@ -1,0 +1,22 @@
+"""What the log keeps of the spherical joint, each cycle."""
+
+from rig.runtime.columns import Column
+
+CHANNELS = ("ch1", "ch2", "ch3", "ch4")
+
+JOINT_COLUMNS = (
+    *(Column(f"reading.rod_{name}", "m", "shortening of its wire") for name in CHANNELS),
+    *(Column(f"reading.pressure_{name}", "Pa", "chamber pressure, gauge") for name in CHANNELS),
+    Column("reading.age", "s", "age of the oldest reading when it was used"),
+    *(Column(f"reading.marker_{axis}", "m", "marker as the camera saw it") for axis in "xyz"),
+    Column("reading.marker_age", "s", "age of that sample; -1 before the first"),
+    *(Column(f"reference.axis_{axis}", "1", "desired axis of the ring") for axis in "xyz"),
+    *(Column(f"reference.marker_{axis}", "m", "desired marker") for axis in "xyz"),
+    *(Column(f"reference.rod_{name}", "m", "where control wants the rod") for name in CHANNELS),
+    *(Column(f"estimate.marker_{axis}", "m", "encoders and camera") for axis in "xyz"),
+    *(Column(f"estimate.encoder_marker_{axis}", "m", "encoders alone") for axis in "xyz"),
+    Column("estimate.residual", "m", "how far the wires are from agreeing on a pose"),
+    *(Column(f"estimate.tension_{name}", "N", "pull of the chamber") for name in CHANNELS),
+    *(Column(f"command.{name}", "Pa", "wanted setpoint, gauge") for name in CHANNELS),
+    *(Column(f"applied.{name}", "Pa", "setpoint that was sent, gauge") for name in CHANNELS),
+)
