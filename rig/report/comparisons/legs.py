@@ -9,13 +9,12 @@ from rig.report.comparisons.base import Comparison, metric_values, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figures.base import TIME_LABEL
-from rig.report.style import BLUE, GREY, PAGE, SHADE, VERMILION, new_figure, place_legend
+from rig.report.figures.legs_base import COLORS, mark_phases
+from rig.report.style import GREY, PAGE, new_figure, place_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-_KNEES = {"right": VERMILION, "left": BLUE}
 
 
 class _Cost(NamedTuple):
@@ -81,14 +80,12 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
 def _draw_rates(axes: "Axes", run: RunData) -> None:
     t = run.t[run.followed]
     axes.axhline(0.0, color=GREY, lw=0.5)
-    for segment in run.segments:
-        if segment.name.startswith("swing"):
-            axes.axvspan(segment.start, segment.end, color=SHADE, lw=0, zorder=0)
-    for leg, color in _KNEES.items():
+    for leg, color in COLORS.items():
         rate = run.log.column(f"command.velocity_{leg}_knee")[run.followed]
         axes.plot(*envelope(t, rate), color=color, lw=0.7, label=f"{leg} knee")
-    axes.set_xlim(float(t[0]), float(t[-1]))
+    axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
     axes.margins(y=0.12)
+    mark_phases(axes, run)
 
 
 def _draw_cost(axes: "Axes", cost: _Cost, runs: Sequence[RunData], labels: Sequence[str]) -> None:
