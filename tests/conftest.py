@@ -18,3 +18,22 @@ def pytest_collection_modifyitems(config, items):
 def pytest_xdist_auto_num_workers(config):
     """Measure alone, and test on every core."""
     return 0 if "benchmark" in config.option.markexpr else os.cpu_count()
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Say how much was exchanged with software that others wrote, and how often it disagreed."""
+    stats = terminalreporter.stats
+    failed = {report.nodeid for report in stats.get("failed", ())}
+    exchanged, disagreed = {}, {}
+    for report in stats.get("", ()):  # what passed beside the tests themselves
+        if report.when != "teardown":  # only there everything has been counted
+            continue
+        for name, value in report.user_properties:
+            if name == "exchanges":
+                who, count = value
+                exchanged[who] = exchanged.get(who, 0) + count
+                disagreed[who] = disagreed.get(who, 0) + (report.nodeid in failed)
+    if exchanged:
+        terminalreporter.section("counterparts")
+        for who, count in sorted(exchanged.items()):
+            terminalreporter.line(f"{who}: {count} exchanges, {disagreed[who]} disagreements")

@@ -38,12 +38,13 @@ SHOWN = {name: bits for name, (_, bits) in p402.State402.SW_MASK.items()}
 
 
 @pytest.fixture
-def world():
+def world(record_property):
     before = get_scheduler()
     made = World()
     set_scheduler(made.scheduler)
     yield made
     set_scheduler(before)
+    record_property("exchanges", ("our drivers on durand's devices", made.exchanges))
 
 
 class ForeignDrive:

@@ -113,10 +113,11 @@ class LiveDrive:
 
 
 @pytest.fixture
-def live(request):
+def live(request, record_property):
     logging.getLogger("canopen").addHandler(logging.NullHandler())
     with LiveDrive(request.node.name) as made:
         yield made
+    record_property("exchanges", ("emulated nodes under canopen", len(made.frames)))
 
 
 def wait_until(condition):

@@ -86,11 +86,15 @@ def served():
 
 
 @pytest.fixture
-def sdk(served):
+def sdk(served, record_property):
     port = PortHandler(served.terminal.path)
     assert port.openPort()
+    packets = []
+    write = port.writePort
+    port.writePort = lambda packet: packets.append(packet) or write(packet)
     yield port, PacketHandler(2.0)
     port.closePort()
+    record_property("exchanges", ("the emulated chain under dynamixel-sdk", len(packets)))
 
 
 def test_ping(sdk):

@@ -107,9 +107,10 @@ class LiveRig:
 
 
 @pytest.fixture
-def live(request):
+def live(request, record_property):
     with LiveRig(request.node.name) as rig:
         yield rig
+    record_property("exchanges", ("emulated nodes under canopen", len(rig.frames)))
 
 
 def wait_until(condition):

@@ -47,6 +47,22 @@ class Mock(mock.ODriveCANMock):
             ]
 
 
+@pytest.fixture
+def live(request, record_property):
+    """Make a driver on the mock; what they exchanged is counted."""
+    made = []
+
+    def make(**settings):
+        made.append(LiveMock(request.node.name, **settings))
+        return made[-1]
+
+    yield make
+    for rig in made:
+        counts = rig.bus.statistics()
+        frames = int(counts["frames_in"] + counts["frames_out"])
+        record_property("exchanges", ("the ODrive driver on odrive-can's mock", frames))
+
+
 class LiveMock:
     def __init__(self, channel, **settings):
         self.mock_bus = can.Bus(channel, interface="virtual")
@@ -112,8 +128,8 @@ class LiveMock:
 
 
 @pytest.mark.parametrize("mode", ["position", "velocity"])
-def test_the_foreign_axis_is_configured_enabled_moved_and_released(mode, request):
-    with LiveMock(request.node.name, mode=mode) as live:
+def test_the_foreign_axis_is_configured_enabled_moved_and_released(mode, live):
+    with live(mode=mode) as live:
         live.driver.connect()
         live.driver.arm()
         live.until(lambda: live.driver.is_enabled)
@@ -136,8 +152,8 @@ def test_the_foreign_axis_is_configured_enabled_moved_and_released(mode, request
             time.sleep(0.01)
 
 
-def test_a_foreign_axis_with_old_firmware_is_refused(request):
-    with LiveMock(request.node.name) as live:
+def test_a_foreign_axis_with_old_firmware_is_refused(live):
+    with live() as live:
         live.mock.version = {"Fw_Version_Minor": 5, "Fw_Version_Revision": 6}
         with pytest.raises(ConnectionFailed, match=r"firmware 0\.5\.6.*0\.6 or later"):
             live.driver.connect()
