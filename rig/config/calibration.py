@@ -1,10 +1,14 @@
 """Calibration files: measured values of one device, laid over its settings in the profile.
 
-``calibration/<rig>/<device>.yaml`` holds ``values``, in the words of the device's settings,
-and ``provenance``. The profile stays as it was written; what was laid over it stands in the
-resolved profile of every run.
+``calibration/<rig>/<device>.yaml`` holds ``values``, in the words of the device's settings (or of
+the mechanism's, in a file of its name), what was ``measured`` with its uncertainty, and its
+``provenance``. The profile stays as it was written; what was laid over it stands in the resolved
+profile of every run. The last line seals what stands above it: a value that somebody changed by
+hand was not measured.
 """
 
+import hashlib
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -15,13 +19,72 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import merge, parse_mapping, with_plain_quantities
 from rig.config.models import Calibration, Provenance
 from rig.config.settings import build
-from rig.config.source import BROKEN, Node
+from rig.config.source import BROKEN, Mark, Node, Source
 from rig.config.yaml_loader import read_source
 
 COMMON_KEYS: Final = ("driver", "bus", "serial", "calibration")
 """What a device's entry says beside its driver's settings."""
 
+HISTORY: Final = "history"
+"""Folder beside a rig's calibrations that keeps every one that was ever written."""
+
 _KEYS: Final = ("values", "provenance")
+_OTHER_KEYS: Final = ("measured", "seal")
+
+_SEAL: Final = re.compile(r"^seal: ([0-9a-f]{64})\n?\Z", re.MULTILINE)
+
+
+def seal(text: str) -> str:
+    """Return the text of a calibration file with its seal as the last line.
+
+    Parameters
+    ----------
+    text : str
+        Everything above; a seal that it has is replaced.
+    """
+    body = _SEAL.sub("", text)
+    body = body if body.endswith("\n") else body + "\n"
+    return f"{body}seal: {hashlib.sha256(body.encode()).hexdigest()}\n"
+
+
+def check_seal(source: Source, path: Path, problems: Problems) -> None:
+    """Note where a calibration file was changed after it was written, or that it is cut short."""
+    found = _SEAL.search(source.text)
+    if found is None:
+        end = source.mark_at(len(source.text.rstrip("\n")))
+        problems.add(
+            end,
+            "the file ends without its seal: it is truncated, or was not written by rig calibrate",
+            f"calibrate again, or take the last one of {path.parent / HISTORY / path.stem}",
+        )
+        return
+    body = source.text[: found.start()]
+    if hashlib.sha256(body.encode()).hexdigest() == found[1]:
+        return
+    mark, was = _changed_at(source, path, found)
+    problems.add(
+        mark,
+        "the file was changed after it was written: what stands here was not measured",
+        was or "calibrate again; a value of your own belongs into the profile or --set",
+    )
+
+
+def _changed_at(source: Source, path: Path, found: re.Match[str]) -> tuple[Mark, str | None]:
+    """Return the first place that differs from the kept copy, and what stood there."""
+    for kept in sorted((path.parent / HISTORY / path.stem).glob("*.yaml")):
+        try:
+            original = kept.read_text(encoding="utf-8")
+        except (OSError, ValueError):
+            continue
+        if original.endswith(found[0].rstrip("\n") + "\n"):
+            text = source.text
+            offset = next(
+                (i for i, (a, b) in enumerate(zip(text, original, strict=False)) if a != b),
+                min(len(text), len(original)),
+            )
+            line = original[:offset].count("\n")
+            return source.mark_at(offset), f"it was: {original.splitlines()[line].strip()}"
+    return source.mark_at(found.start()), None
 
 
 def find_calibration(rig: str, device: str, search: Sequence[Path]) -> tuple[Path, str] | None:
@@ -57,10 +120,14 @@ def read_calibration(path: Path, name: str, problems: Problems) -> tuple[Node, C
     ConfigurationError
         The file cannot be read, or is not YAML at all.
     """
-    root = parse_mapping(read_source(path), problems)
+    source = read_source(path)
+    sealed = Problems()
+    check_seal(source, path, sealed)
+    sealed.raise_if_any()
+    root = parse_mapping(source, problems)
     assert isinstance(root.value, dict)
     for key, node in root.value.items():
-        if key not in _KEYS:
+        if key not in (*_KEYS, *_OTHER_KEYS):
             problems.add(node.heading, f"unknown key {key!r}", nearest(key, _KEYS))
     for key in _KEYS:
         node = root.value.get(key, root)
@@ -80,7 +147,8 @@ def read_calibration(path: Path, name: str, problems: Problems) -> tuple[Node, C
 
 def read_provenance(node: Node, problems: Problems) -> Provenance | None:
     """Build where a calibration came from."""
-    located = with_plain_quantities(node, ("residual_rms", "residual_max"), problems)
+    residuals = ("residual_rms", "residual_max", "residual_bound")
+    located = with_plain_quantities(node, residuals, problems)
     provenance = build(Provenance, located, problems)
     for key in ("date", "valid_until"):
         text: Any = getattr(provenance, key, None)
@@ -90,24 +158,35 @@ def read_provenance(node: Node, problems: Problems) -> Provenance | None:
     return provenance
 
 
-def lay_over(entry: Node, values: Node, calibration: Calibration, problems: Problems) -> Node:
-    """Lay calibrated values over a device's entry.
+def lay_over(entry: Node, values: Node) -> Node:
+    """Lay calibrated values over a device's entry or a mechanism's section.
 
     Each value keeps its place in the calibration file, so that an error points there.
     """
-    assert isinstance(entry.value, dict)
-    serial = entry.value.get("serial")
-    measured = calibration.provenance.serial
-    if serial is not None and None not in (serial.value, measured) and serial.value != measured:
-        problems.add(
-            serial.mark,
-            f"the calibration {calibration.file} is of serial number {measured}, "
-            f"this device has {shown(serial.plain())}",
-            "calibrate this device, or switch it off with calibration: false",
-        )
     laid = merge(entry, values)
     # The entry's own place stays: a missing key is the profile's affair.
     return replace(laid, mark=entry.mark, key=entry.key)
+
+
+def with_replaced(entry: Node, calibration: Calibration) -> Node:
+    """Return an entry of a resolved profile as it was before it was calibrated."""
+
+    def located(content: Any) -> Node:
+        if isinstance(content, dict):
+            below = {key: located(value) for key, value in content.items()}
+            return Node(below, entry.mark, entry.key)
+        if isinstance(content, list | tuple):
+            return Node([located(value) for value in content], entry.mark, entry.key)
+        return Node(content, entry.mark, entry.key)
+
+    return merge(entry, located(calibration.replaced))
+
+
+def pruned(content: Any, like: Any) -> Any:
+    """Return of a plain value what stands under the keys of another one."""
+    if isinstance(content, dict) and isinstance(like, dict):
+        return {key: pruned(content.get(key), below) for key, below in like.items()}
+    return content
 
 
 def _is_date(text: str) -> bool:

@@ -63,6 +63,47 @@ class FaultSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class Perturbation:
+    """By how much the simulated rig may differ from its profile, so that it can be calibrated.
+
+    Each number bounds a uniform draw, once per channel, joint or dimension, from the seed of
+    the simulation; 0 draws nothing. What was drawn is known to the simulation alone.
+
+    Parameters
+    ----------
+    setpoint_gain, setpoint_offset : float
+        Of the pressure that a regulator gives over the one that it was asked for, 1 and Pa.
+    monitor_gain, monitor_offset : float
+        Of a pressure monitor, 1 and Pa.
+    encoder_scale, encoder_offset : float
+        Of a rod's encoder, 1 and m.
+    friction : float
+        Of all friction, as a share of it.
+    wire_offset : float
+        Of the rod extension at which the wires are taut, m.
+    geometry : float
+        Of every length and angle of a mechanism's geometry, as a share of it.
+    camera_position, camera_angle : float
+        Of the camera's pose, m and rad, along and about each axis.
+    joint_zero : float
+        Of a servo joint's zero, rad.
+    """
+
+    setpoint_gain: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
+    setpoint_offset: Annotated[float, Unit("Pa"), Interval(ge=0, le=50e3)] = 0.0
+    monitor_gain: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
+    monitor_offset: Annotated[float, Unit("Pa"), Interval(ge=0, le=50e3)] = 0.0
+    encoder_scale: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
+    encoder_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.02)] = 0.0
+    friction: Annotated[float, Unit("1"), Interval(ge=0, le=0.9)] = 0.0
+    wire_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.01)] = 0.0
+    geometry: Annotated[float, Unit("1"), Interval(ge=0, le=0.1)] = 0.0
+    camera_position: Annotated[float, Unit("m"), Interval(ge=0, le=0.1)] = 0.0
+    camera_angle: Annotated[float, Unit("rad"), Interval(ge=0, le=0.5)] = 0.0
+    joint_zero: Annotated[float, Unit("rad"), Interval(ge=0, le=0.5)] = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class SimulationSettings:
     """What the simulated world has that the plant has not.
 
@@ -76,12 +117,15 @@ class SimulationSettings:
         Share of frames that get lost, 0 … 1.
     faults : tuple of FaultSpec
         What goes wrong, and when.
+    perturbation : Perturbation
+        By how much the simulated rig may differ from its profile.
     """
 
     seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
     bus_latency: Annotated[float, Unit("s"), Interval(ge=0, le=0.1)] = 3e-4
     frame_loss: Annotated[float, Unit("1"), Interval(ge=0, le=1)] = 0.0
     faults: tuple[FaultSpec, ...] = ()
+    perturbation: Perturbation = field(default_factory=Perturbation)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +142,12 @@ class Provenance:
         Serial number of the device that was calibrated.
     samples : int, optional
         How many measurements it rests on.
+    blocks : int, optional
+        How many independent repetitions of the measurement it rests on.
     residual_rms, residual_max : float, optional
         What the fit leaves, in `unit`.
+    residual_bound : float, optional
+        The rms above which the fit is not to be used, in `unit`.
     unit : str, optional
         SI unit of the residuals; taken from them where they are written with one.
     parent : str, optional
@@ -108,6 +156,10 @@ class Provenance:
         When it should be taken again, ISO 8601.
     software : str, optional
         Version of the program that computed it.
+    procedure : str, optional
+        The procedure that was followed.
+    log, log_sha256 : str, optional
+        Path and SHA-256 of the raw log that it was computed from.
     conditions : dict of str to str
         Anything else worth knowing: temperature, rig, remarks.
     """
@@ -116,12 +168,17 @@ class Provenance:
     operator: Annotated[str, MinLen(1)]
     serial: Annotated[int, Ge(0)] | None = None
     samples: Annotated[int, Ge(1)] | None = None
+    blocks: Annotated[int, Ge(1)] | None = None
     residual_rms: Annotated[float, Ge(0)] | None = None
     residual_max: Annotated[float, Ge(0)] | None = None
+    residual_bound: Annotated[float, Ge(0)] | None = None
     unit: str | None = None
     parent: str | None = None
     valid_until: str | None = None
     software: str | None = None
+    procedure: str | None = None
+    log: str | None = None
+    log_sha256: str | None = None
     conditions: dict[str, str] = field(default_factory=dict)
 
 
@@ -135,10 +192,13 @@ class Calibration:
         Where it was read, from the folder of the configurations on.
     provenance : Provenance
         Where it came from.
+    replaced : dict
+        What the settings said before, in the same words as the calibration's values.
     """
 
     file: str
     provenance: Provenance
+    replaced: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +219,8 @@ class DeviceEntry:
         What was laid over the settings.
     eds : Path or None
         The file with the device's objects that its settings name.
+    uncalibrated : object
+        The settings without the calibration: what the maker and the profile say of it.
     """
 
     driver: str
@@ -167,6 +229,12 @@ class DeviceEntry:
     settings: Any
     calibration: Calibration | None = None
     eds: Path | None = None
+    uncalibrated: Any = None
+
+    @property
+    def nominal(self) -> Any:
+        """The settings as if the device had never been calibrated."""
+        return self.settings if self.uncalibrated is None else self.uncalibrated
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,6 +275,10 @@ class Profile:
         The simulated world around it.
     files : tuple of Path
         Everything that was read for it, the profile itself first; no part of its value.
+    calibration : Calibration or None
+        What was laid over the mechanism's settings.
+    uncalibrated : object
+        The mechanism's settings without it.
     """
 
     name: str
@@ -220,6 +292,20 @@ class Profile:
     plant: PlantEntry | None
     simulation: SimulationSettings
     files: tuple[Path, ...] = field(default=(), compare=False)
+    calibration: Calibration | None = None
+    uncalibrated: Any = None
+
+    @property
+    def nominal_settings(self) -> Any:
+        """The mechanism's settings as if it had never been calibrated."""
+        return self.mechanism_settings if self.uncalibrated is None else self.uncalibrated
+
+    @property
+    def calibrations(self) -> dict[str, Calibration]:
+        """Every calibration in force, by device or by the mechanism's name."""
+        found = {name: entry.calibration for name, entry in self.devices.items()}
+        found[self.mechanism] = self.calibration
+        return {name: used for name, used in found.items() if used is not None}
 
 
 @dataclass(frozen=True, slots=True)

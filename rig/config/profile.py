@@ -1,7 +1,7 @@
 """Load a profile: what a rig is."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -11,8 +11,10 @@ from rig.config.calibration import (
     COMMON_KEYS,
     find_calibration,
     lay_over,
+    pruned,
     read_calibration,
     read_provenance,
+    with_replaced,
 )
 from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
@@ -28,13 +30,14 @@ from rig.config.models import (
 )
 from rig.config.names import find_file, is_name
 from rig.config.registry import Registry, controller_key, controller_names
+from rig.config.resolve import as_plain
 from rig.config.sections import Sections
 from rig.config.settings import build
 from rig.config.source import BROKEN, Node
 
 PROFILE_KEYS: Final = (
     "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",
-    "plant", "simulation",
+    "plant", "simulation", "calibration",
 )  # fmt: skip
 """Top-level keys of a profile, besides the one that its mechanism's name makes."""
 
@@ -126,8 +129,10 @@ def load_profile(
     # A profile outside of the folders that are searched still finds its own calibrations.
     folders = [*search, *([path.parent.parent] if path.parent.name == "rigs" else [])]
     calibrated, calibrations, files = _calibrate(document.root, root, rig, folders, problems)
+    bare = root
     root = apply_overrides(calibrated, options, problems)
-    profile = _Reader(root, registry, problems, calibrations).read(rig, (*document.files, *files))
+    reader = _Reader(root, registry, problems, calibrations, bare)
+    profile = reader.read(rig, (*document.files, *files))
     problems.raise_if_any()
     assert profile is not None
     return profile
@@ -153,43 +158,54 @@ def _calibrate(
     Whether a device wants one is read with the options (`root`), where its values go without
     (`written`).
     """
-    wanted, devices = root.get("devices"), written.get("devices")
     calibrations: dict[str, Calibration] = {}
     files: list[Path] = []
-    if (
-        not rig
-        or wanted is None
-        or not isinstance(wanted.value, dict)
-        or devices is None
-        or not isinstance(devices.value, dict)
-    ):
+    if not rig or not isinstance(written.value, dict):
         return written, calibrations, files
-    entries = dict(devices.value)
-    for device, entry in wanted.value.items():
-        choice = entry.get("calibration")
+
+    def calibrated(name: str, below: Node, wanted: Node) -> Node:
+        choice = wanted.get("calibration")
         wish = None if choice is None else choice.value
-        below = entries.get(device)
-        if not is_name(device) or below is None or not isinstance(below.value, dict):
-            continue
         if wish is False or isinstance(wish, dict):
-            continue  # refused, or already laid over: a resolved profile
-        found = find_calibration(rig, device, search)
+            return below  # refused, or already laid over: a resolved profile
+        found = find_calibration(rig, name, search)
         if found is None:
             if wish is True and choice is not None:
                 problems.add(
                     choice.mark,
-                    f"{device} has no calibration calibration/{rig}/{device}.yaml",
+                    f"{name} has no calibration calibration/{rig}/{name}.yaml",
                     "calibrate it, or go without with calibration: false",
                 )
-            continue
+            return below
         read = read_calibration(*found, problems)
         files.append(found[0])
-        if read is not None:
-            values, calibrations[device] = read
-            entries[device] = lay_over(below, values, calibrations[device], problems)
-    assert isinstance(written.value, dict)
-    laid = written.with_items({**written.value, "devices": devices.with_items(entries)})
-    return laid, calibrations, files
+        if read is None:
+            return below
+        values, calibration = read
+        # Its keys, for now: what stood under them is known when the settings are read.
+        calibrations[name] = replace(calibration, replaced=values.plain())
+        return lay_over(below, values)
+
+    items = dict(written.value)
+    wanted, devices = root.get("devices"), written.get("devices")
+    if (
+        wanted is not None
+        and isinstance(wanted.value, dict)
+        and devices is not None
+        and isinstance(devices.value, dict)
+    ):
+        entries = dict(devices.value)
+        for device, entry in wanted.value.items():
+            below = entries.get(device)
+            if is_name(device) and below is not None and isinstance(below.value, dict):
+                entries[device] = calibrated(device, below, entry)
+        items["devices"] = devices.with_items(entries)
+    mechanism = root.get("mechanism")
+    section = mechanism.value if mechanism is not None else None
+    if isinstance(section, str) and section in items and isinstance(items[section].value, dict):
+        # The whole profile says whether its mechanism wants one: its section is its settings.
+        items[section] = calibrated(section, items[section], root)
+    return written.with_items(items), calibrations, files
 
 
 class _Reader:
@@ -201,6 +217,7 @@ class _Reader:
         registry: Registry,
         problems: Problems,
         calibrations: dict[str, Calibration],
+        bare: Node,
     ) -> None:
         keys = (*PROFILE_KEYS, *registry.names("mechanism"))
         self._sections = Sections(root, keys, registry, problems)
@@ -208,11 +225,12 @@ class _Reader:
         self._registry = registry
         self._problems = problems
         self._calibrations = calibrations
+        self._bare = bare
 
     def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
         """Read every section, so that every error is found; None if there is one."""
         sections = self._sections
-        mechanism_settings = self._mechanism()
+        mechanism_settings, calibration, uncalibrated = self._mechanism()
         bus_nodes = sections.named("buses")
         buses = {bus: self._bus(node) for bus, node in bus_nodes.items()}
         device_nodes = sections.named("devices")
@@ -242,25 +260,35 @@ class _Reader:
             plant=None if plant is None else PlantEntry(*plant),
             simulation=simulation,
             files=files,
+            calibration=calibration,
+            uncalibrated=uncalibrated,
         )
 
-    def _mechanism(self) -> Any:
+    def _mechanism(self) -> tuple[Any, Calibration | None, Any]:
         node = self._root.get("mechanism")
         if node is None or not isinstance(node.value, str):
             # Its name is missing or no text, which is said later; its settings are not unknown.
             for name in self._registry.names("mechanism"):
                 self._sections.take(name)
-            return None
+            return None, None, None
         name = node.value
         settings = self._sections.settings_of("mechanism", name, node)
         if settings is None:
             for other in self._registry.names("mechanism"):
                 self._sections.take(other)
-            return None
+            return None, None, None
         entry = self._sections.take(name, required=True)
         if entry is None or not self._sections.is_mapping(entry, name):
-            return None
-        return build(settings, entry, self._problems)
+            return None, None, None
+        built = build(settings, entry, self._problems)
+        calibration = self._calibration(name, self._sections.take("calibration"))
+        below = self._bare.get(name)
+        if calibration is None or built is None or below is None:
+            return built, None, None
+        calibration, nominal = self._nominal(
+            settings, below, calibration, name in self._calibrations
+        )
+        return built, calibration, nominal
 
     def _controller(self, name: str, node: Node) -> Any:
         mechanism = self._root.get("mechanism")
@@ -315,7 +343,29 @@ class _Reader:
         if head is None or built is None:
             return None
         path = None if file is None else file.path
-        return DeviceEntry(driver, head.bus, head.serial, built, calibration, path)
+        nominal = None
+        if calibration is not None:
+            below = self._bare.get("devices")
+            bare = None if below is None else below.get(name)
+            if bare is not None and isinstance(bare.value, dict):
+                bare = bare.with_items(
+                    {key: value for key, value in bare.value.items() if key not in COMMON_KEYS}
+                )
+                bare = bare if file is None else file.complete(bare)
+                calibration, nominal = self._nominal(
+                    settings, bare, calibration, name in self._calibrations
+                )
+        return DeviceEntry(driver, head.bus, head.serial, built, calibration, path, nominal)
+
+    def _nominal(
+        self, settings: type[Any], bare: Node, calibration: Calibration, fresh: bool
+    ) -> tuple[Calibration, Any]:
+        """Return a calibration with what it replaced, and the settings without it."""
+        if not fresh:  # a resolved profile says itself what was replaced
+            return calibration, build(settings, with_replaced(bare, calibration), self._problems)
+        nominal = build(settings, bare, self._problems)
+        replaced = pruned(as_plain(nominal), calibration.replaced)
+        return replace(calibration, replaced=replaced), nominal
 
     def _calibration(self, device: str, node: Node | None) -> Calibration | None:
         """Return what was laid over a device, now or when a resolved profile was written."""
@@ -330,14 +380,18 @@ class _Reader:
         items = dict(node.value)
         provenance = items.pop("provenance", None)
         file = items.pop("file", None)
+        replaced = items.pop("replaced", None)
         for key, extra in items.items():
-            hint = nearest(key, ("file", "provenance"))
+            hint = nearest(key, ("file", "provenance", "replaced"))
             self._problems.add(extra.heading, f"unknown key {key!r}", hint)
         if file is None or provenance is None or not isinstance(file.value, str):
             self._problems.add(node.heading, "a resolved calibration has file and provenance")
             return None
         read = read_provenance(provenance, self._problems)
-        return None if read is None else Calibration(file.value, read)
+        if read is None:
+            return None
+        before = {} if replaced is None else replaced.plain()
+        return Calibration(file.value, read, before if isinstance(before, dict) else {})
 
     def _simulation(self, names: tuple[str, ...]) -> SimulationSettings | None:
         node = self._sections.take("simulation")

@@ -41,7 +41,7 @@ def dump_resolved(resolved: Profile | Experiment) -> str:
         A file without ``extends``, options or defaults left out, numbers in SI. Loading it
         gives an equal object; calibrations are in it and are not laid over once more.
     """
-    content = _profile(resolved) if isinstance(resolved, Profile) else _plain(resolved)
+    content = _profile(resolved) if isinstance(resolved, Profile) else as_plain(resolved)
     del content["files"]
     return yaml.dump(
         content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
@@ -57,7 +57,7 @@ def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
     ConfigurationError
         There is none of that name.
     """
-    found: Any = {**_profile(profile), **_plain(experiment)}
+    found: Any = {**_profile(profile), **as_plain(experiment)}
     for key in name.split("."):
         if not isinstance(found, dict) or key not in found:
             known = ", ".join(found) if isinstance(found, dict) else "nothing below that"
@@ -67,8 +67,11 @@ def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
 
 
 def _profile(profile: Profile) -> dict[str, Any]:
-    content: dict[str, Any] = _plain(profile)
+    content: dict[str, Any] = as_plain(profile)
     settings = content.pop("mechanism_settings")
+    del content["uncalibrated"]
+    # Said in any case, so that a resolved profile is not calibrated once more.
+    content["calibration"] = content["calibration"] or False
     ordered: dict[str, Any] = {}
     for key, value in content.items():
         if key == "plant" and value is None:
@@ -87,24 +90,27 @@ def _name_copies(profile: Profile, devices: dict[str, Any]) -> None:
             devices[name]["eds"] = f"eds/{name}.eds"
 
 
-def _plain(value: Any) -> Any:
+def as_plain(value: Any) -> Any:
+    """Return settings as plain mappings, lists and scalars, in SI."""
     if isinstance(value, DeviceEntry):
-        own = _plain(value.settings)
-        calibration = False if value.calibration is None else _plain(value.calibration)
+        own = as_plain(value.settings)
+        calibration = False if value.calibration is None else as_plain(value.calibration)
         common = {"driver": value.driver, "bus": value.bus, "serial": value.serial}
         return {**common, "calibration": calibration, **own}
     if isinstance(value, BusEntry):
-        return {"protocol": value.protocol, **_plain(value.settings)}
+        return {"protocol": value.protocol, **as_plain(value.settings)}
     if isinstance(value, PlantEntry):
-        return {"model": value.model, **_plain(value.settings)}
+        return {"model": value.model, **as_plain(value.settings)}
     if isinstance(value, ReferenceEntry):
-        return {"kind": value.kind, **_plain(value.settings)}
+        return {"kind": value.kind, **as_plain(value.settings)}
     if is_dataclass(value) and not isinstance(value, type):
         return {
-            field.name: _plain(getattr(value, field.name)) for field in fields(value) if field.init
+            field.name: as_plain(getattr(value, field.name))
+            for field in fields(value)
+            if field.init
         }
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: as_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [as_plain(item) for item in value]
     return value

@@ -53,6 +53,7 @@ def profile_schema(registry: Registry) -> dict[str, Any]:
         "devices": NotRequired[mapping[str, _alternatives(registry, "driver", "driver", device)]],
         "controllers": NotRequired[closed_mapping("Controllers", controllers)],
         "plant": NotRequired[_alternatives(registry, "plant", "model", {})],
+        "calibration": NotRequired[_Wish],
     }
     for name in mechanisms:
         entries[name] = NotRequired[annotation(registry.settings("mechanism", name))]

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 from config_fakes import CALIBRATION, EXPERIMENT, PROFILE, FakeRegistry
 
+from rig.config.calibration import seal
 from rig.config.experiment import load_experiment
 from rig.config.profile import load_profile
 
@@ -29,7 +30,8 @@ class Configs:
         path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
     def calibrate(self, old: str = "", new: str = "") -> None:
-        self.write("calibration/bench/encoder.yaml", CALIBRATION.replace(old, new, 1))
+        text = seal(CALIBRATION.replace(old, new, 1))
+        self.write("calibration/bench/encoder.yaml", text)
 
     def profile(self, source="bench", *overrides: str):
         return load_profile(source, self.registry, overrides, [self.path])

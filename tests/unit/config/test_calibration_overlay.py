@@ -52,7 +52,6 @@ def test_errors_in_values_point_at_the_calibration_file(configs):
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ("serial: 4711", "serial: 4712", "is of serial number 4712, this device has 4711"),
         ("  operator: A. N. Other\n", "", "key 'operator' is missing"),
         ("2026-11-21", "yesterday", "expected a date as in 2026-11-21"),
         ("offset", "node: 3\n  driver", "driver is not a value of a calibration"),
