@@ -190,6 +190,17 @@ def jacobian_columns(
     return tuple(columns)
 
 
+def hand_twist(arm: Dimensions, q: Joints, rates: Joints) -> tuple[float, ...]:
+    """Return the hand's velocity (m/s) and angular velocity (rad/s), base axes: ``J q'``."""
+    columns = jacobian_columns(arm, q)
+    return tuple(
+        [
+            sum([column[row] * rate for column, rate in zip(columns, rates, strict=True)])
+            for row in range(6)
+        ]
+    )
+
+
 def wrist_velocity(arm: Dimensions, linear: Vector, angular: Vector, tool_axis: Vector) -> Vector:
     """Return the wrist centre's velocity for the tool's twist, m/s.
 

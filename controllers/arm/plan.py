@@ -13,7 +13,7 @@ from controllers.arm.kinematics import (
     Dimensions,
     dimensions_of,
     forward,
-    jacobian_columns,
+    hand_twist,
     singularity_indices,
     wrist_in_plane,
 )
@@ -177,7 +177,7 @@ def make_plan(
     check_joint_limits(geometry, positions, t)
     velocities = np.array([sample.velocities for sample in samples])
     hand = np.array([forward(arm, sample.positions).position for sample in samples])
-    twist = np.array([_twist_of(arm, sample) for sample in samples])
+    twist = np.array([hand_twist(arm, sample.positions, sample.velocities) for sample in samples])
     return ArmPlan(
         law=law,
         outcome=outcome,
@@ -220,12 +220,3 @@ def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> Non
 def inside_boundary(arm: Dimensions, q: Joints) -> float:
     """Return how far the wrist centre is inside the boundary of the workspace, m."""
     return arm.a2 + arm.a3 - math.hypot(*wrist_in_plane(arm, q[1], q[2]))
-
-
-def _twist_of(arm: Dimensions, sample: Sample) -> tuple[float, ...]:
-    columns = jacobian_columns(arm, sample.positions)
-    rates = sample.velocities
-    return tuple(
-        sum(column[row] * rate for column, rate in zip(columns, rates, strict=True))
-        for row in range(6)
-    )

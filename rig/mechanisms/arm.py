@@ -1,23 +1,35 @@
 """A U-R-S arm of six joints on servo drives."""
 
-import math
 from collections.abc import Mapping
 from typing import Any, get_args
 
 import numpy as np
 
 from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
-from controllers.arm.kinematics import dimensions_of, forward, link_points
+from controllers.arm.kinematics import (
+    dimensions_of,
+    forward,
+    hand_twist,
+    link_points,
+    singularity_indices,
+)
 from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from rig.mechanisms.arm_facts import INDICES, facts_of_plan
 from rig.mechanisms.arm_settings import ArmSettings
 from rig.mechanisms.servo_joints import JointLimits, Kinds, ServoJoints, servo_columns
 from rig.runtime.columns import Column
 from rig.runtime.motion import Fact, Segment
 
-_INDICES = (("shoulder", "m"), ("elbow", ""), ("wrist", ""))
-"""Singularity indices c, S3 and S5: names and units."""
+SETTLING = 0.25
+"""For how long the end of the motion is held before the run ends, s: the arm gets there later."""
+_TWIST = (
+    *((f"v{axis}", "m/s") for axis in "xyz"),
+    *((f"w{axis}", "rad/s") for axis in "xyz"),
+)
+"""The hand's velocity and angular velocity, base axes: names and units."""
+_NOTHING_PLANNED = (0.0,) * 28
 
 
 class PlannedArmMotion:
@@ -26,7 +38,7 @@ class PlannedArmMotion:
     waits = True
     """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
-    def __init__(self, plan: ArmPlan, geometry: ArmGeometry) -> None:
+    def __init__(self, plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -> None:
         self.plan = plan
         arm = dimensions_of(geometry)
         points = [link_points(arm, tuple(q)) for q in plan.positions.tolist()]
@@ -37,10 +49,8 @@ class PlannedArmMotion:
                     plan.hand,
                     np.array([point[2] for point in points]),
                     np.array([point[3] for point in points]),
-                    np.linalg.norm(plan.twist[:, :3], axis=1),
-                    np.linalg.norm(plan.twist[:, 3:], axis=1),
-                    np.linalg.norm(plan.command[:, :3], axis=1),
-                    np.linalg.norm(plan.command[:, 3:], axis=1),
+                    plan.twist,
+                    plan.command,
                     plan.indices,
                     plan.scale,
                     plan.inside,
@@ -48,21 +58,22 @@ class PlannedArmMotion:
                 ]
             ).tolist()
         ]
-        self.facts: Mapping[str, Fact] = _facts(plan)
+        self.facts: Mapping[str, Fact] = facts_of_plan(plan, geometry, path)
 
     @property
     def duration(self) -> float:
-        """How long it takes, s: whole periods, and one to come to rest in."""
-        return float(self.plan.t[-1]) + self.plan.period
+        """How long it takes, s: whole periods, and `SETTLING`."""
+        return float(self.plan.t[-1]) + SETTLING
 
     @property
     def segments(self) -> tuple[Segment, ...]:
-        """The whole motion, and the singular region if the law has one."""
-        whole = Segment("all", 0.0, self.duration)
+        """The whole motion, the path without the settling, and the law's region if it has one."""
+        end = min(self.plan.duration, float(self.plan.t[-1]))
+        whole = (Segment("all", 0.0, self.duration), Segment("path", 0.0, end))
         region = self.plan.marks.get("region", ())
         if len(region) < 2:
-            return (whole,)
-        return (whole, Segment("region", region[0], min(region[1], self.duration)))
+            return whole
+        return (*whole, Segment("region", region[0], min(region[1], self.duration)))
 
     def at(self, t: float) -> ArmReference:
         """Return what the arm should do at `t`."""
@@ -74,36 +85,6 @@ class PlannedArmMotion:
     def sample(self, number: int) -> tuple[float, ...]:
         """Return the plan's columns of a cycle."""
         return self._rows[min(max(number, 0), len(self._rows) - 1)]
-
-
-def _facts(plan: ArmPlan) -> dict[str, Fact]:
-    rates, accelerations = plan.peak_rates, plan.peak_accelerations
-    crossings = plan.crossings
-    facts = {
-        "time_end": Fact(plan.duration, "s", "duration of the motion"),
-        "path_deviation": Fact(plan.path_deviation, "m", "greatest distance from the path"),
-        "twist_residual": Fact(plan.twist_residual, "", "greatest entry of J q' - (b v, b² w)"),
-        "elbow_sign_changes": Fact(float(len(crossings)), "", "passes through the elbow's"),
-        "completes": Fact(float(plan.outcome == "done"), "", "1 if the law gets to the path's end"),
-        "peak_rate_arm": Fact(float(rates[:3].max()), "rad/s", "greatest rate of q1 to q3"),
-        "peak_rate_wrist": Fact(float(rates[3:].max()), "rad/s", "greatest rate of q4 to q6"),
-        "peak_acceleration": Fact(float(accelerations.max()), "rad/s^2", "of any joint"),
-    }
-    for name, rate in zip(JOINT_NAMES, rates, strict=True):
-        facts[f"peak_rate_{name}"] = Fact(float(rate), "rad/s", f"greatest rate of {name}")
-    for (name, unit), values in zip(_INDICES, plan.indices.T, strict=True):
-        closest = float(np.abs(values).min())
-        facts[f"closest_{name}"] = Fact(closest, unit, f"least index of the {name}")
-        facts[f"crosses_{name}"] = Fact(
-            float(np.any(values[:-1] * values[1:] < 0.0)), "", f"1 if it crosses the {name}'s"
-        )
-    facts["time_crossing"] = Fact(
-        crossings[0] if crossings else math.inf, "s", "first pass through the elbow's"
-    )
-    region = plan.marks.get("region", ())
-    dwell = region[1] - region[0] if len(region) > 1 else math.inf
-    facts["dwell_time"] = Fact(dwell, "s", "time in the singular region")
-    return facts
 
 
 class Arm(ServoJoints):
@@ -129,17 +110,17 @@ class Arm(ServoJoints):
     columns = (
         *servo_columns(JOINT_NAMES),
         *(Column(f"reading.hand_{axis}", "m", "hand by the measured joints") for axis in "xyz"),
+        *(Column(f"reading.twist_{name}", unit, "of the hand, measured") for name, unit in _TWIST),
+        *(
+            Column(f"reading.index_{name}", unit or "1", "singularity index, measured")
+            for name, unit in INDICES
+        ),
         *(Column(f"reference.hand_{axis}", "m", "planned hand") for axis in "xyz"),
         *(Column(f"plan.elbow_{axis}", "m", "planned elbow") for axis in "xyz"),
         *(Column(f"plan.wrist_{axis}", "m", "planned wrist centre") for axis in "xyz"),
-        Column("plan.speed", "m/s", "of the hand"),
-        Column("plan.turn_rate", "rad/s", "of the hand"),
-        Column("plan.commanded_speed", "m/s", "what the path asks for"),
-        Column("plan.commanded_turn_rate", "rad/s", "what the path asks for"),
-        *(
-            Column(f"plan.index_{name}", unit or "1", "singularity index")
-            for name, unit in _INDICES
-        ),
+        *(Column(f"plan.twist_{name}", unit, "planned, of the hand") for name, unit in _TWIST),
+        *(Column(f"plan.asked_{name}", unit, "what the path asks for") for name, unit in _TWIST),
+        *(Column(f"plan.index_{name}", unit or "1", "singularity index") for name, unit in INDICES),
         Column("plan.scale", "1", "b, of the hand's velocity"),
         Column("plan.scale_turn", "1", "b², of the hand's angular velocity"),
         Column("plan.inside", "m", "wrist centre inside the boundary of the workspace"),
@@ -180,7 +161,7 @@ class Arm(ServoJoints):
         """Have the law work out the whole motion; see `Mechanism.plan`."""
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")
-        return PlannedArmMotion(controller.prepare(reference), settings.geometry)
+        return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
 
     @classmethod
     def approach(
@@ -199,11 +180,14 @@ class Arm(ServoJoints):
         self, state: ArmState, reference: ArmReference, command: ArmCommand, applied: ArmCommand
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
-        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 20
+        motion, arm, q = self.motion, self._arm, state.positions
+        planned = motion.sample(self._followed) if motion is not None else _NOTHING_PLANNED
         if reference.following:
             self._followed += 1
         return (
             *self.joint_row(state, reference, command, applied),
-            *forward(self._arm, state.positions).position,
+            *forward(arm, q).position,
+            *hand_twist(arm, q, state.velocities),
+            *singularity_indices(arm, q),
             *planned,
         )
