@@ -103,7 +103,7 @@ class LegsPlant:
         self._damping_share = settings.servo.damping / settings.servo.stiffness
         self._stand_ready(geometry)
         self._command = self._angles.copy()
-        self._command_rate = np.zeros(12)
+        self._lead = np.zeros(12)
         self._target = self._angles.copy()
         self._powered = [False] * 12
         self._standing_free = False
@@ -140,7 +140,8 @@ class LegsPlant:
             Without it the joint turns freely.
         """
         self._command[channel] = position
-        self._command_rate[channel] = velocity
+        most = self._rate_limit
+        self._lead[channel] = self._damping_share * min(max(velocity, -most), most)
         if torque_on != self._powered[channel]:
             self._powered[channel] = torque_on
             # A servo starts from where it is.
@@ -212,11 +213,15 @@ class LegsPlant:
     def _turn_targets(self) -> None:
         """Let each servo's target follow its command, no faster than the servo can turn."""
         away = self._command - self._target
-        turn = np.clip(away, -self._most_turn, self._most_turn)
-        self._target += turn
-        self._turning = int(np.count_nonzero(turn != away))
-        rates = np.clip(self._command_rate, -self._rate_limit, self._rate_limit)
-        self._control[:] = self._target + self._damping_share * rates
+        most = self._most_turn
+        if away.max() <= most and away.min() >= -most:  # as good as always
+            self._target[:] = self._command
+            self._turning = 0
+        else:
+            turn = np.clip(away, -most, most)
+            self._target += turn
+            self._turning = int(np.count_nonzero(turn != away))
+        self._control[:] = self._target + self._lead
 
     def _at_peak(self) -> int:
         return sum(
@@ -249,8 +254,7 @@ class LegsPlant:
     def _measure_loads(self) -> tuple[float, float]:
         loads = [0.0, 0.0]
         force = np.zeros(6)
-        for number in range(self.data.ncon):
-            geoms = self.data.contact.geom[number].tolist()
+        for number, geoms in enumerate(self.data.contact.geom.tolist()):
             for foot, geom in enumerate(self._sole_geoms):
                 if geom in geoms:
                     self._contact_force(self.model, self.data, number, force)
