@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import sys
 from collections.abc import Iterator
@@ -52,6 +53,7 @@ def simulate(
     from rig.assembly.simulation_process import open_simulation
     from rig.config import load_profile
     from rig.config.names import find_configs
+    from rig.runtime.realtime import real_time
     from rig.runtime.stop import StopRequests
 
     profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
@@ -63,7 +65,10 @@ def simulate(
         StopRequests() as stop,
         open_simulation(profile, interfaces) as simulation,
         _status_line() as show,
+        # Devices answer within a millisecond whatever else the machine does; so must these.
+        real_time(profile.loop.priority),
     ):
+        gc.enable()  # unlike a run this may live for days; what is there already stays frozen
         _introduce(profile, simulation)
         try:
             _serve(simulation, show, duration)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from user_mode_linux import NotInstalled, run_inside
+from user_mode_linux import SCRATCH, NotInstalled, run_inside
 from vcan_links import LINKS, make_links, missing
 
 TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "600"))  # of the whole run, s
@@ -26,8 +26,8 @@ def main() -> int:
     """Run the tests wherever they can be run; return the exit code."""
     arguments = sys.argv[1:]
     command = [
-        sys.executable, "-m", "pytest", "-m", "vcan", "-p", "no:cacheprovider",
-        *(arguments or [str(Path(__file__).parent)]),
+        sys.executable, "-m", "pytest", "-m", "vcan", "-n", "0", "-p", "no:cacheprovider",
+        *arguments, *([] if names_tests(arguments) else [str(Path(__file__).parent)]),
     ]  # fmt: skip
     reason = make_links()
     if reason is None:
@@ -36,7 +36,7 @@ def main() -> int:
         os.execv(command[0], command)
     say(f"{reason}; in user-mode Linux instead")
     try:
-        code = run_inside(command, _ROOT, TIME_LIMIT)
+        code = run_inside([*command, f"--basetemp={SCRATCH}/pytest"], _ROOT, TIME_LIMIT)
     except NotInstalled as error:
         say(str(error))
         return _NEITHER
@@ -44,6 +44,11 @@ def main() -> int:
         say(f"ended after {TIME_LIMIT:g} s (VCAN_TIME_LIMIT)")
         return 124
     return code
+
+
+def names_tests(arguments: list[str]) -> bool:
+    """Return whether some of pytest's arguments say which tests."""
+    return any(Path(argument.partition("::")[0]).exists() for argument in arguments)
 
 
 def say(text: str) -> None:
