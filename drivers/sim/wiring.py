@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Protocol
 
 from drivers.encoders.cia406_settings import Cia406Settings
 from drivers.regulators.cia401_settings import AnalogueSignal, Cia401Settings
+from drivers.sim.calibrated import CorrectedRegulators, CorrectedRods
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
 from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
 from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
@@ -60,10 +61,14 @@ class Wiring(NamedTuple):
         tuple of them.
     simulate : callable
         ``simulate(name, settings, plant, channels, clock)``: a device with no bus.
+    correct : callable, optional
+        ``correct(nominal, settings, plant, channels)``: a port that shows of the plant what a
+        driver with calibrated settings makes of a device that is wired as the nominal ones say.
     """
 
     emulate: Callable[[str, Any, Any, tuple[int, ...], int], Any]
     simulate: Callable[[str, Any, Any, tuple[int, ...], Clock], Any]
+    correct: Callable[[Any, Any, Any, tuple[int, ...]], Any] | None = None
 
 
 def plant_channels(
@@ -222,8 +227,8 @@ LINKS: dict[str, LinkWiring] = {
 
 
 WIRINGS: dict[str, Wiring] = {
-    "cia401": Wiring(emulate_cia401, simulate_cia401),
-    "cia406": Wiring(emulate_cia406, simulate_cia406),
+    "cia401": Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of),
+    "cia406": Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of),
     "cia402": Wiring(emulate_cia402, simulate_cia402),
     "odrive": Wiring(emulate_odrive, simulate_odrive),
     "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel),

@@ -11,7 +11,7 @@ from rig.assembly.buses import is_can, make_bus
 from rig.assembly.parts import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
-from rig.config import Profile
+from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
 
@@ -29,10 +29,18 @@ def make_plant(profile: Profile) -> Any:
             f"the profile {profile.name} has no plant, so it cannot be simulated"
         )
     plant = REGISTRY.load("plant", profile.plant.model)
-    # A plant does its own algebra on the geometry that the controllers are told of.
-    geometry = getattr(profile.mechanism_settings, "geometry", None)
-    extra = () if geometry is None else (geometry,)
-    return plant(profile.plant.settings, profile.simulation.seed, *extra)
+    settings, seed = profile.plant.settings, profile.simulation.seed
+    # A plant does its own algebra on the geometry that the controllers are told of; what was
+    # calibrated since is the controllers' knowledge and changes nothing in it.
+    geometry = getattr(profile.nominal_settings, "geometry", None)
+    if profile.simulation.perturbation == Perturbation():
+        extra = () if geometry is None else (geometry,)
+        return plant(settings, seed, *extra)
+    from drivers.sim.perturbation import PerturbedPlant, draw, perturb_geometry, perturb_plant
+
+    draws = draw(profile.simulation.perturbation, seed)
+    extra = () if geometry is None else (perturb_geometry(geometry, draws),)
+    return PerturbedPlant(plant(perturb_plant(settings, draws), seed, *extra), draws)
 
 
 def _truth_columns(plant: Any) -> tuple[Column, ...]:
@@ -70,7 +78,10 @@ def build_sim(profile: Profile) -> Rig:
             )
             continue
         wiring, channels = _wire(profile, plant, name)
-        devices[name] = wiring.simulate(name, entry.settings, plant, channels, clock)
+        port = plant
+        if entry.calibration is not None and wiring.correct is not None:
+            port = wiring.correct(entry.nominal, entry.settings, plant, channels)
+        devices[name] = wiring.simulate(name, entry.settings, port, channels, clock)
     if profile.simulation.faults:
         targets = {**devices, "plant": plant}
         with checking_faults():
@@ -94,7 +105,8 @@ def emulate_nodes(profile: Profile, plant: Any, bus: str) -> list[Any]:
     for name, entry in profile.devices.items():
         if entry.bus == bus:
             wiring, channels = _wire(profile, plant, name)
-            made = wiring.emulate(name, entry.settings, plant, channels, entry.serial or 0)
+            # Wired as the maker says: a calibration is the driver's knowledge of it.
+            made = wiring.emulate(name, entry.nominal, plant, channels, entry.serial or 0)
             nodes += made if isinstance(made, tuple) else (made,)
     return nodes
 

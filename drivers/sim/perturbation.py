@@ -1,0 +1,145 @@
+"""How a simulated rig differs from its profile: drawn from a seed, known to the simulation alone.
+
+A calibration has something to find only if the rig is not what its profile says. Plants take
+perturbed settings; between the plant and the devices stands `PerturbedPlant`, whose sensors and
+regulators err as real ones do.
+"""
+
+import zlib
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+_CHANNELS = 16
+"""Draws are made for so many channels, so that a rig with more of them keeps what it had."""
+
+
+class Bounds(Protocol):
+    """The profile's bounds of each draw; the attributes are those of its section."""
+
+    def __getattribute__(self, name: str, /) -> Any:
+        """Return one bound, SI."""
+        ...
+
+
+class Draws(NamedTuple):
+    """What was drawn, each within its bound.
+
+    Parameters
+    ----------
+    channels : mapping of str to tuple of float
+        By the name of the bound, one value per channel or joint.
+    friction, wire_offset : float
+        Share of the friction, and m.
+    geometry : tuple of float
+        Shares, one per dimension in their order.
+    camera_position, camera_angle : tuple of float
+        m and rad, length 3.
+    """
+
+    channels: Mapping[str, tuple[float, ...]]
+    friction: float
+    wire_offset: float
+    geometry: tuple[float, ...]
+    camera_position: tuple[float, float, float]
+    camera_angle: tuple[float, float, float]
+
+
+PER_CHANNEL = (
+    "setpoint_gain", "setpoint_offset", "monitor_gain", "monitor_offset", "encoder_scale",
+    "encoder_offset", "joint_zero",
+)  # fmt: skip
+
+
+def draw(bounds: Bounds, seed: int) -> Draws:
+    """Draw everything in a fixed order: one bound does not change what another one draws."""
+    rng = np.random.default_rng([seed, zlib.crc32(b"perturbation")])
+
+    def values(bound: float, count: int) -> tuple[float, ...]:
+        return tuple((bound * rng.uniform(-1.0, 1.0, count)).tolist())
+
+    channels = {name: values(getattr(bounds, name), _CHANNELS) for name in PER_CHANNEL}
+    (friction,), (wire_offset,) = values(bounds.friction, 1), values(bounds.wire_offset, 1)
+    geometry = values(bounds.geometry, _CHANNELS)
+    position, angle = values(bounds.camera_position, 3), values(bounds.camera_angle, 3)
+    return Draws(channels, friction, wire_offset, geometry, position, angle)  # type: ignore[arg-type]
+
+
+def perturb_plant(settings: Any, draws: Draws) -> Any:
+    """Return a plant's settings with its friction and wires as drawn; others are left alone."""
+    changes: dict[str, Any] = {}
+    if hasattr(settings, "friction_scale"):
+        changes["friction_scale"] = settings.friction_scale * (1.0 + draws.friction)
+    if hasattr(settings, "home"):
+        changes["home"] = settings.home + draws.wire_offset
+    return replace(settings, **changes) if changes else settings
+
+
+def perturb_geometry(geometry: Any, draws: Draws) -> Any:
+    """Return a geometry with every length scaled and every angle turned as drawn.
+
+    An angle turns by its share of a right angle.
+    """
+    shares = iter(draws.geometry)
+    changes: dict[str, Any] = {}
+    for entry in fields(geometry):
+        value = getattr(geometry, entry.name)
+        if isinstance(value, float):
+            changes[entry.name] = value * (1.0 + next(shares))
+        elif isinstance(value, tuple) and all(isinstance(item, float) for item in value):
+            changes[entry.name] = tuple(item + next(shares) * 0.5 * np.pi for item in value)
+    return replace(geometry, **changes)
+
+
+class PerturbedPlant:
+    """A plant behind sensors and regulators that err; everything else is the plant's own.
+
+    Parameters
+    ----------
+    plant : object
+        The physics.
+    draws : Draws
+        By how much each channel errs.
+    """
+
+    def __init__(self, plant: Any, draws: Draws) -> None:
+        self._plant = plant
+        of = draws.channels
+        self._setpoint = tuple(zip(of["setpoint_gain"], of["setpoint_offset"], strict=True))
+        self._monitor = tuple(zip(of["monitor_gain"], of["monitor_offset"], strict=True))
+        self._encoder = tuple(zip(of["encoder_scale"], of["encoder_offset"], strict=True))
+        self._zero = of["joint_zero"]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._plant, name)
+
+    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
+        """Give a regulator what it makes of a setpoint, Pa gauge."""
+        gain, offset = self._setpoint[channel]
+        self._plant.set_pressure_setpoint(channel, (1.0 + gain) * pressure + offset)
+
+    def pressure(self, channel: int) -> float:
+        """Return what a monitor shows, Pa gauge."""
+        gain, offset = self._monitor[channel]
+        return (1.0 + gain) * float(self._plant.pressure(channel)) + offset
+
+    def position(self, channel: int) -> float:
+        """Return what an encoder makes of a rod's extension, m."""
+        scale, offset = self._encoder[channel]
+        return (1.0 + scale) * float(self._plant.position(channel)) + offset
+
+    def speed(self, channel: int) -> float:
+        """Return what an encoder makes of a rod's speed, m/s."""
+        return (1.0 + self._encoder[channel][0]) * float(self._plant.speed(channel))
+
+    def command_joint(
+        self, channel: int, position: float, velocity: float, torque_on: bool
+    ) -> None:
+        """Give a servo its reference as its zero has it."""
+        self._plant.command_joint(channel, position + self._zero[channel], velocity, torque_on)
+
+    def joint_position(self, channel: int) -> float:
+        """Return a joint's angle as its servo's zero has it, rad."""
+        return float(self._plant.joint_position(channel)) - self._zero[channel]
