@@ -143,6 +143,7 @@ class Arm(ServoJoints):
         self.motion: PlannedArmMotion | None = None
         self._arm = dimensions_of(geometry)
         self._followed = 0
+        self.stopping_time = max(geometry.rate_limits) / settings.limits.acceleration + SETTLING
 
     @classmethod
     def assemble(cls, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> "Arm":

@@ -115,6 +115,7 @@ class ServoJoints:
         self._speeds: Vector = self._still
         self._stop: Any = None
         self._braking = False
+        self._limited = False
         self._age = 0.0
         self._largest_error = 0.0
         self._hits = {"joint range": 0, "joint rate": 0, "joint acceleration": 0}
@@ -269,6 +270,7 @@ class ServoJoints:
             speeds.append(speed)
             applied.append(position)
         self._applied, self._speeds = tuple(applied), tuple(speeds)
+        self._limited = True
         return self._kinds.command(self._applied, self._speeds)
 
     def _slow_down(self, speed: float, before: float, distance: float) -> float:
@@ -283,7 +285,14 @@ class ServoJoints:
         return min(max(wanted, before - step), before + step)
 
     def write(self, applied: Any) -> None:
-        """Hand the positions to the drives as this cycle's setpoints."""
+        """Hand the positions to the drives as this cycle's setpoints, if they went through `limit`.
+
+        After a fault they did not: to hold a joint that moves would stop it at once, while the
+        drives, made safe, slow it down from the setpoint that it had.
+        """
+        if not self._limited:
+            return
+        self._limited = False
         positions = applied.positions
         for servo, share in zip(self._servos, self._shares, strict=True):
             servo.command_positions(tuple([positions[k] for k in share]))

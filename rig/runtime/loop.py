@@ -20,6 +20,7 @@ from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
+from rig.runtime.stop_recording import StopRecording
 
 SAFE_CYCLES = 5
 """How many cycles the safe setpoints are repeated: one lost frame must not matter."""
@@ -200,7 +201,7 @@ class Loop(Generic[State, Reference, Command]):
         except Exception as error:
             fault = error
         finally:
-            self.make_safe()
+            self.make_safe(None if fault is None else self._recording(run, recorder))
             stop.in_loop = False
         if fault is None:
             self.states.move(RigState.STOPPING) if run.phase is not _STOP else None
@@ -213,9 +214,9 @@ class Loop(Generic[State, Reference, Command]):
                 events(run.t, "limit", message, {"hits": hits})
         return Outcome(run.cycles, run.missed, stop.count, fault)
 
-    def make_safe(self) -> None:
-        """Give every device its safe setpoint and repeat it for `SAFE_CYCLES` cycles."""
-        for _ in range(SAFE_CYCLES):
+    def make_safe(self, recording: StopRecording | None = None) -> None:
+        """Give every device its safe setpoint; repeat it for `SAFE_CYCLES`, or a recorded stop."""
+        for _ in range(max(SAFE_CYCLES, recording.cycles if recording else 0)):
             for device in self.devices:
                 device.make_safe()
             now = self.clock.now()
@@ -226,7 +227,15 @@ class Loop(Generic[State, Reference, Command]):
                     bus.transmit(now)
                 except Exception:
                     bus.make_safe()
+            if recording:
+                recording(now)
             self.clock.sleep_until(now + self.period)
+
+    def _recording(self, run: "_Run[Any, Any, Any]", recorder: Recorder) -> StopRecording:
+        return StopRecording(
+            self.mechanism, recorder.write, self.truth, TIMING_COLUMNS, self.period, run.start,
+            phase=float(_STOP), reference_time=run.reference_time, last=run.t,
+        )  # fmt: skip
 
     def _cycle(
         self,
@@ -244,7 +253,7 @@ class Loop(Generic[State, Reference, Command]):
         show_every = max(1, round(progress_every / period))
 
         limits = _LimitWatch(events)
-        start = clock_now()
+        start = run.start = clock_now()
         tick = 0
         late_in_a_row = 0
         record_time = 0.0
@@ -367,7 +376,7 @@ class _Run(Generic[State, Reference, Command]):
     ) -> None:
         self.phase = _APPROACH
         self.duration = motion.duration
-        self.t = 0.0
+        self.start = self.t = 0.0
         self.reference_time = -(timings.energise + timings.approach)
         self.cycles = 0
         self.missed = 0
