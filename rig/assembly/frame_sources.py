@@ -69,7 +69,8 @@ def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
 def listen(profile: Profile, interfaces: Interfaces) -> contextlib.closing[Any]:
     """Open the CAN buses of a profile and return an endless iterator of lists of frames.
 
-    Nothing is ever sent. A list is empty where no frame has come for a moment.
+    Nothing is ever sent. The first list is empty and comes when the interfaces are open; others
+    are empty where no frame has come for a moment.
 
     Raises
     ------
@@ -94,6 +95,7 @@ def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list[Any]]:
             bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
             stack.callback(bus.shutdown)
             drains.append((name, drain_of(bus)))
+        yield []  # the interfaces are open
         while True:
             frames = []
             for name, drain in drains:
@@ -143,10 +145,11 @@ def _read_vector(path: Path) -> Iterator[Any]:
     from drivers.can.candump import LoggedFrame
     from drivers.can.fast_path import flagged_id
 
-    reader: Any = can.LogReader(str(path))
-    with reader:
+    is_binary = path.suffix.lower() == ".blf"
+    with path.open("rb" if is_binary else "r") as content:
         try:
-            for frame in reader:
+            make: Any = can.BLFReader if is_binary else can.ASCReader
+            for frame in make(content):
                 yield LoggedFrame(
                     frame.timestamp, str(frame.channel or 0), flagged_id(frame), bytes(frame.data)
                 )

@@ -106,6 +106,8 @@ def _show_live(profile: Profile, on: str, viewer: _Viewer) -> None:
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
     with listen(profile, interfaces) as batches:
+        next(batches)  # the interfaces are open now, or it is said why not
+        click.echo(f"listening on {on}; Ctrl-C ends it", err=True)
         for frames in batches:
             for line in viewer.lines(frames):
                 sys.stdout.write(line)

@@ -168,10 +168,14 @@ def _device_names(ctx: click.Context) -> list[str]:
     from rig.config.names import find_configs, find_file
     from rig.hal import ConfigurationError
 
+    # While an option's value is missing, click has not given the arguments to their names yet.
+    rig = ctx.params.get("rig") or next(iter(ctx.args), None)
+    if rig is None:
+        return []
     try:
-        path = find_file(ctx.params["rig"], "rigs", find_configs(ctx.params.get("configs")))
+        path = find_file(rig, "rigs", find_configs(ctx.params.get("configs")))
         text = path.read_text(encoding="utf-8", errors="replace")
-    except (ConfigurationError, OSError, KeyError):  # a shell has no place for an error
+    except (ConfigurationError, OSError):  # a shell has no place for an error
         return []
     section = re.search(r"^devices:.*\n((?:[ #].*\n|\n)*)", text, re.MULTILINE)
     return re.findall(r"^  ([\w.+-]+):", section[1], re.MULTILINE) if section else []

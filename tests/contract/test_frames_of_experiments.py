@@ -1,0 +1,46 @@
+"""Every frame of whole experiments under Wireshark's CANopen dissector and our own decoder."""
+
+import json
+
+import pytest
+from wireshark import dissect, needs_tshark, troubles
+
+from rig.cli import invoke
+
+EXPERIMENTS = {
+    "cylinder": ("cylinder-step",),
+    "joint": ("joint-circle",),
+    "arm": ("arm-elbow-circle",),
+    "legs-can": ("legs-squat", "--rig", "legs-can"),
+}
+SERVICES = ("SYNC", "PDO1", "Default-SDO", "NMT", "NMT Error Control")
+
+
+@needs_tshark
+def test_the_dissector_tells_what_is_no_canopen(tmp_path):
+    """So that the tests below can fail."""
+    log = tmp_path / "bad.log"
+    lines = ("710#05", "001#11", "710#", "601#40", "090#0011", "7FF#0011", "00000123#11")
+    log.write_text("".join(f"(1700000000.00000{k}) can0 {x}\n" for k, x in enumerate(lines)))
+    found = dissect(log)
+    assert sum(found.values()) == len(lines)
+    assert sum(troubles(found).values()) >= len(lines) - 2
+
+
+@needs_tshark
+@pytest.mark.slow
+@pytest.mark.parametrize("rig", EXPERIMENTS)
+def test_no_frame_of_an_experiment_is_malformed_or_unknown(rig, tmp_path, capfd, record_property):
+    experiment, *options = EXPERIMENTS[rig]
+    arguments = ["run", experiment, *options, "--frames", "--no-report", "--out", str(tmp_path)]
+    assert invoke(arguments) == 0
+    (folder,) = tmp_path.iterdir()
+    found = dissect(folder / "frames.log")
+    assert not troubles(found)
+    assert all(found[service] for service in SERVICES), found
+    capfd.readouterr()
+    assert invoke(["monitor", str(folder / "profile.yaml"), "--frames", str(folder), "--json"]) == 0
+    shown = capfd.readouterr().out.splitlines()
+    assert len(shown) == sum(found.values())
+    assert all(json.loads(line)["known"] for line in shown)
+    record_property("exchanges", (f"frames of {experiment} on {rig} under tshark", len(shown)))
