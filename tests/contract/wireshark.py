@@ -25,7 +25,7 @@ def dissect(log: Path) -> Counter:
     )  # fmt: skip
     found = Counter()
     for line in result.stdout.splitlines():
-        protocol, info, expert = (line.split("\t") + ["", ""])[:3]
+        protocol, info, expert = [*line.split("\t"), "", ""][:3]
         trouble = expert or "malformed" in info.lower() or "unknown" in info.lower()
         if protocol != "CANopen":
             found["not CANopen"] += 1
