@@ -65,6 +65,10 @@ class JointDrive(Protocol):
         """Raise `DeviceFault` if the enabled drive does not do what it was told."""
         ...
 
+    def lag(self) -> DeviceFault:
+        """Return what would be the fault if the joint went on to be away from its reference."""
+        ...
+
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of a drive that has not become enabled in so many seconds."""
         ...
@@ -253,6 +257,13 @@ class ServoChain(Generic[Drive]):
             self._begin_following(now)
         elif now - self._since > self._enable_time:
             raise lagging[0].fail_to_enable(now - self._since)
+
+    def doubt(self, now: float) -> str | None:
+        """Return what the joint that is furthest beyond its following window says of itself."""
+        if not self._enabled:
+            return None
+        worst = max(self.drives, key=lambda drive: abs(drive.watch.error) - drive.watch.window)
+        return str(worst.lag()) if abs(worst.watch.error) > worst.watch.window else None
 
     # Inside ---------------------------------------------------------------------------
 

@@ -327,6 +327,15 @@ class Cia402Drive:
                 bound=f"{self.watch.window:g} rad for {self.watch.time:g} s",
             )
 
+    def lag(self) -> DeviceFault:
+        """Return what would be the fault if the joint went on to be away from its reference."""
+        return self._fault(
+            f"the joint is not where its reference is: {self.describe()}",
+            object="0x6064:00",
+            value=f"{self.watch.error:+.4g} rad",
+            bound=f"{self.watch.window:g} rad",
+        )
+
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of a drive that has not become enabled in `since` seconds."""
         return self._fault(

@@ -316,6 +316,15 @@ class OdriveAxis:
                 f"{self.watch.window:g} rad for {self.watch.time:g} s",
             )
 
+    def lag(self) -> DeviceFault:
+        """Return what would be the fault if the joint went on to be away from its reference."""
+        return self._fault(
+            f"the joint is not where its reference is: {self.client.describe()}",
+            "Get_Encoder_Estimates",
+            f"{self.watch.error:+.4g} rad",
+            f"{self.watch.window:g} rad",
+        )
+
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of an axis that has not closed its loop in `since` seconds."""
         return self._fault(
