@@ -22,6 +22,7 @@ from dynamixel_sdk import (
 from drivers.dynamixel import protocol
 from drivers.dynamixel.bus import SerialBus
 from drivers.dynamixel.port import open_port
+from drivers.dynamixel.registers import describe_status_error
 from drivers.dynamixel.servos import DynamixelServos
 from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings, SerialBusSettings
 from drivers.sim.dynamixel.chain import EmulatedChain
@@ -136,6 +137,24 @@ def test_refused_writes_have_the_makers_error(sdk, address, size, value, error):
     result, number = write[size](port, 1, address, value)
     assert result == COMM_SUCCESS
     assert error in packets.getRxPacketError(number)
+
+
+@pytest.mark.parametrize(
+    ("number", "theirs", "ours"),
+    [
+        (1, "Failed to process the instruction", "failed to process the instruction"),
+        (2, "Undefined instruction", "does not know the instruction"),
+        (3, "CRC", "CRC"),
+        (4, "out of range", "out of the register's range"),
+        (5, "data length", "data are shorter"),
+        (6, "limit", "limits"),
+        (7, "not available", "cannot be accessed"),
+    ],
+)
+def test_every_status_error_has_the_makers_meaning(number, theirs, ours):
+    assert theirs in PacketHandler(2.0).getRxPacketError(number)
+    assert ours in describe_status_error(number)
+    assert "hardware error" in describe_status_error(0x80 | number)
 
 
 def test_an_unknown_instruction_is_refused(sdk):

@@ -6,6 +6,8 @@ import math
 import pytest
 from dynamixel_bench import PERIOD, Bench, joints
 
+from drivers.dynamixel import registers
+from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.settings import (
     DynamixelGains,
     DynamixelJoint,
@@ -123,6 +125,26 @@ def test_connect_refuses_and_names_the_servo(break_it, words):
         bench.device.connect()
     assert words in str(failed.value)
     assert failed.value.node in (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("register", "value", "words"),
+    [
+        (registers.TORQUE_ENABLE, 2, ("Torque Enable (64)", "out of the register's range", "0x04")),
+        (registers.GOAL_POSITION, 5000, ("Goal Position (116)", "beyond one of its limits", "06")),
+        (registers.PRESENT_POSITION, 0, ("Present Position (132)", "cannot be accessed", "0x07")),
+        (registers.OPERATING_MODE, 1, ("Operating Mode (11)", "locked by torque", "0x07")),
+    ],
+    ids=["range", "limit", "read-only", "locked"],
+)
+def test_status_error_is_told_in_words_with_joint_id_and_register(register, value, words):
+    bench = Bench(3)
+    bench.start()
+    client = RegisterClient("servos", "joint_2", 2, bench.bus)
+    with pytest.raises(ConnectionFailed) as failed:
+        client.write(register, value)
+    for word in ("joint_2 (id 2): it refused", *words):
+        assert word in str(failed.value)
 
 
 def test_connect_asks_again_when_packets_get_lost():
