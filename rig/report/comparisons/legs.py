@@ -92,12 +92,12 @@ def _draw_cost(axes: "Axes", cost: _Cost, runs: Sequence[RunData], labels: Seque
     values = metric_values(runs, cost.metric) * cost.factor
     shown = np.maximum(values, cost.floor)
     lengths = np.where(values > cost.floor, shown, 0.0)
+    axes.set_xscale("log")
+    axes.set_xlim(left=0.7 * cost.floor, right=6.0 * float(np.nanmax(shown)))
     axes.barh(range(len(runs)), lengths, 0.7, color=GREY)
     for row, (value, end) in enumerate(zip(values, shown, strict=True)):
         if np.isfinite(value):
             write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
-    axes.set_xscale("log")
-    axes.set_xlim(left=0.7 * cost.floor, right=6.0 * float(np.nanmax(shown)))
     axes.set_yticks(range(len(runs)), labels=labels)
     axes.tick_params(axis="y", labelsize=6.5, length=0)
     axes.invert_yaxis()
