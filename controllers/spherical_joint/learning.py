@@ -162,6 +162,7 @@ class LapLearning:
         self._failures = 0
         self._sum = 0.0
         self._lap = -1
+        self._ticks = 0
         self.finished = False
         """Whether learning has ended."""
         self.scores: list[float] = []
@@ -171,11 +172,15 @@ class LapLearning:
         """Go on to a cycle, and to the next lap if it is the first of one.
 
         The first lap that is seen has to begin at its beginning; until then nothing is learnt.
+        Laps of another length, or counted anew, are another motion: what was learnt is forgotten.
         """
-        if lap.number == self._lap:
+        if lap.number == self._lap and lap.ticks == self._ticks:
             return
         if lap.tick != 0:
             return
+        if self._lap >= 0 and (lap.ticks != self._ticks or lap.number < self._lap):
+            self.reset()
+        self._ticks = lap.ticks
         if self._lap < 0:
             for memory in self._memories:
                 memory.begin(lap.ticks)

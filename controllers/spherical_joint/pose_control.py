@@ -173,7 +173,7 @@ class PoseController:
         self._lowest = model.area * model.pressure_min
         self._least = max(model.least_tension + seal + self._dither.tension, self._lowest)
         self._most = min(model.most_tension - seal, model.area * model.pressure_max)
-        self._total = 4.0 * model.area * model.base_pressure
+        self._base_pressure = model.base_pressure
         self._base = 0.5 * (self._least + self._most) / model.area
         pair = PairModel(
             area=model.area,
@@ -197,6 +197,7 @@ class PoseController:
         self._ahead = 2.0 * model.regulator_damping / model.regulator_bandwidth
         self._start_decay = math.exp(-period / _START_TIME)
         self._start: Quadruple | None = None
+        self._pushed = False
         self._rate = 0.5 / period
         self._force_memory: LapMemory | None = None
         self._axis_memory: LapMemory | None = None
@@ -226,7 +227,7 @@ class PoseController:
         self._dither.reset()
         if self.learning is not None:
             self.learning.reset()
-        self._start = None
+        self._start, self._pushed = None, False
 
     def update(self, state: JointState, reference: JointReference) -> JointCommand:
         """Return the four setpoints of this period.
@@ -241,7 +242,8 @@ class PoseController:
         position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
         pose = self._distribution.at(natural_rotation(axis))
         pull = _scaled(area, state.pressures)
-        hold = self._hold(pose.shares)
+        base = reference.base_pressure or self._base_pressure
+        hold = self._hold(pose.shares, base)
         rates = (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1]))
         friction = self._friction.update(rates, (hold[0] + hold[2], hold[3] + hold[1]))
         # The rods pull in by what the wires stretch under what they bear.
@@ -249,6 +251,11 @@ class PoseController:
         stretch = _scaled(self._compliance, stretch)
         rods = _sum(position, stretch)
         self._estimate(state, stretch, rods, hold)
+        if reference.push is not None:
+            self._pushed = True
+            return self._command(pose.kept_taut(_spread(hold, reference.push), self._least))
+        if self._pushed:  # control starts anew from where the pushes have left the ring
+            self._pushed, self._start = False, None
 
         lap = reference.lap if self.learning is not None and self.learning.active else None
         learnt: tuple[float, ...] = (0.0, 0.0)
@@ -289,19 +296,26 @@ class PoseController:
             natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
         )
         tensions = pose.kept_taut(
-            _spread(_sum(self._hold(later), self._start), (wanted[0], wanted[1])), self._least
+            _spread(_sum(self._hold(later, base), self._start), (wanted[0], wanted[1])), self._least
         )
         self._start = _scaled(self._start_decay, self._start)
         dither = _scaled(self._dither.update(math.hypot(*rates)), pose.shares)
-        lowest, most = self._lowest, self._most
-        first, second, third, fourth = (
-            min(max(tension, lowest), most) / area for tension in _sum(tensions, dither)
-        )
-        return JointCommand(first, second, third, fourth)
+        return self._command(_sum(tensions, dither))
 
-    def _hold(self, shares: Quadruple) -> Quadruple:
+    def _command(self, tensions: Quadruple) -> JointCommand:
+        """Return the setpoints that pull so, within what wires and regulators bear."""
+        area, lowest, most = self._area, self._lowest, self._most
+        first, second, third, fourth = tensions
+        return JointCommand(
+            min(max(first, lowest), most) / area,
+            min(max(second, lowest), most) / area,
+            min(max(third, lowest), most) / area,
+            min(max(fourth, lowest), most) / area,
+        )
+
+    def _hold(self, shares: Quadruple, base: float) -> Quadruple:
         """Return the tensions that hold the ring in a pose: co-contraction, no wire too slack."""
-        return raised(_scaled(self._total, shares), shares, self._least)
+        return raised(_scaled(4.0 * self._area * base, shares), shares, self._least)
 
     def _estimate(
         self, state: JointState, stretch: Quadruple, rods: Quadruple, hold: Quadruple

@@ -77,12 +77,19 @@ class JointReference(NamedTuple):
         Of the ring's axis: unit vector, 1/s, 1/s².
     lap : Lap, optional
         Only of a motion that repeats itself, from which something can be learnt.
+    base_pressure : float, optional
+        Co-contraction instead of the model's: mean of the four setpoints at home, Pa gauge.
+    push : tuple of float, optional
+        Forces on the pairs (1, 3) and (4, 2), N, over the tensions that hold the pose: while
+        there are any, nothing is controlled.
     """
 
     axis: Vector
     velocity: Vector
     acceleration: Vector
     lap: Lap | None = None
+    base_pressure: float | None = None
+    push: tuple[float, float] | None = None
 
 
 class JointCommand(NamedTuple):

@@ -124,8 +124,8 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "rig.experiment.references.pair:Ramp", "rig.experiment.references.pair:Ramp"
         ),
         "joint-circle": _Class(
-            "rig.experiment.references.joint:JointCircle",
-            "rig.experiment.references.joint:JointCircle",
+            "rig.experiment.references.joint_circle:JointCircle",
+            "rig.experiment.references.joint_circle:JointCircle",
         ),
         "arm-turnback": _Class("controllers.arm.paths:TurnBack", "controllers.arm.paths:TurnBack"),
         "arm-dwell": _Class("controllers.arm.paths:DwellLine", "controllers.arm.paths:DwellLine"),
@@ -138,8 +138,16 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "controllers.gait.motions:SquatSettings", "controllers.gait.motions:SquatSettings"
         ),
         "joint-poses": _Class(
-            "rig.experiment.references.joint:JointPoses",
-            "rig.experiment.references.joint:JointPoses",
+            "rig.experiment.references.joint_poses:JointPoses",
+            "rig.experiment.references.joint_poses:JointPoses",
+        ),
+        "joint-spiral": _Class(
+            "rig.experiment.references.joint_sweeps:JointSpiral",
+            "rig.experiment.references.joint_sweeps:JointSpiral",
+        ),
+        "joint-stiffness": _Class(
+            "rig.experiment.references.joint_sweeps:JointStiffness",
+            "rig.experiment.references.joint_sweeps:JointStiffness",
         ),
     },
 }

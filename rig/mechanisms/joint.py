@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from controllers.spherical_joint.geometry import Quadruple
 from controllers.spherical_joint.great_circle import great_circle
+from controllers.spherical_joint.learning import LapLearning
 from controllers.spherical_joint.types import (
     CameraSample,
     JointCommand,
@@ -24,11 +25,10 @@ from rig.hal import (
 from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.joint_columns import CHANNELS, JOINT_COLUMNS
 from rig.mechanisms.joint_devices import check_devices
-from rig.mechanisms.joint_motion import plan_motion
+from rig.mechanisms.joint_motion import JointMotion, plan_motion
 from rig.mechanisms.joint_settings import JointSettings
 from rig.mechanisms.joint_watch import JointWatch
 from rig.runtime.limits import VectorLimiter
-from rig.runtime.motion import Motion
 
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -39,6 +39,11 @@ class PoseController(Protocol):
     @property
     def estimate(self) -> JointEstimate:
         """Marker, residual, wanted rods and tensions."""
+        ...
+
+    @property
+    def learning(self) -> LapLearning | None:
+        """What it learns over laps, if anything."""
         ...
 
 
@@ -83,6 +88,7 @@ class SphericalJoint:
         check_devices(settings, regulators, encoders)
         self.settings = settings
         self.controller: PoseController | None = None
+        self.motion: JointMotion | None = None
         self._regulators = regulators
         self._encoders = encoders
         self._camera = camera
@@ -156,7 +162,7 @@ class SphericalJoint:
     @classmethod
     def plan(
         cls, settings: JointSettings, reference: Any, controller: Any, period: float
-    ) -> Motion[JointReference]:
+    ) -> JointMotion:
         """Return the motion, if every pose of it is possible and permitted; see `plan_motion`."""
         return plan_motion(settings, reference, controller, period)
 
@@ -245,7 +251,9 @@ class SphericalJoint:
             estimate = JointEstimate(_ZERO, _ZERO, 0.0, state.rods, (0.0,) * 4)
         else:
             estimate = self.controller.estimate
-        camera = state.camera
+        learning = None if self.controller is None else self.controller.learning
+        learns = 0.0 if learning is None or not learning.active else 1.0 + learning.finished
+        camera, lap = state.camera, reference.lap
         return (
             *state.rods,
             *state.pressures,
@@ -259,6 +267,9 @@ class SphericalJoint:
             *estimate.encoder_marker,
             estimate.residual,
             *self._tensions,
+            -1.0 if lap is None else float(lap.number),
+            learns,
+            *((0.0, 0.0, 0.0) if self.motion is None else self.motion.pose),
             *command,
             *applied,
         )

@@ -17,6 +17,11 @@ JOINT_COLUMNS = (
     *(Column(f"estimate.encoder_marker_{axis}", "m", "encoders alone") for axis in "xyz"),
     Column("estimate.residual", "m", "how far the wires are from agreeing on a pose"),
     *(Column(f"estimate.tension_{name}", "N", "pull of the chamber") for name in CHANNELS),
+    Column("estimate.lap", "1", "laps before this one; -1 out of a repeated motion"),
+    Column("estimate.learning", "1", "1 while laps are learnt from, 2 when that has ended, else 0"),
+    Column("plan.least_tension", "N", "of the wires that hold the pose at base pressure"),
+    Column("plan.reach", "rad", "tilt that is possible in this direction"),
+    Column("plan.paper_error", "m", "error of the paper's wires in the paper's pose"),
     *(Column(f"command.{name}", "Pa", "wanted setpoint, gauge") for name in CHANNELS),
     *(Column(f"applied.{name}", "Pa", "setpoint that was sent, gauge") for name in CHANNELS),
 )

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.poses import axis_from_tilt, tilt_of
-from rig.experiment.references.joint import (
-    CircleTone,
-    JointCircle,
+from rig.experiment.references.joint_circle import CircleTone, JointCircle
+from rig.experiment.references.joint_poses import (
     JointPose,
     JointPoses,
 )
