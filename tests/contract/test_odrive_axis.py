@@ -211,6 +211,23 @@ def test_addresses_are_given_by_serial_number(rig):
     assert node.node_id == 9
 
 
+@pytest.mark.parametrize(("firmware", "kept"), [((0, 6, 10), 0), ((0, 6, 11), 0x5A)])
+def test_the_number_of_a_connection_is_kept_by_firmware_that_knows_it(rig, firmware, kept):
+    """ODrive's CAN Protocol, Address: ``Connection_ID`` since 0.6.11, zero before.
+
+    The maker's libodrive takes an axis that answers another number for lost
+    (``tests/vcan/test_odrive_maker.py``).
+    """
+    node = rig.side.nodes[0]
+    node.firmware = firmware
+    answers = []
+    node.send = lambda can_id, data: answers.append(data)
+    serial = node.serial.to_bytes(6, "little")
+    node.receive(0x7E6, bytes((0x20, *serial, 0x5A)), node.now)
+    node.receive(0x7E6, b"", node.now, remote=True)
+    assert answers == [bytes((0x20, *serial, kept))]
+
+
 def test_ids_of_29_bits_are_ignored(rig):
     node = rig.side.nodes[0]
     node.receive(1 << 5 | 2, b"", rig.rig.time, extended=True)

@@ -25,6 +25,7 @@ OVER_VOLTAGE, WATCHDOG_EXPIRED, ESTOP = 0x100, 0x0100_0000, 0x0200_0000
 OVER_SPEED, INITIALISING = 0x8000, 0x1
 
 _BROADCAST = 0x3F
+_CONNECTIONS_SINCE = (0, 6, 11)
 _SERVO_PERIOD = 1e-3  # s
 _OVER_SPEED_AT = 1.2  # times the limit, as the firmware ships
 _FEEDFORWARD_STEP = 1e-3  # turn/s
@@ -93,7 +94,7 @@ class EmulatedOdrive(FaultInjection):
         zero: float = 0.0,
         steps_per_turn: int = STEPS_PER_TURN,
         serial: int = 0,
-        firmware: tuple[int, int, int] = (0, 6, 10),
+        firmware: tuple[int, int, int] = (0, 6, 11),
         watchdog: float = 0.0,
         heartbeat: float = SHIPPED_HEARTBEAT,
         encoder_period: float = SHIPPED_ENCODER,
@@ -123,6 +124,7 @@ class EmulatedOdrive(FaultInjection):
         self._motion = MotionReference()
         self._feedforward = 0.0  # turn/s
         self._jump = 0.0
+        self._connection = 0
         self._stuck = False
         self.axis_state = IDLE
         self.active_errors = self.disarm_reason = 0
@@ -145,7 +147,7 @@ class EmulatedOdrive(FaultInjection):
             0x00: self._version,
             0x01: self._beat,
             0x03: lambda: struct.pack("<II", self.active_errors, self.disarm_reason),
-            0x06: lambda: bytes((self.node_id,)) + self.serial.to_bytes(6, "little") + b"\0",
+            0x06: self._address,
             0x09: self._estimates,
         }
         self._add_faults()
@@ -231,6 +233,11 @@ class EmulatedOdrive(FaultInjection):
             return None
         return bytes((2, 4, 4, 58, *self.firmware, 0))
 
+    def _address(self) -> bytes:
+        return (
+            bytes((self.node_id,)) + self.serial.to_bytes(6, "little") + bytes((self._connection,))
+        )
+
     def _beat(self) -> bytes:
         return struct.pack("<IBBBB", self.active_errors, self.axis_state, 0, 1, 0)
 
@@ -244,6 +251,8 @@ class EmulatedOdrive(FaultInjection):
     def _take_address(self, data: bytes) -> None:
         if int.from_bytes(data[1:7], "little") == self.serial and data[0] < _BROADCAST:
             self.node_id = data[0]
+            if len(data) > 7 and self.firmware >= _CONNECTIONS_SINCE:
+                self._connection = data[7]  # which host it is that has it now
 
     def _take_state(self, data: bytes) -> None:
         (state,) = struct.unpack_from("<I", data)
