@@ -31,8 +31,14 @@ class End(Protocol):
         """Return what to wait for, or -1 if it can only be looked at."""
         ...
 
-    def take(self) -> None:
-        """Take what has come."""
+    def take(self, origin: float) -> None:
+        """Take what has come.
+
+        Parameters
+        ----------
+        origin : float
+            What the wall clock shows when the world's time is 0, s.
+        """
         ...
 
     def give(self) -> None:
@@ -109,7 +115,7 @@ class CanEnd:
             self.sent += 1
             self.trouble = None
 
-    def take(self) -> None:
+    def take(self, origin: float) -> None:
         """Do nothing: the emulated bus itself takes frames, by `recv`."""
 
     def give(self) -> None:
@@ -161,7 +167,7 @@ class TerminalEnd:
         """Return what to wait for."""
         return self._master
 
-    def take(self) -> None:
+    def take(self, origin: float) -> None:
         """Put what has come on the emulated line."""
         try:
             data = os.read(self._master, 4096)
@@ -251,7 +257,7 @@ class WallClockRig:
             self._origin += excess
             now -= excess
         for end in self._ends:
-            end.take()
+            end.take(self._origin)
         # A frame meets the plant as it is now, not as it was when the last one came.
         self.world.pass_until(now)
         self.world.advance(now)

@@ -64,7 +64,12 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         name: make_bus(name, bus, clock, profile.loop.period, others.get(name), frames=frames)
         for name, bus in profile.buses.items()
     }
-    devices = make_devices(profile, buses, clock)
+    links = None
+    if backend is Backend.VCAN and others:
+        from rig.assembly.simulation_process import reach_cameras
+
+        links = reach_cameras(profile, others)
+    devices = make_devices(profile, buses, clock, links)
     return Rig(
         profile,
         backend,

@@ -17,12 +17,16 @@ _OPTIONS: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
 
 
 def backend_of(on: str) -> Backend:
-    """Return the backend that ``--on`` means, be it one's name or an interface."""
+    """Return the backend that ``--on`` means, be it one's name or an interface.
+
+    An interface that never leaves the host has a simulated rig on it, and any other a real one.
+    """
     if on in list(Backend):
         return Backend(on)
     first = on.split(",", maxsplit=1)[0]
-    _, channel = _split(first.partition("=")[2] or first)
-    return Backend.VCAN if channel.startswith("vcan") else Backend.HARDWARE
+    interface, channel = _split(first.partition("=")[2] or first)
+    stays = interface in _OPTIONS or channel.startswith(("vcan", "vxcan"))
+    return Backend.VCAN if stays else Backend.HARDWARE
 
 
 def parse_interfaces(on: str, profile: Profile) -> Interfaces:

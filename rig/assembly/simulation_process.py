@@ -23,13 +23,16 @@ class Simulation(NamedTuple):
         The simulated end of each bus, by the bus's name.
     channels : dict of str to str
         What the other program opens, by the bus's name.
+    cameras : dict of str to ServedCamera
+        By name; the other program reaches them over a local socket.
     left_out : tuple of str
-        Devices that hang on no bus: they cannot be reached from another process.
+        Devices that cannot be reached from another process.
     """
 
     rig: Any
     ends: dict[str, Any]
     channels: dict[str, str]
+    cameras: dict[str, Any]
     left_out: tuple[str, ...]
 
 
@@ -79,9 +82,62 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
                 channels[name] = end.path
             stack.callback(end.close)
             ends[name] = end
+        cameras = _serve_cameras(profile, plant, channels, stack)
         # The interface has a latency of its own.
         simulation = dataclasses.replace(profile.simulation, bus_latency=0.0)
         with checking_faults():
-            world = EmulatedRig(plant, emulated, simulation, devices={"plant": plant})
-        left_out = tuple(name for name, entry in profile.devices.items() if entry.bus is None)
-        yield Simulation(WallClockRig(world, tuple(ends.values())), ends, channels, left_out)
+            world = EmulatedRig(
+                plant,
+                emulated,
+                simulation,
+                devices={"plant": plant},
+                cameras=tuple(cameras.values()),
+            )
+        left_out = tuple(
+            name
+            for name, entry in profile.devices.items()
+            if entry.bus is None and name not in cameras
+        )
+        served = WallClockRig(world, (*ends.values(), *cameras.values()))
+        yield Simulation(served, ends, channels, cameras, left_out)
+
+
+def reach_cameras(profile: Profile, interfaces: Interfaces) -> dict[str, Any]:
+    """Return what links a profile's cameras to those of `rig simulate`, by the device's name.
+
+    Parameters
+    ----------
+    profile : Profile
+        What runs.
+    interfaces : mapping
+        Of every CAN bus; those of the simulation.
+    """
+    from drivers.sim.camera.wiring import reach_marker_camera
+
+    channel = next(iter(interfaces.values()))["channel"]
+    return {name: reach_marker_camera(name, channel) for name in _cameras(profile)}
+
+
+def _cameras(profile: Profile) -> list[str]:
+    return [name for name, entry in profile.devices.items() if entry.driver == "marker-camera"]
+
+
+def _serve_cameras(
+    profile: Profile, plant: Any, channels: dict[str, str], stack: contextlib.ExitStack
+) -> dict[str, Any]:
+    from drivers.sim.camera.wiring import serve_marker_camera
+
+    cameras: dict[str, Any] = {}
+    for name in _cameras(profile):
+        entry = profile.devices[name]
+        camera = serve_marker_camera(
+            name,
+            entry.settings,
+            plant,
+            profile.simulation.seed,
+            next(iter(channels.values())),
+            serial=entry.serial,
+        )
+        stack.callback(camera.close)
+        cameras[name] = camera
+    return cameras

@@ -70,11 +70,13 @@ def simulate(
     ):
         gc.enable()  # unlike a run this may live for days; what is there already stays frozen
         _introduce(profile, simulation)
+        began = monotonic()
         try:
             _serve(simulation, show, duration)
         finally:
             stop.shield()  # a second request must not tear the release of the interfaces
-    click.echo("stopped", err=True)
+            summary = _summarise(simulation, monotonic() - began)
+    click.echo(f"stopped {summary}", err=True)
     return 0
 
 
@@ -82,6 +84,8 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
     for bus, channel in simulation.channels.items():
         devices = [name for name, entry in profile.devices.items() if entry.bus == bus]
         click.echo(f"{bus} on {channel}: {', '.join(devices)}", err=True)
+    for name in simulation.cameras:
+        click.echo(f"{name} on a local socket, for `rig run` on the same interfaces", err=True)
     for name in simulation.left_out:
         click.echo(f"{name} hangs on no bus: another process cannot reach it", err=True)
     click.echo(f"simulating {profile.name}; Ctrl-C ends it", err=True)
@@ -108,6 +112,15 @@ def _serve(simulation: Simulation, show: Any, duration: float | None) -> None:
             parts.append(f"held up {simulation.rig.held_up:.2f} s")
         show("  ".join(parts))
         last, counts = now, newer
+
+
+def _summarise(simulation: Simulation, span: float) -> str:
+    parts = [f"after {span:.1f} s"]
+    for name, end in simulation.ends.items():
+        parts.append(f"{name}: {end.received} in, {end.sent} out, {end.lost} refused")
+    if simulation.rig.held_up:
+        parts.append(f"held up for {simulation.rig.held_up:.2f} s, in which its time stood still")
+    return "; ".join(parts)
 
 
 def _counts(simulation: Simulation) -> dict[str, tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""Run the tests marked ``vcan`` where there is SocketCAN: ``python -m tests.vcan [OPTIONS]``.
+"""Run the tests marked ``vcan`` where there is SocketCAN: ``python tests/vcan [OPTIONS]``.
 
 Natively if this kernel makes virtual CAN interfaces, else inside Debian's user-mode Linux: a
 kernel that runs as an ordinary process, with the host's files as its own (packages
@@ -11,8 +11,6 @@ The exit code is pytest's, or 4 if there is neither kernel, and 124 if the time 
 import os
 import sys
 from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
 
 from user_mode_linux import SCRATCH, NotInstalled, run_inside
 from vcan_links import LINKS, make_links, missing

@@ -11,5 +11,5 @@ def pytest_collection_modifyitems(items):
             reason = reason or make_links() or "ready"
             if reason != "ready":
                 item.add_marker(
-                    pytest.mark.skip(reason=f"{reason}; `python -m tests.vcan` boots one that has")
+                    pytest.mark.skip(reason=f"{reason}; `python tests/vcan` boots one that has")
                 )

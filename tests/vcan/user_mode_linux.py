@@ -26,7 +26,7 @@ _FIRST_PROCESS = """\
 mount -t proc proc /proc
 mount -t sysfs sys /sys
 mount -t devpts devpts /dev/pts 2>/dev/null
-mount -t tmpfs tmpfs {scratch}
+mkdir -p {scratch} && mount -t tmpfs tmpfs {scratch}
 cd /usr/lib/uml/modules/$(uname -r)/kernel
 for module in {modules}; do {insmod} $module.ko; done
 {ip} link set lo up
@@ -75,7 +75,7 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
         raise NotInstalled(
             "user-mode Linux is not installed: apt-get install user-mode-linux kmod iproute2"
         )
-    starter = [command[0], str(Path(__file__).with_name("__main__.py")), "--inside"]
+    starter = [command[0], str(Path(__file__).parent), "--inside"]
     with tempfile.TemporaryDirectory(prefix="vcan-") as name:
         place = Path(name)
         out, code, first = place / "out", place / "code", place / "init"
@@ -104,8 +104,9 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
                 f"init={first}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
             ],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True, preexec_fn=_come_first,
+            start_new_session=True,
         )  # fmt: skip
+        _come_first(booted.pid)
         try:
             _follow(booted, out, time_limit)
         finally:
@@ -119,14 +120,14 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
             return None
 
 
-def _come_first() -> None:
-    """Run before everything else on the host, if that is permitted.
+def _come_first(pid: int) -> None:
+    """Have the kernel run before everything else on the host, if that is permitted.
 
     Real-time tests inside must not fail because something else is busy outside. The guest's one
     processor sleeps whenever its programs do.
     """
     with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        os.sched_setscheduler(pid, os.SCHED_FIFO, os.sched_param(1))
 
 
 def _follow(booted: "subprocess.Popen[bytes]", out: Path, time_limit: float) -> None:

@@ -4,7 +4,8 @@ import socket
 import subprocess
 from pathlib import Path
 
-LINKS = ("vcan0", "vcan1")
+LINKS = tuple(f"vcan{number}" for number in range(7))
+"""Enough for every rig on links of its own."""
 
 
 def missing() -> list[str]:

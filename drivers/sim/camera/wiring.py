@@ -13,6 +13,8 @@ from rig.hal import Clock
 
 if TYPE_CHECKING:
     from drivers.sim.camera.emulated import EmulatedCamera
+    from drivers.sim.camera.reached import ReachedCamera
+    from drivers.sim.camera.served import ServedCamera
     from drivers.sim.camera.simulated import SimulatedMarkerCamera
 
 
@@ -52,6 +54,59 @@ def emulate_marker_camera(
         _own_seed(name, seed),
         serial=settings.calibrated_serial if serial is None else str(serial),
     )
+
+
+def serve_marker_camera(
+    name: str,
+    settings: MarkerCameraSettings,
+    plant: MarkerPort,
+    seed: int,
+    channel: str,
+    *,
+    serial: int | None = None,
+    optics: CameraSimulationSettings | None = None,
+) -> "ServedCamera":
+    """Return a camera of `rig simulate`, for a program in another process.
+
+    Parameters
+    ----------
+    name, settings, plant, seed, serial, optics
+        As for `emulate_marker_camera`.
+    channel : str
+        The rig's first CAN interface.
+
+    Raises
+    ------
+    ConnectionFailed
+        Another process serves it there already.
+    """
+    from drivers.sim.camera.reached import camera_address
+    from drivers.sim.camera.served import ServedCamera
+
+    return ServedCamera(
+        name,
+        settings,
+        optics or CameraSimulationSettings(),
+        plant,
+        _own_seed(name, seed),
+        camera_address(channel, name),
+        serial=settings.calibrated_serial if serial is None else str(serial),
+    )
+
+
+def reach_marker_camera(name: str, channel: str) -> "ReachedCamera":
+    """Return the link of the production driver to a camera that another process serves.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    channel : str
+        The rig's first CAN interface.
+    """
+    from drivers.sim.camera.reached import ReachedCamera, camera_address
+
+    return ReachedCamera(camera_address(channel, name))
 
 
 def simulate_marker_camera(
