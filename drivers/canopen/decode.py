@@ -61,12 +61,16 @@ class ObjectNames(Protocol):
         """Return its data type, in the words of `drivers.canopen.mapping`."""
         ...
 
+    def number_of(self, index: int, sub: int, node: int) -> int | None:
+        """Return its default, if that is a number."""
+        ...
+
 
 class CanopenDecoder:
     """Decodes the frames of one bus.
 
     It keeps what the nodes said of their scales in earlier frames, so frames are to be given in
-    their order.
+    their order; until then the scales are those of the profile, else of the EDS.
 
     Parameters
     ----------
@@ -90,6 +94,11 @@ class CanopenDecoder:
         self._gains: dict[tuple[int, Entry], float] = {}
         self._pdos: dict[int, Callable[[bytes], Decoded]] = {}
         for node in self._nodes.values():
+            eds = self._names.get(node.node)
+            if eds is not None:
+                for told in node.told:
+                    counts = eds.number_of(told.object, told.sub, node.node)
+                    self._learn(node.node, told.object, told.sub, counts or 0)
             for base, layouts, kind in (
                 (0x200, node.receive, "RPDO"),
                 (0x180, node.transmit, "TPDO"),

@@ -171,6 +171,14 @@ class Eds:
             return None
         return found.type if found is not None and found.type in SIZES else None
 
+    def number_of(self, index: int, sub: int, node: int) -> int | None:
+        """Return the default of a variable for a node number, if it has one that is a number."""
+        try:
+            found = self.find(index, sub)
+            return None if found is None else self.default_of(found, node)
+        except EdsError:
+            return None
+
     def default_of(self, found: EdsObject, node: int) -> int | None:
         """Return the default of an integer variable, for a node number; None if there is none.
 

@@ -92,6 +92,16 @@ def test_an_encoders_counts_become_metres_when_it_has_said_its_step():
     assert given.decode(*sample).values[0].value == pytest.approx(0.02)
 
 
+def test_an_encoders_eds_tells_its_step_until_it_says_another():
+    """A monitor that listens to a running rig never hears it being asked."""
+    option = f"devices.encoder-agonist.eds={CONFIGS / 'eds' / 'cia406-linear.eds'}"
+    monitor = decoder("cylinder", option)
+    sample = frame("1A0#10270000ECFF0000")
+    assert monitor.decode(*sample).values[0].value == pytest.approx(0.01)
+    monitor.decode(*frame("5A0#43056001D0070000"))
+    assert monitor.decode(*sample).values[0].value == pytest.approx(0.02)
+
+
 def test_drives_in_radians_and_words():
     monitor = decoder("arm")
     control, target, mode = monitor.decode(*frame("201#0F000020030008")).values
