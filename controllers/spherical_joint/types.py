@@ -23,10 +23,13 @@ class CameraSample(NamedTuple):
         In the base, m.
     t : float
         Middle of the exposure, s; also what tells one sample from the next.
+    twist : float, optional
+        Of the ring beyond the shortest tilt from home, rad; None if the marker does not show it.
     """
 
     marker: Vector
     t: float
+    twist: float | None = None
 
 
 class JointState(NamedTuple):

@@ -202,7 +202,8 @@ class MarkerCameraDriver:
         if self._newest is not None:
             self._dropped += max(sighting.frame - self._newest.frame - 1, 0)
         self._newest = sighting
-        self._markers = Reading(Markers(sighting.ids, sighting.positions), sighting.t)
+        twists = () if any(map(isnan, sighting.twists)) else sighting.twists
+        self._markers = Reading(Markers(sighting.ids, sighting.positions, twists), sighting.t)
         self._twists = Reading(sighting.twists, sighting.t)
         if sighting.sight is Sight.SEEN:
             self._seen_at = sighting.t

@@ -248,7 +248,7 @@ class SimulatedEncoder(_SimulatedDevice):
     """A linear encoder on one rod of a plant.
 
     Faults: ``silent`` and ``frozen`` (value: s), ``jump`` (value: m, default 5 mm), ``alarm``,
-    ``repair``.
+    ``other_rod`` (value: the plant's channel whose rod it is mounted on), ``repair``.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ class SimulatedEncoder(_SimulatedDevice):
         super().__init__(name, clock)
         self.channels = (name,)
         self.stroke = stroke
-        self._channel = channel
+        self._channel = self._own_channel = channel
         self._plant = plant
         self._resolution = resolution
         self._speed_resolution = speed_resolution
@@ -297,6 +297,7 @@ class SimulatedEncoder(_SimulatedDevice):
         self._faults["frozen"] = self._freeze
         self._faults["jump"] = self._jump
         self._faults["alarm"] = self._raise_alarm
+        self._faults["other_rod"] = self._mount_elsewhere
 
     def connect(self) -> None:
         """Take the first reading."""
@@ -362,8 +363,14 @@ class SimulatedEncoder(_SimulatedDevice):
     def _raise_alarm(self, _: float | None) -> None:
         self._alarmed = True
 
+    def _mount_elsewhere(self, value: float | None) -> None:
+        if value is None or not 0 <= value == int(value):
+            raise ValueError(f"{self.name}: other_rod takes a channel's number, not {value}")
+        self._channel = int(value)
+
     def _repair(self) -> None:
         super()._repair()
+        self._channel = self._own_channel
         self._frozen_until = 0.0
         self._offset = 0.0
         self._alarmed = False

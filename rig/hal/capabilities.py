@@ -105,10 +105,15 @@ class EmergencyStopInput(Protocol):
 
 
 class Markers(NamedTuple):
-    """Markers seen in one image; a marker that was not seen is absent, not zero."""
+    """Markers seen in one image; a marker that was not seen is absent, not zero.
+
+    `twists` are the rotations about the markers' normals beyond the shortest from the base's z
+    axis there, rad; it is empty if the markers do not show them, as discs do not.
+    """
 
     ids: tuple[int, ...]
     positions: tuple[tuple[float, float, float], ...]
+    twists: tuple[float, ...] = ()
 
 
 class MarkerCamera(Device, Protocol):

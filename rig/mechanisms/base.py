@@ -7,6 +7,9 @@ from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
 
+CLAMPED = 0.05
+"""Share of a regulator's span by which limits may exceed it: its driver clamps what is beyond."""
+
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
@@ -125,6 +128,14 @@ class Mechanism(Protocol[State, Reference, Command]):
 
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
+        ...
+
+
+class Explaining(Protocol):
+    """A mechanism that knows more of a fault than the device or limit that showed it first."""
+
+    def explain(self, error: Exception, state: Any) -> Exception:
+        """Return the error with its cause, or as it is; called once, with that cycle's state."""
         ...
 
 

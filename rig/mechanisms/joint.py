@@ -99,6 +99,7 @@ class SphericalJoint:
         )
         self._watch = JointWatch(
             settings,
+            regulators.name,
             [encoder.name for encoder in encoders],
             None if camera is None else camera.name,
         )
@@ -192,7 +193,8 @@ class SphericalJoint:
         if self._camera is not None:
             markers, t = self._camera.markers()
             if markers.positions:
-                sample = CameraSample(markers.positions[0], t)
+                twist = markers.twists[0] if markers.twists else None
+                sample = CameraSample(markers.positions[0], t, twist)
         area = self.settings.area
         self._tensions = tuple([area * p for p in pressures])  # type: ignore[assignment]
         return JointState(now, (*rods,), (*pressures,), sample)  # type: ignore[arg-type]
@@ -207,6 +209,10 @@ class SphericalJoint:
                 raise StaleReading("emergency stop", now - t, self._limits.reading_age)
         self._watch.check(state, now)
         self._checked = True
+
+    def explain(self, error: Exception, state: JointState) -> Exception:
+        """Return a fault with the cause that the rest of the rig shows; see `Explaining`."""
+        return self._watch.explain(error, state)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured pressures, within the permitted range."""
@@ -237,6 +243,7 @@ class SphericalJoint:
     def write(self, applied: JointCommand) -> None:
         """Hand the setpoints to the regulators."""
         self._regulators.set_pressure(applied)
+        self._watch.send(applied)
 
     def row(
         self,

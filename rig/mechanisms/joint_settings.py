@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Interval, Le, Unit
 
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from rig.mechanisms.cylinder_settings import RegulatorModel
+from rig.mechanisms.joint_alarms.settings import JointAlarmSettings
 
 Four = tuple[str, str, str, str]
 
@@ -111,6 +112,8 @@ class JointSettings:
         Friction as the controllers believe it.
     limits : JointLimits
         What is never permitted.
+    alarms : JointAlarmSettings
+        What tells that something is broken, and how soon.
     geometry : SphericalJointGeometry
         Dimensions of ball, ring, wires and marker.
     wire_stiffness : float
@@ -135,6 +138,7 @@ class JointSettings:
     limits: JointLimits
     geometry: SphericalJointGeometry = field(default_factory=SphericalJointGeometry)
     wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
+    alarms: JointAlarmSettings = field(default_factory=JointAlarmSettings)
     regulator_response: RegulatorModel = field(default_factory=RegulatorModel)
     camera: str | None = None
     emergency_stop: str | None = None

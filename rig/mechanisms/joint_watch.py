@@ -2,38 +2,36 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
-from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import Quadruple
 from controllers.spherical_joint.poses import Vector, tilt_of
 from controllers.spherical_joint.types import CameraSample, JointState
-from rig.hal import LimitExceeded, SafetyError
+from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.base import Margin
+from rig.mechanisms.joint_alarms.camera import MarkerWatch
+from rig.mechanisms.joint_alarms.pressures import PressureWatch
+from rig.mechanisms.joint_alarms.wires import WireLimits, WireWatch
+from rig.mechanisms.joint_alarms.work import WorkWatch
 from rig.mechanisms.joint_columns import CHANNELS
-from rig.mechanisms.joint_diagnosis import explain_disagreement, explain_residual
 from rig.mechanisms.joint_settings import JointSettings
 
 _SPEED_WINDOW = 0.01
 """Speeds are judged over this time, s: over one cycle, an encoder step would look fast."""
 _POSE_EVERY = 4
 """The pose is worked out for the checks every so many cycles: faults last longer."""
-
-
-class _Pose(NamedTuple):
-    """What the checks know of the joint: its axis and how well the wires agree."""
-
-    axis: Vector
-    residual: float
+_JUMP = 0.3
+"""A rod that runs was at this share of its speed a cycle before; an encoder that jumps was not."""
 
 
 class JointWatch:
-    """Checks each state of the joint: speed of the rods, agreement of wires and camera, tilt.
+    """Checks each state of the joint and names what is broken.
 
     Parameters
     ----------
     settings : JointSettings
-        Geometry and limits.
+        Geometry, limits and alarms.
+    regulators : str
+        Name of the regulators, for messages.
     encoders : sequence of str
         Names of the encoders of ch1 … ch4, for messages.
     camera : str, optional
@@ -41,31 +39,55 @@ class JointWatch:
     """
 
     def __init__(
-        self, settings: JointSettings, encoders: Sequence[str], camera: str | None
+        self,
+        settings: JointSettings,
+        regulators: str,
+        encoders: Sequence[str],
+        camera: str | None,
     ) -> None:
-        self._settings = settings
-        self._limits = settings.limits
+        limits, alarms, friction = settings.limits, settings.alarms, settings.friction
+        self._limits = limits
+        self._marker = settings.geometry.marker
         self._encoders = tuple(encoders)
-        self._camera = camera
-        self._kinematics = ForwardKinematics(settings.geometry)
-        self._diagnosis = ForwardKinematics(settings.geometry)
         self._give = settings.area / settings.wire_stiffness
-        self._pose = _Pose((0.0, 0.0, 1.0), 0.0)
+        self._pressures = PressureWatch(
+            alarms.pressure, settings.regulator_response, CHANNELS, regulators
+        )
+        self._wires = WireWatch(
+            settings.geometry,
+            WireLimits(
+                limits.residual,
+                limits.grace,
+                settings.home,
+                settings.stroke,
+                0.5 * friction.breakaway / settings.area,
+            ),
+            alarms.frozen,
+            encoders,
+            CHANNELS,
+        )
+        self._work = WorkWatch(alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS)
+        self._camera = (
+            None
+            if camera is None
+            else MarkerWatch(camera, limits.disagreement, limits.grace, alarms.twist)
+        )
         self._cycle = 0
         self._speed_from: tuple[float, Quadruple] | None = None
-        self._agreed: Quadruple = (0.0,) * 4
-        self._agreed_at = self._seen_alike_at = -math.inf
+        self._last: Quadruple = (0.0,) * 4
+        self._before: Quadruple = (0.0,) * 4
 
     def restart(self) -> None:
         """Forget where the rods were: a new motion starts."""
         self._speed_from = None
 
+    def send(self, setpoints: Sequence[float]) -> None:
+        """Take the setpoints that the regulators get in this cycle, Pa gauge."""
+        self._pressures.send(setpoints)
+
     def axis_of(self, state: JointState) -> Vector:
         """Return the axis that the rods show; the last one known if they fit no pose."""
-        try:
-            return self._kinematics.update(self._unstretched(state)).axis
-        except ValueError:
-            return self._pose.axis
+        return self._wires.axis_of(self._unstretched(state))
 
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe.
@@ -73,28 +95,66 @@ class JointWatch:
         Raises
         ------
         SafetyError
-            A reading is not a number.
+            A reading is not a number, or something is broken: its name is in the message.
         LimitExceeded
-            A rod is too fast, the tilt too great, or wires and camera disagree for longer than
-            the grace; with the likeliest cause.
+            A rod is too fast or the tilt too great.
         """
         if not math.isfinite(sum(state.rods) + sum(state.pressures)):
             raise SafetyError(f"a reading is not a number: {state}")
+        self._before, self._last = self._last, state.rods
+        self._pressures.take(state.pressures, now)
+        self._pressures.check(now)
         self._check_speed(state.rods, now)
         self._cycle += 1
         if self._cycle % _POSE_EVERY == 0:
-            self._check_pose(state, now)
-            if state.camera is not None:
-                self._check_camera(state.camera, now)
+            unstretched = self._unstretched(state)
+            self._work.check(
+                state.rods, state.pressures, lambda: self._wires.explain_swap(unstretched)
+            )
+            self._wires.check(state.rods, unstretched, state.pressures, now)
+            if self._camera is not None:
+                self._check_camera(self._camera, state.camera, now)
+            tilt, bound = tilt_of(self._wires.axis), self._limits.tilt + self._limits.tilt_excess
+            if tilt > bound:
+                raise LimitExceeded("tilt of the ring", tilt, 0.0, bound, "rad")
+
+    def explain(self, error: Exception, state: JointState) -> Exception:
+        """Return an error of a device or limit with the cause that the rest of the rig shows.
+
+        Parameters
+        ----------
+        error : Exception
+            What was found first.
+        state : JointState
+            Of the cycle in which it was.
+        """
+        k = self._running_rod(error, state.rods)
+        if k is None:
+            return error
+        cause = self._wires.explain_run(state.rods, self._unstretched(state), k)
+        cause = cause or self._pressures.suspicion()
+        return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def margins(self) -> tuple[Margin, ...]:
         """Return how far each quantity that is watched is from its limit."""
         limits = self._limits
-        tilt = tilt_of(self._pose.axis)
+        tilt = tilt_of(self._wires.axis)
         return (
             Margin("tilt", 1.0 - tilt / (limits.tilt + limits.tilt_excess)),
-            Margin("wire agreement", 1.0 - self._pose.residual / limits.residual),
+            Margin("wire agreement", 1.0 - self._wires.residual / limits.residual),
         )
+
+    def _running_rod(self, error: Exception, rods: Quadruple) -> int | None:
+        """Return which rod runs too fast, if that is the error and no encoder just jumped."""
+        if isinstance(error, LimitExceeded):
+            ways = [rod - before for rod, before in zip(rods, self._before, strict=True)]
+            return max(range(4), key=lambda k: abs(ways[k]))
+        if not isinstance(error, DeviceFault) or error.device not in self._encoders:
+            return None
+        k = self._encoders.index(error.device)
+        # This cycle's state was not checked: the device said first that it is wrong.
+        way, way_before = rods[k] - self._last[k], self._last[k] - self._before[k]
+        return k if way * way_before > 0.0 and abs(way_before) > _JUMP * abs(way) else None
 
     def _check_speed(self, rods: Quadruple, now: float) -> None:
         if self._speed_from is None:
@@ -110,46 +170,13 @@ class JointWatch:
                 raise LimitExceeded(f"speed of the rod of {name}", speed, -bound, bound, "m/s")
         self._speed_from = (now, rods)
 
-    def _check_pose(self, state: JointState, now: float) -> None:
-        rods = self._unstretched(state)
-        limits = self._limits
-        try:
-            found = self._kinematics.update(rods)
-            self._pose = _Pose(found.axis, found.residual)
-        except ValueError:
-            self._pose = _Pose(self._pose.axis, math.inf)
-        if self._pose.residual <= limits.residual:
-            if self._pose.residual <= 0.5 * limits.residual:
-                self._agreed = rods
-            self._agreed_at = now
-        elif now - self._agreed_at > limits.grace:
-            moved = tuple([rod - was for rod, was in zip(rods, self._agreed, strict=True)])
-            cause = explain_residual(self._diagnosis, rods, moved, self._encoders)  # type: ignore[arg-type]
-            raise LimitExceeded(
-                f"disagreement of the four wires about the pose ({cause})",
-                self._pose.residual, 0.0, limits.residual, "m",
-            )  # fmt: skip
-        tilt, bound = tilt_of(self._pose.axis), limits.tilt + limits.tilt_excess
-        if tilt > bound:
-            raise LimitExceeded("tilt of the ring", tilt, 0.0, bound, "rad")
-
-    def _check_camera(self, sample: CameraSample, now: float) -> None:
-        """Compare the camera with the encoders, which have moved on since its exposure."""
-        marker = self._settings.geometry.marker(self._pose.axis)
-        bound = self._limits.disagreement + (now - sample.t) * self._marker_speed()
-        if math.dist(marker, sample.marker) <= bound:
-            self._seen_alike_at = now
-        elif now - max(self._seen_alike_at, self._agreed_at - 1.0) > self._limits.grace:
-            cause = explain_disagreement(marker, sample.marker, bound)
-            raise LimitExceeded(
-                f"{self._camera}: distance of the marker from where the encoders put it ({cause})",
-                math.dist(marker, sample.marker), 0.0, bound, "m",
-            )  # fmt: skip
-
-    def _marker_speed(self) -> float:
-        """Return a bound on how fast the marker moves, m/s: as fast as the limit of the rods."""
-        geometry = self._settings.geometry
-        return self._limits.speed * geometry.marker_height / geometry.ball_radius
+    def _check_camera(self, watch: MarkerWatch, sample: CameraSample | None, now: float) -> None:
+        watch.take(self._marker(self._wires.axis), now)
+        if sample is None:
+            return
+        watch.check(sample)
+        if sample.twist is not None:
+            watch.check_twist(sample.twist, sample.t)
 
     def _unstretched(self, state: JointState) -> Quadruple:
         """Return the rods less what the wires stretch under the measured pressures."""

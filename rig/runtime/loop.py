@@ -277,6 +277,8 @@ class Loop(Generic[State, Reference, Command]):
                 fault = _with_suspicion(error, devices, now)
             except Exception as error:
                 fault = error
+            if fault is not None and hasattr(mechanism, "explain"):
+                fault = mechanism.explain(fault, state)
             read = perf_counter()
 
             if fault is None:

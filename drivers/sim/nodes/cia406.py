@@ -13,6 +13,7 @@ from typing import Protocol
 
 from drivers.sim.nodes import emergency as emcy
 from drivers.sim.nodes.base import EmulatedNode
+from drivers.sim.nodes.faults import whole_number
 from drivers.sim.nodes.nmt import NmtState
 from drivers.sim.nodes.object_dictionary import (
     INTEGER16,
@@ -26,6 +27,7 @@ from drivers.sim.nodes.object_dictionary import (
 
 DEVICE_TYPE_ABSOLUTE_LINEAR = 0x0008_0196
 
+_MOST_CHANNELS = 64
 _METRES_PER_STEP_UNIT = 1e-9  # 0x6005:1 and 0x6501 count nanometres
 _SPEED_PER_UNIT = 1e-5  # 0x6005:2 counts 0.01 mm/s
 _ALARM_POSITION_ERROR = 0x0001
@@ -50,6 +52,8 @@ class EmulatedCia406(EmulatedNode):
         Position stays where it was, speed says 0.
     ``jump`` (value: m, default 5 mm)
         From now on every position is off by this much.
+    ``other_rod`` (value: the plant's channel)
+        It is mounted on another rod.
     ``alarm``
         Position error: bit 0 of 0x6503, EMCY 0x7300, as when the magnet is missing.
 
@@ -100,7 +104,7 @@ class EmulatedCia406(EmulatedNode):
             serial=serial,
         )
         self._port = port
-        self._channel = channel
+        self._channel = self._own_channel = channel
         self._step = step
         self._speed_step = speed_step
         self._window = speed_window
@@ -120,6 +124,7 @@ class EmulatedCia406(EmulatedNode):
         self.dictionary.find(0x1801, 2).default = 1
         self.add_fault("frozen", lambda value: self.mute("frozen", True, value))
         self.add_fault("jump", self._start_jump, self._restore_position)
+        self.add_fault("other_rod", self._mount_elsewhere, self._mount_back)
         self.add_fault("alarm", lambda value: self._raise_alarm(), self._clear_alarm)
         self.power_on()
 
@@ -221,6 +226,12 @@ class EmulatedCia406(EmulatedNode):
     def _restore_position(self) -> None:
         self.frozen = False
         self._jump = 0.0
+
+    def _mount_elsewhere(self, value: float | None) -> None:
+        self._channel = whole_number(self.name, "other_rod", value, 0, _MOST_CHANNELS - 1)
+
+    def _mount_back(self) -> None:
+        self._channel = self._own_channel
 
     def _raise_alarm(self) -> None:
         self._alarms.value = _ALARM_POSITION_ERROR
