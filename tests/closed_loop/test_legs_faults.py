@@ -100,6 +100,7 @@ def test_more_faults_of_drives_in_mid_step(target, fault, words):
     check_held(Walk(plan, IN_MID_SWING, lambda world, _: world.inject(target, fault)), words)
 
 
+@pytest.mark.slow
 def test_one_damaged_packet_stops_nobody():
     plan = make_plan("legs-walk", *BRISK)
     walk = Walk(

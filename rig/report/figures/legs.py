@@ -66,11 +66,15 @@ def draw_knees(run: RunData) -> "Figure | None":
     rates, angles = panels
     part = run.followed
     t = run.t[part]
-    for leg in LEGS:
-        rate = run.log.column(f"command.velocity_{leg}_knee")[part]
-        angle = np.degrees(run.log.column(f"command.position_{leg}_knee")[part])
-        draw_line(rates, t, rate, COLORS[leg], f"{leg} knee", lw=0.8)
-        draw_line(angles, t, angle, COLORS[leg], f"{leg} knee", lw=0.9)
+    for axes, source, factor in (
+        (rates, "command.velocity", 1.0),
+        (angles, "command.position", 180.0 / np.pi),
+    ):
+        right, left = (factor * run.log.column(f"{source}_{leg}_knee")[part] for leg in LEGS)
+        draw_line(axes, t, right, COLORS["right"], "right knee", lw=0.9)
+        # Legs that do the same are both to be seen.
+        dashes = (0, (5, 3)) if np.allclose(right, left, atol=1e-3) else "-"
+        draw_line(axes, t, left, COLORS["left"], "left knee", lw=0.9, ls=dashes)
     finish_time_axis(rates, t, "knee rate (rad/s)")
     rates.set_xlabel("")
     finish_time_axis(angles, t, "knee angle (deg)")

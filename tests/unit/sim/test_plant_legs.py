@@ -216,6 +216,7 @@ def test_robot_stands_the_fastest_walk_in_balance_and_falls_in_the_rival_s_time(
     assert Walk("min-jerk", fast).fell
 
 
+@pytest.mark.slow
 def test_straighter_standing_knee_saves_torque(walk):
     bob = Walk("sc-trapezoid", WalkSettings(bob=BobSettings()))
     bent = Walk("sc-trapezoid", WalkSettings(knee_min=math.radians(30.0)))
@@ -232,6 +233,7 @@ def test_squat_from_straight_knees_leaves_the_robot_where_it_was():
     assert np.ptp(squat.truth["waist_z"]) == pytest.approx(0.040, abs=0.002)
 
 
+@pytest.mark.slow
 def test_stiffer_servos_lose_less_of_the_way(walk):
     stiff = make(servo=LegServoSettings(stiffness=400.0))
     assert Walk("sc-trapezoid", WalkSettings(), stiff).advance > walk.advance + 1e-3
