@@ -10,11 +10,14 @@ import os
 import time
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from drivers.can.candump import format_frame
 from drivers.can.fast_path import drain_of, flagged_id, send_of
 from rig.hal import CanBus, Clock, ConfigurationError, Frame
+
+
+_TOLD: Final = ("backlog", "channel", "count_others", "fileno")
 
 
 class FrameLog:
@@ -166,7 +169,9 @@ class RecordedBus:
         self._bus.shutdown()
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the interface offers beside the seam."""
+        """Return what the interface tells of itself; no other way for frames than this class."""
+        if name not in _TOLD:
+            raise AttributeError(name)
         return getattr(self._bus, name)
 
     def _record(self, can_id: int, data: bytes) -> None:

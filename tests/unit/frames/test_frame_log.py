@@ -107,6 +107,15 @@ def test_no_filter_keeps_foreign_frames_off_the_file(path):
     assert end.closed
 
 
+def test_frames_pass_by_the_recorder_or_not_at_all(path):
+    """What an interface offers beside the seam is passed on only if no frame can take it."""
+    _, [(end, bus)] = tapped(FrameLog(), "can0")
+    end.backlog = lambda: 3
+    end.send_all = lambda frames: None
+    assert bus.backlog() == 3
+    assert not hasattr(bus, "send_all")
+
+
 def test_a_full_disk_stops_the_recording_and_not_the_rig(path, monkeypatch):
     log = FrameLog()
     log.start(path)
