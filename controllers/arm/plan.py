@@ -74,8 +74,8 @@ class ArmPlan:
         c (m), S3, S5.
     inside : ndarray, shape (n,)
         Distance of the wrist centre inside the boundary of the workspace, m.
-    deviation : ndarray, shape (n,)
-        Distance of the hand from the path, m.
+    path : ndarray, shape (n, 3)
+        The place of the path that is nearest to the hand, m.
     marks : dict
         Instants by name, s: ``"region"`` where a region is entered and left.
     """
@@ -93,7 +93,7 @@ class ArmPlan:
     twist: Array
     indices: Array
     inside: Array
-    deviation: Array
+    path: Array
     marks: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     def at(self, t: float) -> ArmReference:
@@ -115,6 +115,11 @@ class ArmPlan:
         """Greatest change of velocity from row to row, of each joint, rad/s²."""
         steps = np.abs(np.diff(self.velocities[:-1], axis=0)).max(axis=0, initial=0.0)
         return np.asarray(steps / self.period, dtype=np.float64)
+
+    @property
+    def deviation(self) -> Array:
+        """Distance of the hand from the path, m, shape (n,)."""
+        return np.asarray(np.linalg.norm(self.hand - self.path, axis=1), dtype=np.float64)
 
     @property
     def path_deviation(self) -> float:
@@ -192,7 +197,7 @@ def make_plan(
         twist=twist,
         indices=np.array([singularity_indices(arm, sample.positions) for sample in samples]),
         inside=np.array([inside_boundary(arm, sample.positions) for sample in samples]),
-        deviation=np.array([trajectory.deviation(tuple(p)) for p in hand.tolist()]),
+        path=np.array([trajectory.foot(tuple(p)) for p in hand.tolist()]),
         marks=marks or {},
     )
 

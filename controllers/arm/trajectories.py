@@ -50,8 +50,8 @@ class Trajectory(Protocol):
         """Return the twist that a singularity-consistent law scales, where its sign turns back."""
         ...
 
-    def deviation(self, position: Vector) -> float:
-        """Return the distance of a tool point from the path, m."""
+    def foot(self, position: Vector) -> Vector:
+        """Return the place of the path that is nearest to a tool point, base axes, m."""
         ...
 
 
@@ -128,11 +128,9 @@ class StraightTrajectory:
         del gone
         return self.command
 
-    def deviation(self, position: Vector) -> float:
-        """Return the distance from the line through start and direction, m."""
-        offset = minus(position, self._origin.position)
-        foot = along(self._origin.position, self.direction, dot(offset, self.direction))
-        return math.dist(position, foot)
+    def foot(self, position: Vector) -> Vector:
+        """Return the nearest place of the line through start and direction, m."""
+        return along(self._origin.position, self.direction, self.distance(position))
 
     def distance(self, position: Vector) -> float:
         """Return how far along the line a point is, m."""
@@ -246,12 +244,13 @@ class CircularTrajectory:
         """Return the twist at a nominal time: circles are not turned back on."""
         return self.twist(gone)
 
-    def deviation(self, position: Vector) -> float:
-        """Return the distance from the circle, m."""
+    def foot(self, position: Vector) -> Vector:
+        """Return the nearest place of the circle, m."""
         offset = minus(minus(position, self._tool), self._centre)
         x, y = dot(offset, self._along), dot(offset, self._outwards)
-        height = math.dist(offset, along(scaled(self._along, x), self._outwards, y))
-        return math.hypot(math.hypot(x, y) - self.r2, height)
+        share = self.r2 / math.hypot(x, y)
+        centre = along(self._centre, self._tool, 1.0)
+        return along(along(centre, self._along, share * x), self._outwards, share * y)
 
     def _touch(self, arm: Dimensions) -> Joints:
         q1, q2, q3, q4, q5, q6 = self.settings.touch

@@ -71,7 +71,7 @@ def compare(
 ) -> int:
     """Run EXPERIMENT once under each controller or setting; one table, one figure.
 
-    A controller that refuses the motion is told and left out. Simulated runs go on at the same
+    A controller that refuses the motion is told, with its reason. Simulated runs go on at the same
     time, one per processor; a physical rig takes them one after the other.
     """
     from rig.experiment.plan import load_plan
@@ -84,7 +84,7 @@ def compare(
     names: tuple[str, ...] = (plan.experiment.controller,)
     if controllers is not None or vary is None:
         names = _chosen(controllers, tuple(plan.profile.controllers))
-    jobs = _permitted(
+    jobs, refused = _permitted(
         [
             _Job(label, experiment, (*options, *own), rig_name, configs, backend, out)
             for label, own in _variants(names, vary)
@@ -102,13 +102,20 @@ def compare(
         labels = [label for label, _ in finished]
         folder = _comparison_folder(out, plan.experiment.name, backend)
         rows = compare_metrics(paths, labels)
-        content = {"labels": labels, "runs": [str(path) for path in paths], "metrics": rows}
+        for row in rows:
+            row["values"] += [row.get("refused")] * len(refused)
+        content = {
+            "labels": [*labels, *refused],
+            "runs": [str(path) for path in paths],
+            "metrics": rows,
+            "refused": refused,
+        }
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
         draw_comparison(paths, labels, folder)
         if as_json:
             print_data(json.dumps(content, indent=2))
         else:
-            _print_table(labels, rows)
+            _print_table([*labels, *refused], rows)
         click.echo(f"figure: {folder / 'compare.png'}", err=True)
     # A bound that one of them misses is a finding of the comparison, not its failure.
     return max((result.exit_code for result in results if result.exit_code > 1), default=0)
@@ -156,8 +163,8 @@ def _variants(names: Sequence[str], vary: str | None) -> list[tuple[str, tuple[s
     ]
 
 
-def _permitted(jobs: Sequence[_Job]) -> list[_Job]:
-    """Return the jobs whose motion is possible, before any of them moves.
+def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
+    """Return the jobs whose motion is possible, before any of them moves; and why others are not.
 
     Raises
     ------
@@ -169,20 +176,22 @@ def _permitted(jobs: Sequence[_Job]) -> list[_Job]:
     from rig.hal import MotionRefused
 
     permitted = []
-    refused: MotionRefused | None = None
+    refused: dict[str, str] = {}
+    last: MotionRefused | None = None
     for job in jobs:
         try:
             load_plan(job.experiment, job.options, rig=job.rig, configs=job.configs)
         except ProfileError:
             raise
         except MotionRefused as error:
-            refused = error
+            last = error
+            refused[job.label] = str(error)
             click.echo(f"{job.label}: refused: {error}", err=True)
         else:
             permitted.append(job)
-    if not permitted and refused is not None:
-        raise refused
-    return permitted
+    if not permitted and last is not None:
+        raise last
+    return permitted, refused
 
 
 def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
@@ -225,15 +234,18 @@ def _comparison_folder(out: Path, experiment: str, backend: str) -> Path:
     return folder
 
 
-def _print_table(labels: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+def _cell(value: float | str | None, unit: str) -> str:
     from rig.config.quantities import format_quantity
 
+    if value is None:
+        return "-"
+    return value if isinstance(value, str) else format_quantity(value, unit or "1")
+
+
+def _print_table(labels: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
     cells = [["", *labels]]
     for row in rows:
-        values = [
-            "-" if value is None else format_quantity(value, row["unit"] or "1")
-            for value in row["values"]
-        ]
+        values = [_cell(value, row["unit"]) for value in row["values"]]
         cells.append([row["name"], *values])
     widths = [max(len(line[column]) for line in cells) for column in range(len(cells[0]))]
     lines = []

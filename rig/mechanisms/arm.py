@@ -29,7 +29,7 @@ _TWIST = (
     *((f"w{axis}", "rad/s") for axis in "xyz"),
 )
 """The hand's velocity and angular velocity, base axes: names and units."""
-_NOTHING_PLANNED = (0.0,) * 28
+_NOTHING_PLANNED = (0.0,) * 30
 
 
 class PlannedArmMotion:
@@ -54,7 +54,7 @@ class PlannedArmMotion:
                     plan.indices,
                     plan.scale,
                     plan.inside,
-                    plan.deviation,
+                    plan.path,
                 ]
             ).tolist()
         ]
@@ -124,7 +124,7 @@ class Arm(ServoJoints):
         Column("plan.scale", "1", "b, of the hand's velocity"),
         Column("plan.scale_turn", "1", "b², of the hand's angular velocity"),
         Column("plan.inside", "m", "wrist centre inside the boundary of the workspace"),
-        Column("plan.deviation", "m", "planned hand off the path"),
+        *(Column(f"plan.path_{axis}", "m", "nearest place of the path") for axis in "xyz"),
     )
 
     def __init__(self, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> None:

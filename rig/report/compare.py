@@ -11,7 +11,7 @@ from rig.report.style import paper_style, save
 
 
 def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[dict[str, Any]]:
-    """Collect the metrics of several runs.
+    """Collect the metrics of several runs, or what their kind of rig is compared by.
 
     Parameters
     ----------
@@ -26,8 +26,12 @@ def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[
         One per metric, in the order of the first run that has it: ``name``, ``unit``,
         ``bound``, ``bound_kind`` and ``values``, one per run (None where it has none).
     """
+    runs = _load(paths, labels)
+    tabulate = comparison_of(runs).tabulate
+    if tabulate is not None:
+        return tabulate(runs, labels)
     rows: dict[str, dict[str, Any]] = {}
-    for number, run in enumerate(_load(paths, labels)):
+    for number, run in enumerate(runs):
         for metric in run.metrics:
             row = rows.setdefault(
                 metric["name"],

@@ -24,8 +24,8 @@ _ARRIVED = 0.2e-3
 
 
 def off_path(window: Window) -> "Array":
-    """Return the distance of the hand from the planned path, whenever it got there, m."""
-    hand, path = window.columns(f"{_source(window)}.hand_"), window.columns("reference.hand_")
+    """Return the distance of the hand from the path as far as it is gone, whenever, m."""
+    hand, path = window.columns(f"{_source(window)}.hand_"), window.columns("plan.path_")
     distances = np.empty(len(hand))
     for k, point in enumerate(hand):
         near = path[max(k - _NEAR, 0) : k + _NEAR]
@@ -34,7 +34,7 @@ def off_path(window: Window) -> "Array":
 
 
 def path_deviation_measured(windows: Windows) -> float:
-    """Return the greatest distance of the hand from the planned path, m."""
+    """Return the greatest distance of the hand from the path, m."""
     return max(float(off_path(window).max()) for window in windows)
 
 
@@ -139,7 +139,7 @@ def _peak_rate_of(joint: str) -> Measure:
 
 ARM_MEASURES: dict[str, Measure] = {
     "path_deviation_measured": Measure(
-        path_deviation_measured, "m", "greatest distance of the hand from the planned path"
+        path_deviation_measured, "m", "greatest distance of the hand from the path"
     ),
     "hand_lag": Measure(hand_lag, "m", "rms distance of the hand from its place at the time"),
     "time_crossing_measured": Measure(

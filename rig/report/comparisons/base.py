@@ -1,7 +1,7 @@
 """What comparisons of runs have in common."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -23,10 +23,14 @@ class Comparison(NamedTuple):
         Takes a run; whether its log holds what the figure shows.
     draw : callable
         Takes the runs and a label for each.
+    tabulate : callable, optional
+        Takes the same, and returns rows as `rig.report.compare.compare_metrics` does, whose place
+        they take. A row's ``refused`` is what stands there for a controller that refused.
     """
 
     suits: Callable[[RunData], bool]
     draw: "Callable[[Sequence[RunData], Sequence[str]], Figure]"
+    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[dict[str, Any]]] | None = None
 
 
 def color_of(number: int) -> str:

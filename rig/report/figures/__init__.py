@@ -7,6 +7,8 @@ from rig.report.data import load_run
 from rig.report.figures.arm import ARM_FIGURES
 from rig.report.figures.base import FigureKind
 from rig.report.figures.joint import JOINT_FIGURES
+from rig.report.figures.joint_camera import CAMERA_FIGURES
+from rig.report.figures.joint_maps import MAP_FIGURES
 from rig.report.figures.legs import LEGS_FIGURES
 from rig.report.figures.pair import PAIR_FIGURES
 from rig.report.figures.timing import TIMING_FIGURES
@@ -16,6 +18,8 @@ from rig.run_folder import FIGURES as FIGURES_FOLDER
 FIGURES: dict[str, FigureKind] = {
     **PAIR_FIGURES,
     **JOINT_FIGURES,
+    **CAMERA_FIGURES,
+    **MAP_FIGURES,
     **LEGS_FIGURES,
     **ARM_FIGURES,
     **TIMING_FIGURES,

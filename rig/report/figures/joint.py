@@ -194,13 +194,14 @@ def _draw_bounds(axes: Any, run: RunData, measures: set[str], factor: float) -> 
 
 
 def _whole(run: RunData) -> "list[Segment]":
-    """Return the segments that are no part of another one."""
+    """Return the segments that are no part of another one but the whole."""
+    parts = [segment for segment in run.segments if segment.name != "all"]
     return [
         inner
-        for inner in run.segments
+        for inner in parts
         if not any(
             outer is not inner and outer.start <= inner.start and inner.end <= outer.end
-            for outer in run.segments
+            for outer in parts
         )
     ]
 
