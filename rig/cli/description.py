@@ -39,12 +39,21 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
 def _bus(name: str, settings: Any, load: Any) -> dict[str, Any]:
     return {
         "name": name,
-        "interface": settings.interface,
-        "channel": settings.channel,
-        "bitrate": settings.bitrate,
+        **_interface(settings),
         "load": load.total,
         "max_load": settings.max_load,
         "frames": [frame._asdict() for frame in load.frames],
+    }
+
+
+def _interface(settings: Any) -> dict[str, Any]:
+    """Return what a bus runs on, whether that is a CAN interface or a serial port."""
+    if hasattr(settings, "port"):
+        return {"interface": "serial", "channel": settings.port, "bitrate": settings.baudrate}
+    return {
+        "interface": settings.interface,
+        "channel": settings.channel,
+        "bitrate": settings.bitrate,
     }
 
 

@@ -1,0 +1,25 @@
+"""`rig check` shows every rig that is shipped, whatever its buses are."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from rig.cli import invoke
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+RIGS = sorted(path.stem for path in (CONFIGS / "rigs").glob("*.yaml"))
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_every_rig_is_shown_to_people_and_to_programs(capsys, name):
+    assert invoke(["check", name, "--configs", str(CONFIGS)]) == 0
+    assert f"rig {name}" in capsys.readouterr().out
+    assert invoke(["check", name, "--configs", str(CONFIGS), "--json"]) == 0
+    profile = json.loads(capsys.readouterr().out)["profile"]
+    assert profile["name"] == name
+    for bus in profile["buses"]:
+        assert bus["interface"]
+        assert bus["channel"]
+        assert bus["bitrate"] > 0
+        assert 0.0 < bus["load"] <= bus["max_load"]
