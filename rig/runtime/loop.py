@@ -273,12 +273,8 @@ class Loop(Generic[State, Reference, Command]):
                 for bus in buses:
                     bus.check(now)
                 mechanism.check(state, now)
-            except LimitExceeded as error:
-                fault = _with_suspicion(error, devices, now)
             except Exception as error:
-                fault = error
-            if fault is not None and hasattr(mechanism, "explain"):
-                fault = mechanism.explain(fault, state)
+                fault = _with_cause(error, state, mechanism, devices, now)
             read = perf_counter()
 
             if fault is None:
@@ -340,11 +336,14 @@ class Loop(Generic[State, Reference, Command]):
             sleep_until(start + tick * period)
 
 
-def _with_suspicion(error: LimitExceeded, devices: Sequence[Any], now: float) -> LimitExceeded:
-    """Return the error with what the devices doubt: it may be why the rig got out of bounds."""
-    doubts = [device.doubt(now) for device in devices if hasattr(device, "doubt")]
-    found = "; ".join(doubt for doubt in doubts if doubt)
-    return error.suspecting(found) if found else error
+def _with_cause(error: Any, state: Any, mechanism: Any, devices: Any, now: float) -> Exception:
+    """Return the error with its cause as the mechanism knows it, or as the devices doubt."""
+    found: Exception = mechanism.explain(error, state) if hasattr(mechanism, "explain") else error
+    if found is error and isinstance(error, LimitExceeded):
+        doubts = [device.doubt(now) for device in devices if hasattr(device, "doubt")]
+        suspicion = "; ".join(doubt for doubt in doubts if doubt)
+        return error.suspecting(suspicion) if suspicion else error
+    return found
 
 
 class _LimitWatch:

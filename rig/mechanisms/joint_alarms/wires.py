@@ -36,6 +36,12 @@ _ROUNDS = 60
 HOME: Vector = (0.0, 0.0, 1.0)
 
 
+class _Readings(NamedTuple):
+    t: float
+    rods: Quadruple
+    pressures: Quadruple
+
+
 class WireLimits(NamedTuple):
     """What the watch is told of the joint.
 
@@ -96,7 +102,7 @@ class WireWatch:
         self._frozen = frozen
         self._encoders = tuple(encoders)
         self._channels = tuple(channels)
-        self._history: deque[tuple[float, Quadruple]] = deque(maxlen=_HISTORY)
+        self._history: deque[_Readings] = deque(maxlen=_HISTORY)
         self._agreed_at = -math.inf
         self._rods: Quadruple | None = None
         self._changed_at = [0.0] * 4
@@ -122,7 +128,7 @@ class WireWatch:
         SafetyError
             It names encoder or wire, with the number and its bound.
         """
-        self._history.append((now, rods))
+        self._history.append(_Readings(now, rods, pressures))
         try:
             pose = self._kinematics.update(unstretched)
         except ValueError:
@@ -179,12 +185,14 @@ class WireWatch:
             return None
         found = []
         for one, other in itertools.combinations(range(4), 2):
-            order = list(unstretched)
-            order[one], order[other] = order[other], order[one]
-            found.append((self._residual_of((*order,)), one, other))  # type: ignore[arg-type]
-        left, one, other = min(found)
-        if left > _SWAPPED * residual:
+            order = list(range(4))
+            order[one], order[other] = other, one
+            rods = tuple(unstretched[k] for k in order)
+            if self._residual_of(rods) < _SWAPPED * residual:  # type: ignore[arg-type]
+                found.append((self._work(order), one, other))
+        if not found:
             return None
+        _, one, other = max(found)  # two fit, and one of them would move against its pull
         return f"{self._encoders[one]} and {self._encoders[other]} are swapped"
 
     def _check_frozen(self, rods: Quadruple, residuals: Quadruple, now: float) -> None:
@@ -213,8 +221,7 @@ class WireWatch:
                     )
 
     def _is_sudden(self, took: float) -> bool:
-        (earlier, _), (later, _) = self._history[-2], self._history[-1]
-        return took < (_SUDDEN + 0.5) * (later - earlier)
+        return took < (_SUDDEN + 0.5) * (self._history[-1].t - self._history[-2].t)
 
     def _explain(
         self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
@@ -252,21 +259,23 @@ class WireWatch:
             "it is taut again"
         )
 
+    def _work(self, order: Sequence[int]) -> float:
+        """Return what the pressures did in the history, J/m², were the rods in another order."""
+        return sum(
+            sum(after.pressures[k] * (after.rods[i] - before.rods[i]) for k, i in enumerate(order))
+            for before, after in itertools.pairwise(self._history)
+        )
+
     def _speed(self, k: int) -> float:
         """Return the speed of a rod since the last check, m/s; inwards is positive."""
         if len(self._history) < 2:
             return 0.0
-        (then, before), (now, rods) = self._history[-2], self._history[-1]
-        return (rods[k] - before[k]) / (now - then)
+        return _speed_between(self._history[-2], self._history[-1], k)
 
     def _fastest_run(self, k: int) -> float:
         """Return the fastest that a rod went inwards within the history, m/s."""
         return max(
-            (
-                (after[k] - before[k]) / (now - then)
-                for (then, before), (now, after) in itertools.pairwise(self._history)
-            ),
-            default=0.0,
+            (_speed_between(*two, k) for two in itertools.pairwise(self._history)), default=0.0
         )
 
     def _residual_of(self, rods: Quadruple) -> float:
@@ -294,3 +303,8 @@ class WireWatch:
                 break
         rest = math.sqrt(0.5 * sum(r * r for k, r in enumerate(residuals) if k != left_out))
         return rest, rods[left_out] - adapted[left_out]
+
+
+def _speed_between(before: _Readings, after: _Readings, k: int) -> float:
+    """Return the speed of a rod, m/s; inwards is positive."""
+    return (after.rods[k] - before.rods[k]) / (after.t - before.t)
