@@ -6,6 +6,8 @@ from typing import Any, Protocol
 from controllers.spherical_joint.geometry import Quadruple
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.learning import LapLearning
+from controllers.spherical_joint.poses import natural_rotation
+from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.types import (
     CameraSample,
     JointCommand,
@@ -103,6 +105,7 @@ class SphericalJoint:
             [encoder.name for encoder in encoders],
             None if camera is None else camera.name,
         )
+        self._tensions_at = TensionDistribution(settings.geometry)
         self._checked = False
         self._age = 0.0
         self._tensions: Quadruple = (0.0,) * 4
@@ -215,13 +218,23 @@ class SphericalJoint:
         return self._watch.explain(error, state)
 
     def resting_command(self, state: JointState) -> JointCommand:
-        """Return the measured pressures, within the permitted range."""
-        lower, upper = self._limits.pressure
-        return JointCommand(*(min(max(p, lower), upper) for p in state.pressures))
+        """Return the measured mean pressure, so shared that the ring stays where it is."""
+        return self._balanced(state, sum(state.pressures))
 
     def energised_command(self, state: JointState) -> JointCommand:
-        """Return the base pressure in all chambers: the wires pull alike, nothing moves."""
-        return JointCommand(*(self.settings.base_pressure,) * 4)
+        """Return the base pressure in the mean, so shared that the ring stays where it is."""
+        return self._balanced(state, 4.0 * self.settings.base_pressure)
+
+    def _balanced(self, state: JointState, total: float) -> JointCommand:
+        """Return pressures of a given sum whose pulls turn the ring nowhere.
+
+        What was measured in the middle of a motion, or the same pressure in all chambers away
+        from upright, would let it fall over as soon as nothing controls it.
+        """
+        lower, upper = self._limits.pressure
+        shares = self._tensions_at.shares(natural_rotation(self._watch.axis_of(state)))
+        first, second, third, fourth = (min(max(total * s, lower), upper) for s in shares)
+        return JointCommand(first, second, third, fourth)
 
     def released_command(self) -> JointCommand:
         """Return all chambers vented."""
