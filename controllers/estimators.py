@@ -77,10 +77,9 @@ def motion_gains(period: float, resolution: float, acceleration_step: float) -> 
     Gains
         `third` belongs to the acceleration, 1/s².
 
-    References
-    ----------
-    PAPER-joint, section 5: constant acceleration, ``Q_discrete_white_noise(3, T, q)`` with q of
-    0.03 (m/s²)² for smooth motion and 3 with stick-slip.
+    Notes
+    -----
+    ``Q_discrete_white_noise(3, T, q)``, where q of 0.03 (m/s²)² suits smooth motion and 3 stick-slip.
     """
     from filterpy.common import Q_discrete_white_noise
 
@@ -113,10 +112,10 @@ def disturbance_gains(
     Gains
         `third` belongs to the disturbance, N/m.
 
-    References
-    ----------
-    PAPER-joint, section 5: ``[x, v, d]`` with the measured force as input, discretised exactly,
-    and ``disturbance_rate²`` of about 1e3 N²/s.
+    Notes
+    -----
+    The state is ``[x, v, d]`` with the measured force as input, discretised exactly;
+    ``disturbance_rate²`` of about 1e3 N²/s suits the pneumatic pair.
     """
     import numpy as np
 
@@ -268,7 +267,7 @@ class ForceObserver:
     References
     ----------
     J. Han, "From PID to active disturbance rejection control", IEEE Trans. Ind. Electron. 56(3),
-    2009 (the extended state observer); PAPER-joint, section 4: fed with the measured force.
+    2009 (the extended state observer), here fed with the measured force.
     """
 
     def __init__(self, gains: Gains, mass: float, period: float) -> None:

@@ -72,8 +72,7 @@ class PreslidingFriction:
 
     References
     ----------
-    P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968; with its use for
-    feedforward: PAPER-joint, section 4 (the friction feedforward carries the tracking).
+    P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
     """
 
     def __init__(self, coulomb: float, distance: float, viscous: float, period: float) -> None:

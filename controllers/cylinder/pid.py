@@ -56,7 +56,7 @@ class Pid:
     References
     ----------
     K. J. Åström, T. Hägglund, "Advanced PID control", ISA, 2006, chapters 3 (filtered derivative,
-    bumpless transfer, conditional integration); PAPER-joint, section 4, controller a.
+    bumpless transfer, conditional integration).
     """
 
     Settings = PidSettings

@@ -35,7 +35,7 @@ class PidFrictionSettings:
     lead_bandwidth : float
         Of the low-pass behind which the regulators' dynamics are inverted, rad/s.
     dither_amplitude : float
-        Of the differential setpoint, Pa; PAPER-joint, section 4: 1.5 to 13 kPa help standard
+        Of the differential setpoint, Pa; in simulation 1.5 to 13 kPa help standard
         seals at low speed, and shake the pair once it slides.
     dither_frequency : float
         Hz; 19 to 25 there.
@@ -43,7 +43,7 @@ class PidFrictionSettings:
         Of the encoder, m.
     acceleration_step : float
         How much the acceleration may change in a period, m/s²: more makes the velocity quicker
-        and noisier (PAPER-joint, section 5: 0.17 smooth, 1.7 with stick-slip).
+        and noisier (0.17 suits smooth motion, 1.7 stick-slip).
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     feedforward : FeedforwardSettings

@@ -44,7 +44,7 @@ class SuperTwistingSettings:
         encoder count for more, which suits a pair that sticks.
     observed_rate : float
         How fast the estimator lets the disturbance wander, N in a second's square root
-        (PAPER-joint, section 5: about 30; a quiet estimate suits the lead better).
+        (about 30 fits the friction best; a quiet estimate suits the lead better).
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     """
@@ -76,7 +76,7 @@ class SuperTwisting:
     References
     ----------
     A. Levant, "Sliding order and sliding accuracy in sliding mode control", Int. J. Control 58(6),
-    1993; PAPER-joint, section 4, controller d.
+    1993.
     """
 
     Settings = SuperTwistingSettings

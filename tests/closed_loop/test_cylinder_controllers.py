@@ -193,7 +193,7 @@ both_seals = pytest.mark.parametrize("seals", ["standard", "low-speed"])
 three_units = pytest.mark.parametrize("seed", [0, 1, 2])
 
 # Bounds in m, of the cascade. Those at 0.2 Hz and of the hold are the figures that the rig is
-# accepted by; PAPER-joint, section 4, has 0.109 and 0.046 mm at 0.2 Hz, 0.029 and 0.0048 mm.
+# accepted by; 0.109 and 0.046 mm at 0.2 Hz, 0.029 and 0.0048 mm are known to be possible.
 TRACKING = {"standard": 0.15e-3, "low-speed": 0.06e-3}
 HOLD = {"standard": 0.03e-3, "low-speed": 0.005e-3}
 

@@ -90,7 +90,7 @@ def test_motion_estimator_at_steady_gain_agrees_with_filterpys_own_filter():
 
 
 def test_velocity_is_better_than_a_backward_difference():
-    """The figure of PAPER-joint, section 5: 0.22 against 0.40 mm/s for 1 µm, smooth motion."""
+    """For 1 µm and smooth motion 0.22 against 0.40 mm/s are possible."""
     t = np.arange(0.0, 5.0, PERIOD)
     w = 2 * np.pi * 0.2
     positions = np.round(8.727e-3 * np.cos(w * t) / RESOLUTION) * RESOLUTION
