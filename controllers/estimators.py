@@ -79,7 +79,7 @@ def motion_gains(period: float, resolution: float, acceleration_step: float) -> 
 
     Notes
     -----
-    ``Q_discrete_white_noise(3, T, q)``, where q of 0.03 (m/s²)² suits smooth motion and 3 stick-slip.
+    ``Q_discrete_white_noise(3, T, q)``: q of 0.03 (m/s²)² suits smooth motion, 3 suits stick-slip.
     """
     from filterpy.common import Q_discrete_white_noise
 
