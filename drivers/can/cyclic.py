@@ -5,18 +5,20 @@ the rig's clock pass (`wait_until`), so that every backend runs the same code an
 deterministic.
 """
 
+import errno
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from drivers.can.errors import BusErrors
-from drivers.can.fast_path import Drain, Send, drain_of, send_of
+from drivers.can.fast_path import Drain, Send, backlog_of, drain_of, send_of
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from rig.hal import CanBus, Clock
 
 Handler = Callable[[bytes, float], None]
 
 _PUMP_PERIOD: Final = 0.5e-3  # how often configuration looks for an answer, s
+_STILL_WAITING: Final = OSError(errno.ENOBUFS, "the frames of the last cycle still wait")
 
 
 class BusSettings(Protocol):
@@ -102,8 +104,9 @@ class CyclicCanBus(ABC):
         self._errors = BusErrors(name, settings.max_refused)
         self._drain: Drain = _nothing
         self._send: Send = _refuse_closed
+        self._backlog: Callable[[], int] = int
         self._frames_in = 0
-        self._frames_out = 0
+        self._frames_out = self._out_before = 0
         self._unknown = 0
         self._remote = 0
 
@@ -147,6 +150,8 @@ class CyclicCanBus(ABC):
         bus: Any = self._open_bus()
         self._bus = bus
         self._drain, self._send = drain_of(bus), send_of(bus)
+        self._backlog = backlog_of(bus)
+        self._out_before = self._frames_out
         accept = getattr(bus, "accept", None)
         if accept is not None:
             accept(self._handlers)
@@ -157,13 +162,16 @@ class CyclicCanBus(ABC):
         bus, self._bus = self._bus, None
         if bus is None:
             return
+        # What a kernel's filters held back is the master's own frames and the unknown ones.
+        held_back = getattr(bus, "count_others", int)()
+        self._unknown += max(0, held_back - (self._frames_out - self._out_before))
         try:
             if self._farewell is not None:
                 self._send(*self._farewell)
         except Exception as error:  # the interface may be the very thing that failed
             self._errors.refuse(error)
         finally:
-            self._drain, self._send = _nothing, _refuse_closed
+            self._drain, self._send, self._backlog = _nothing, _refuse_closed, int
             for frame in self._cyclic:
                 frame.active = False
             bus.shutdown()
@@ -212,11 +220,14 @@ class CyclicCanBus(ABC):
         """Send the active frames, then some more; return whether all were taken. Hot path.
 
         What the interface refuses is not tried again, and what would follow it is not sent: the
-        cycle counts as missed.
+        cycle counts as missed. So it does while the frames of the last one still wait: setpoints
+        must not pile up behind an outage and come out after it.
         """
         send = self._send
         sent = 0
         try:
+            if self._backlog() and not self._errors.latched:
+                raise _STILL_WAITING
             for frame in self._cyclic:
                 if frame.active:
                     send(frame.can_id, frame.data)

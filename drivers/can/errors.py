@@ -64,7 +64,11 @@ class BusErrors:
                 "restarted",
             )
         elif classes & _CONTROLLER and len(data) > 1 and data[1] & _PASSIVE:
-            self._latch("the controller is error passive; look at cable and termination", "passive")
+            self._latch(
+                "the controller is error passive; look at cable and termination, and whether all "
+                "devices run at the interface's bit rate (ip -details link show)",
+                "passive",
+            )
 
     def refuse(self, error: Exception) -> None:
         """Take an error of sending: this cycle's frames are not tried again."""
@@ -77,8 +81,8 @@ class BusErrors:
             self._latch(f"the interface refused a frame: {error}", None)
         elif self._refused_in_a_row > self._max_refused:
             self._latch(
-                "the interface's transmit queue is full: nobody acknowledges the frames, or "
-                "the queue is too short (sudo ip link set … txqueuelen 100)",
+                "the interface's transmit queue is full: nobody acknowledges the frames (cable, "
+                "power, bit rate), or the queue is too short (sudo ip link set … txqueuelen 100)",
                 f"{self._refused_in_a_row} cycles refused",
                 f"{self._max_refused} cycles in a row",
             )
@@ -104,6 +108,11 @@ class BusErrors:
         """
         if self._trouble is not None:
             raise self._trouble
+
+    @property
+    def latched(self) -> bool:
+        """Whether there was a fault; from then on only what is safe is sent."""
+        return self._trouble is not None
 
     def _latch(self, what: str, value: str | None, bound: str | None = None) -> None:
         if self._trouble is None:

@@ -36,6 +36,19 @@ def drain_of(bus: CanBus) -> Drain:
     return drain
 
 
+def backlog_of(bus: CanBus) -> Callable[[], int]:
+    """Return what tells whether frames wait that the interface has not taken yet.
+
+    Only SocketCAN's queue can be looked at; of another interface it always says 0.
+    """
+    own: Callable[[], int] | None = getattr(bus, "backlog", None)
+    return own if own is not None else _no_backlog
+
+
+def _no_backlog() -> int:
+    return 0
+
+
 def flagged_id(frame: Frame) -> int:
     """Return a frame's identifier with the flags of `drivers.can.frame`."""
     can_id = frame.arbitration_id

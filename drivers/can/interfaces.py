@@ -5,6 +5,17 @@ from typing import Any, Protocol, cast
 from drivers.can.socketcan import open_socketcan
 from rig.hal import CanBus, ConnectionFailed
 
+_CONFINED: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
+"""Options that are not the profile's to choose. Multicast with no hops never leaves the host: a
+setpoint must not reach another lab's rig."""
+
+_ADVICE = {
+    "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
+    "msgpack not installed": "pip install msgpack",
+    "No such file": "look for it with: ls /dev/serial/by-id",
+}
+"""What to type next, by words of an error."""
+
 
 class InterfaceSettings(Protocol):
     """What opening an interface needs to know of a bus."""
@@ -45,7 +56,7 @@ def open_bus(settings: InterfaceSettings) -> CanBus:
         return open_socketcan(settings.channel, settings.bitrate)
     import can
 
-    options: dict[str, Any] = dict(settings.options)
+    options: dict[str, Any] = {**settings.options, **_CONFINED.get(settings.interface, {})}
     try:
         bus = can.Bus(
             channel=settings.channel,
@@ -58,7 +69,11 @@ def open_bus(settings: InterfaceSettings) -> CanBus:
         raise ConnectionFailed(
             settings.channel,
             f"python-can cannot open interface {settings.interface!r}: "
-            f"{error or type(error).__name__}",
+            f"{error or type(error).__name__}{_advise(str(error))}",
         ) from error
     # A Message's attributes are a little narrower than the seam's.
     return cast("CanBus", bus)
+
+
+def _advise(text: str) -> str:
+    return next((f"; {advice}" for words, advice in _ADVICE.items() if words in text), "")

@@ -9,6 +9,7 @@ Linux ``Documentation/networking/can.rst``, sections "RAW protocol sockets" and
 "CAN network driver interface"; ``linux/can/error.h`` for error frames.
 """
 
+import contextlib
 import select
 import socket
 import struct
@@ -35,6 +36,12 @@ _pack = _FRAME.pack
 _ERROR_MASK: Final = 0x1FFF_FFFF  # every error class
 _CAN_RAW_ERR_FILTER: Final = 2  # linux/can/raw.h; the socket module does not name it
 _MAX_FILTERS: Final = 512  # CAN_RAW_FILTER_MAX
+_CAN_RAW_JOIN_FILTERS: Final = 6  # linux/can/raw.h: a frame must pass all filters, not one
+_INVERTED: Final = 0x2000_0000  # CAN_INV_FILTER, of a filter's identifier
+_SO_MEMINFO: Final = 55  # asm-generic/socket.h: memory that a socket holds
+_MEMORY: Final = struct.Struct("=9I")  # linux/sock_diag.h
+_WAITS, _DROPS = 2, 8  # in it: bytes to be sent, packets that did not fit
+_ARPHRD_CAN: Final = 280  # linux/if_arp.h
 _IFF_UP: Final = 0x1
 
 
@@ -60,6 +67,9 @@ class SocketCanBus:
         self._send = sock.send
         self._batch = PacketBatch(sock, _SIZE, _MOST_AT_ONCE)
         self._receive = self._batch.receive
+        self._others: socket.socket | None = None
+        self._dropped = 0  # of the others, by the kernel
+        self._is_can = sock.family == socket.AF_CAN
 
     def send(self, msg: Frame, timeout: float | None = None) -> None:
         """Queue a frame.
@@ -113,17 +123,36 @@ class SocketCanBus:
             for can_id, length, data in _FRAME.iter_unpack(self._receive(limit))
         ]
 
+    def backlog(self) -> int:
+        """Return how many bytes of memory hold frames that the interface has not taken yet."""
+        if not self._is_can:
+            return 0
+        return _memory_of(self._socket)[_WAITS]  # AF_CAN has no ioctl for it
+
     def accept(self, ids: Iterable[int]) -> None:
         """Have the kernel pass data frames with these 11-bit identifiers only, and errors.
 
-        Frames that wait already are not affected.
+        Frames that wait already are not affected. Those that are held back are counted.
         """
         mask = STANDARD_MASK | EXTENDED_FLAG | REMOTE_FLAG
         wanted = sorted(set(ids))
-        if self._socket.family != socket.AF_CAN or len(wanted) > _MAX_FILTERS:
+        if not self._is_can or len(wanted) > _MAX_FILTERS:
             return
         filters = b"".join(_FILTER.pack(can_id, mask) for can_id in wanted)
         self._socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
+        self._others = _open_others(self.channel, wanted, mask)
+
+    def count_others(self) -> int:
+        """Return how many frames `accept` has held back since the last call."""
+        if self._others is None:
+            return 0
+        count = 0
+        with contextlib.suppress(OSError):  # nothing waits any more, or the interface is down
+            while self._others.recv(_SIZE):
+                count += 1
+        dropped = _memory_of(self._others)[_DROPS]
+        count, self._dropped = count + dropped - self._dropped, dropped
+        return count
 
     def fileno(self) -> int:
         """Return the socket's descriptor, to wait for frames; -1 once it is closed."""
@@ -133,6 +162,8 @@ class SocketCanBus:
         """Close the socket. Idempotent."""
         self._batch.close()
         self._socket.close()
+        if self._others is not None:
+            self._others.close()
 
 
 def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
@@ -165,6 +196,11 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
         sock.setsockopt(socket.SOL_CAN_RAW, _CAN_RAW_ERR_FILTER, struct.pack("=I", _ERROR_MASK))
     except OSError as error:
         sock.close()
+        kind = _read_number(channel, "type")
+        if kind not in (None, _ARPHRD_CAN):
+            raise ConnectionFailed(
+                channel, "this is no CAN interface; ip -brief link show type can lists those"
+            ) from error
         raise ConnectionFailed(
             channel,
             f"there is no such CAN interface ({error.strerror}); set it up with: "
@@ -176,6 +212,21 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
             channel, f"the interface is down; set it up with: {link_command(channel, bitrate)}"
         )
     return SocketCanBus(sock, channel)
+
+
+def _open_others(channel: str, ids: Iterable[int], mask: int) -> socket.socket:
+    """Open a socket for the frames that pass none of these filters.
+
+    Nobody reads it in the cycle: what does not fit into its small queue is counted by the kernel.
+    """
+    others = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+    filters = b"".join(_FILTER.pack(can_id | _INVERTED, mask) for can_id in ids)
+    others.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
+    others.setsockopt(socket.SOL_CAN_RAW, _CAN_RAW_JOIN_FILTERS, 1)
+    others.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 0)  # the least there is
+    others.setblocking(False)
+    others.bind((channel,))
+    return others
 
 
 def link_command(channel: str, bitrate: int, *, add: bool = False) -> str:
@@ -193,9 +244,18 @@ def link_command(channel: str, bitrate: int, *, add: bool = False) -> str:
     )
 
 
+def _memory_of(sock: socket.socket) -> tuple[int, ...]:
+    return _MEMORY.unpack(sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMORY.size))
+
+
 def _is_up(channel: str) -> bool:
+    flags = _read_number(channel, "flags")
+    return flags is None or bool(flags & _IFF_UP)  # unknown: sending will tell
+
+
+def _read_number(channel: str, attribute: str) -> int | None:
+    """Return what the kernel says of an interface, if it does."""
     try:
-        flags = int(Path("/sys/class/net", channel, "flags").read_text(), 16)
+        return int(Path("/sys/class/net", channel, attribute).read_text(), 0)
     except (OSError, ValueError):
-        return True  # unknown: sending will tell
-    return bool(flags & _IFF_UP)
+        return None

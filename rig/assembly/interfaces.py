@@ -12,8 +12,8 @@ Interfaces = dict[str, dict[str, Any]]
 """Settings that replace a bus's own, by the bus's name."""
 
 _LAST_NUMBER = re.compile(r"(\d+)(?=\D*$)")
-# Multicast with no hops never leaves the host: a setpoint must not reach another lab's rig.
-_OPTIONS: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
+_ON_THIS_HOST = ("udp_multicast",)
+"""Interfaces that never leave the host; `drivers.can.interfaces` sees to it."""
 
 
 def backend_of(on: str) -> Backend:
@@ -25,7 +25,7 @@ def backend_of(on: str) -> Backend:
         return Backend(on)
     first = on.split(",", maxsplit=1)[0]
     interface, channel = _split(first.partition("=")[2] or first)
-    stays = interface in _OPTIONS or channel.startswith(("vcan", "vxcan"))
+    stays = interface in _ON_THIS_HOST or channel.startswith(("vcan", "vxcan"))
     return Backend.VCAN if stays else Backend.HARDWARE
 
 
@@ -104,5 +104,5 @@ def _settings(on: str, word: str) -> dict[str, Any]:
     return {
         "interface": interface,
         "channel": channel,
-        "options": dict(_OPTIONS.get(interface, {})),
+        "options": {},
     }

@@ -19,6 +19,8 @@ _MODULES = (
     "drivers/net/can/dev/can-dev",
     "drivers/net/can/vcan",
     "drivers/net/can/vxcan",
+    "drivers/net/can/slcan/slcan",
+    "net/sched/sch_plug",
 )
 # What the first process does. The root is the host's: what this writes, the host keeps.
 _FIRST_PROCESS = """\
