@@ -17,6 +17,7 @@ COMMANDS = {
     "run": ("rig.cli.run:run", "Run an experiment and leave a run folder."),
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
+    "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
     "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
 from rig.cli.tables import Table
-from rig.config.quantities import format_quantity
+from rig.config.calibration_state import CalibrationState, calibration_states
+from rig.config.quantities import format_against, format_quantity
 
 if TYPE_CHECKING:
     from rig.config import Profile
@@ -28,6 +30,9 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
         "files": [str(path) for path in profile.files],
         "buses": [_bus(name, bus.settings, loads[name]) for name, bus in profile.buses.items()],
         "devices": [_device(name, entry) for name, entry in profile.devices.items()],
+        "calibrations": [
+            _calibration(state) for state in calibration_states(profile, datetime.now(UTC).date())
+        ],
         "limits": [] if limits is None else _quantities(limits),
         "controllers": list(profile.controllers),
         "plant": None
@@ -74,6 +79,41 @@ def _device(name: str, entry: Any) -> dict[str, Any]:
             "valid_until": calibration.provenance.valid_until,
         },
     }
+
+
+def _calibration(state: CalibrationState) -> dict[str, Any]:
+    of = state.calibration.provenance
+    return {
+        "name": state.name,
+        "file": state.calibration.file,
+        "state": list(state.problems),
+        "remedy": state.remedy if state.problems else None,
+        **{
+            key: getattr(of, key)
+            for key in (
+                "procedure", "date", "operator", "valid_until", "residual_rms", "residual_bound",
+                "unit",
+            )
+        },
+    }  # fmt: skip
+
+
+def _calibration_row(of: dict[str, Any]) -> tuple[str, ...]:
+    residual = "-"
+    if of["residual_rms"] is not None:
+        residual, bound = format_against(
+            of["residual_rms"], of["residual_bound"], of["unit"] or "1"
+        )
+        residual += f" of {bound}" if bound else ""
+    mend = f"; mend it with: {of['remedy']}" if of["state"] else ""
+    return (
+        of["name"],
+        ("; ".join(of["state"]) or "holds") + mend,
+        of["date"],
+        of["valid_until"] or "-",
+        residual,
+        of["file"],
+    )
 
 
 def _quantities(settings: Any) -> list[dict[str, Any]]:
@@ -153,6 +193,12 @@ def profile_tables(profile: dict[str, Any]) -> list[Table]:
             "devices",
             ("device", "driver", "bus", "node", "serial", "calibration"),
             [_device_row(device) for device in profile["devices"]],
+        ),
+        Table(
+            "calibrations",
+            ("of", "state", "date", "valid until", "residual rms", "file"),
+            [_calibration_row(of) for of in profile["calibrations"]]
+            or [("-", "none in force", "-", "-", "-", "-")],
         ),
         *(_load_table(bus) for bus in profile["buses"]),
         Table(

@@ -3,15 +3,17 @@
 import contextlib
 import shlex
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frames import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
+from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
-from rig.hal import RigError
+from rig.hal import DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
 from rig.runtime.loop import (
@@ -79,6 +81,7 @@ def run_experiment(
     watcher: Watcher | None = None,
     report: bool = True,
     frames: str | None = None,
+    heed_calibrations: bool = True,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -100,6 +103,8 @@ def run_experiment(
         Draw figures and write the report.
     frames : str, optional
         Record the CAN buses, in one of `rig.assembly.frames.FORMATS`.
+    heed_calibrations : bool
+        Refuse hardware whose calibration does not hold; False: it is being mended.
 
     Returns
     -------
@@ -110,8 +115,11 @@ def run_experiment(
     ------
     ConfigurationError
         The run folder cannot be made, or the profile does not run on this backend.
+    DeviceError
+        On hardware: a calibration does not hold; with the command that would mend it.
     """
     watcher = watcher or Watcher()
+    doubts = _check_calibrations(plan, backend) if heed_calibrations else []
     frame_log = None if frames is None else make_frame_log(plan.profile, backend)
     rig = build_rig(plan.profile, backend, on, frame_log)
     try:
@@ -122,6 +130,9 @@ def run_experiment(
         rig.close()
         raise
     watcher.started(folder.path)
+    for sentence in doubts:
+        watcher.said(sentence)
+        _Events(folder)(None, "calibration", sentence, {})
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
         stop.shield()  # what is left is bookkeeping; it is not to be torn either
@@ -136,6 +147,17 @@ def run_experiment(
 
         write_report(folder.path)
     return Result(folder.path, status, code, message, tuple(metrics))
+
+
+def _check_calibrations(plan: Plan, backend: Backend) -> list[str]:
+    """Return what is doubtful in a simulation; on hardware it is refused."""
+    doubts = []
+    for state in calibration_states(plan.profile, datetime.now(UTC).date()):
+        if state.problems and backend is Backend.HARDWARE:
+            raise DeviceError(state.name, state.sentence)
+        if state.problems:
+            doubts.append(f"{state.name}: {state.sentence}")
+    return doubts
 
 
 def _create_folder(

@@ -17,7 +17,7 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.mechanisms.base import Margin, pick_device
+from rig.mechanisms.base import CLAMPED, Margin, pick_device
 from rig.mechanisms.cylinder_settings import CylinderSettings
 from rig.runtime.columns import Column
 from rig.runtime.limits import VectorLimiter
@@ -293,7 +293,9 @@ class AntagonisticPair:
         return PairCommand(self.settings.base_pressure, self.settings.base_pressure)
 
     def released_command(self) -> PairCommand:
-        """Return both chambers vented."""
+        """Return both chambers vented but for one that the profile has hold its pressure."""
+        if hasattr(self._regulators, "safe_pressure"):
+            return PairCommand(*self._regulators.safe_pressure())
         return PairCommand(self._limits.pressure[0], self._limits.pressure[0])
 
     def blend(self, start: PairCommand, end: PairCommand, share: float) -> PairCommand:
@@ -383,6 +385,8 @@ def _check_devices(
             f"an antagonistic pair needs {', '.join(_CHANNELS)} in this order"
         )
     low, high = regulators.pressure_range
+    # A calibrated module ends a little above or below what its maker says, and is clamped there.
+    low, high = low - CLAMPED * (high - low), high + CLAMPED * (high - low)
     if settings.limits.pressure[0] < low or settings.limits.pressure[1] > high:
         raise ConfigurationError(
             f"limits.pressure {settings.limits.pressure[0]:g} … {settings.limits.pressure[1]:g} Pa "

@@ -1,6 +1,7 @@
 """The devices of the spherical joint: whether they can do what it needs."""
 
 from rig.hal import ConfigurationError, LinearEncoder, PressureRegulator
+from rig.mechanisms.base import CLAMPED
 from rig.mechanisms.joint_columns import CHANNELS
 from rig.mechanisms.joint_settings import JointSettings
 
@@ -21,6 +22,8 @@ def check_devices(
             f"the joint needs {', '.join(CHANNELS)} in this order"
         )
     low, high = regulators.pressure_range
+    # A calibrated module ends a little above or below what its maker says, and is clamped there.
+    low, high = low - CLAMPED * (high - low), high + CLAMPED * (high - low)
     if settings.limits.pressure[0] < low or settings.limits.pressure[1] > high:
         raise ConfigurationError(
             f"limits.pressure {settings.limits.pressure[0]:g} … {settings.limits.pressure[1]:g} Pa "

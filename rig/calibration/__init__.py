@@ -1,0 +1,1 @@
+"""Find what a profile cannot know, and keep it with where it came from."""

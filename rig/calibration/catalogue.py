@@ -1,0 +1,34 @@
+"""The procedures that there are."""
+
+from rig.calibration.procedure import Procedure
+from rig.config import Profile
+from rig.hal import ConfigurationError
+
+
+def procedures(profile: Profile) -> dict[str, Procedure]:
+    """Return the procedures of a rig by name, in the order in which they build on each other."""
+    from rig.calibration.procedures.encoders import Encoders
+    from rig.calibration.procedures.regulators import Regulators
+    from rig.calibration.procedures.response import Response
+    from rig.calibration.procedures.wires import Wires
+
+    every: tuple[Procedure, ...] = (Regulators(), Encoders(), Wires(), Response())
+    return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}
+
+
+def pick(profile: Profile, names: tuple[str, ...]) -> list[Procedure]:
+    """Return procedures by name, in their own order.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none of a name; with the nearest.
+    """
+    from rig.config.diagnostics import nearest
+
+    known = procedures(profile)
+    for name in names:
+        if name not in known:
+            hint = nearest(name, known) or f"there is none for a {profile.mechanism}"
+            raise ConfigurationError(f"no procedure of {profile.name} is called {name!r}; {hint}")
+    return [procedure for name, procedure in known.items() if name in names]

@@ -1,0 +1,158 @@
+"""Estimates with honest intervals: what a fit or a set of repetitions says, and how well."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CONFIDENCE = 0.95
+"""Of every interval."""
+
+
+class Estimate(NamedTuple):
+    """A value with its uncertainty.
+
+    Parameters
+    ----------
+    name : str
+        Dotted, e.g. ``"agonist.setpoint.gain"``.
+    value : float
+        SI.
+    unit : str
+        SI unit, ``"1"`` for a ratio.
+    std : float
+        Standard deviation of the value, in `unit`.
+    low, high : float
+        95 % confidence interval.
+    """
+
+    name: str
+    value: float
+    unit: str
+    std: float
+    low: float
+    high: float
+
+
+class Fit(NamedTuple):
+    """A least-squares fit.
+
+    Parameters
+    ----------
+    values : ndarray, shape (p,)
+        The parameters.
+    covariance : ndarray, shape (p, p)
+        Of the parameters.
+    freedom : float
+        Degrees of freedom that the covariance rests on.
+    residuals : ndarray, shape (n,)
+        Measured less fitted.
+    """
+
+    values: "NDArray[np.float64]"
+    covariance: "NDArray[np.float64]"
+    freedom: float
+    residuals: "NDArray[np.float64]"
+
+    def estimate(self, name: str, unit: str, gradient: Sequence[float], value: float) -> Estimate:
+        """Return an estimate of a function of the parameters.
+
+        Parameters
+        ----------
+        name, unit : str
+            See `Estimate`.
+        gradient : sequence of float, length p
+            Of the function.
+        value : float
+            Its value.
+        """
+        g = np.asarray(gradient)
+        return interval(name, value, unit, float(np.sqrt(g @ self.covariance @ g)), self.freedom)
+
+    def parameter(self, index: int, name: str, unit: str) -> Estimate:
+        """Return the estimate of one parameter."""
+        unity = np.eye(len(self.values))[index]
+        return self.estimate(name, unit, unity.tolist(), float(self.values[index]))
+
+
+def interval(name: str, value: float, unit: str, std: float, freedom: float) -> Estimate:
+    """Return an estimate whose interval comes from Student's distribution."""
+    from scipy.stats import t
+
+    half = float(t.ppf(0.5 + 0.5 * CONFIDENCE, freedom)) * std
+    return Estimate(name, value, unit, std, value - half, value + half)
+
+
+def fit(
+    residuals: "Callable[[NDArray[np.float64]], NDArray[np.float64]]",
+    start: Sequence[float],
+    scale: Sequence[float],
+    *,
+    groups: "NDArray[Any] | None" = None,
+) -> Fit:
+    """Fit parameters by least squares.
+
+    Parameters
+    ----------
+    residuals : callable
+        Measured less modelled for parameters of shape (p,), shape (n,).
+    start, scale : sequence of float, length p
+        First guess, and by how much each parameter typically varies.
+    groups : ndarray, shape (n,), optional
+        Which block each residual belongs to. Residuals of one block may depend on each other:
+        the covariance is then the one that is robust against that, and its degrees of freedom
+        are those of the blocks. Without blocks the residuals are taken as independent.
+
+    Raises
+    ------
+    ValueError
+        There are too few residuals or blocks, or the data do not determine the parameters.
+
+    References
+    ----------
+    R. M. Bell and D. F. McCaffrey, "Bias reduction in standard errors for linear regression with
+    multi-stage samples", Survey Methodology 28(2), 2002: the blocks' residuals are enlarged by
+    what the fit has taken from them (CR2's simpler relative, CR3, is used here: it errs on the
+    safe side with few blocks).
+    """
+    from scipy.optimize import least_squares
+
+    found = least_squares(residuals, np.asarray(start, float), x_scale=np.asarray(scale, float))
+    r, jacobian = found.fun, found.jac
+    n, p = jacobian.shape
+    norms = np.linalg.norm(jacobian, axis=0)
+    if n <= p or not np.all(norms > 0.0) or np.linalg.cond(jacobian / norms) > 1e10:
+        raise ValueError("the data do not determine every parameter")
+    inverse = np.linalg.inv(jacobian.T @ jacobian)
+    if groups is None:
+        freedom = float(n - p)
+        return Fit(found.x, inverse * float(r @ r) / freedom, freedom, r)
+    names = np.unique(groups)
+    if len(names) < 3:
+        raise ValueError(f"{len(names)} blocks are too few to tell how well they repeat")
+    meat = np.zeros((p, p))
+    for name in names:
+        part = jacobian[groups == name]
+        leverage = np.eye(len(part)) - part @ inverse @ part.T
+        score = part.T @ np.linalg.solve(leverage, r[groups == name])
+        meat += np.outer(score, score)
+    covariance = inverse @ meat @ inverse * (len(names) - 1) / len(names)
+    return Fit(found.x, covariance, float(len(names) - 1), r)
+
+
+def mean_of(name: str, unit: str, repetitions: Sequence[float]) -> Estimate:
+    """Return the mean of independent repetitions with its interval.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two.
+    """
+    values = np.asarray(repetitions, float)
+    if len(values) < 2:
+        raise ValueError(f"{name}: one repetition cannot tell how well it repeats")
+    std = float(values.std(ddof=1) / np.sqrt(len(values)))
+    return interval(name, float(values.mean()), unit, std, len(values) - 1.0)

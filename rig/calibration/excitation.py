@@ -1,0 +1,129 @@
+"""Excitations: pressures without a loop around them, and what they look like to the runtime."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, Generic, TypeVar
+
+from annotated_types import Gt, MinLen, Unit
+
+from rig.runtime.motion import Segment
+
+Reference = TypeVar("Reference")
+Command = TypeVar("Command")
+
+
+@dataclass(frozen=True, slots=True)
+class PressureSteps:
+    """Pressures one after the other, the same in every channel.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the steps.
+    pressures : tuple of float
+        Setpoint of each, Pa gauge.
+    ramp : float
+        Time in which a step is reached, s.
+    dwell : float
+        Time on it, s.
+    judged : float
+        So much of the end of each dwell is judged, s.
+    """
+
+    names: Annotated[tuple[str, ...], MinLen(1)]
+    pressures: Annotated[tuple[Annotated[float, Unit("Pa")], ...], MinLen(1)]
+    ramp: Annotated[float, Unit("s"), Gt(0)] = 0.3
+    dwell: Annotated[float, Unit("s"), Gt(0)] = 1.5
+    judged: Annotated[float, Unit("s"), Gt(0)] = 0.5
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return len(self.names) * (self.ramp + self.dwell)
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The judged end of each dwell; steps without a name are passed and not judged."""
+        each = self.ramp + self.dwell
+        return tuple(
+            Segment(name, (k + 1) * each - self.judged, (k + 1) * each)
+            for k, name in enumerate(self.names)
+            if name
+        )
+
+    def knots(self, start: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return times and pressures between which setpoints run straight."""
+        each = self.ramp + self.dwell
+        times, pressures = [0.0], [start]
+        for k, pressure in enumerate(self.pressures):
+            times += [k * each + self.ramp, (k + 1) * each]
+            pressures += [pressure, pressure]
+        return tuple(times), tuple(pressures)
+
+
+class OpenLoop(Generic[Reference, Command]):
+    """Gives pressures by the clock; to the runtime it is the motion and its controller in one.
+
+    The runtime asks the motion for each instant right before it updates the controller, so the
+    controller knows the instant from the motion.
+
+    Parameters
+    ----------
+    times : sequence of float
+        s.
+    pressures : sequence of sequence of float
+        Of every channel at those times, Pa gauge; straight between.
+    segments : sequence of Segment
+        Stretches to be judged.
+    rest : Reference
+        The mechanism's reference to stay where it is.
+    command : callable
+        Makes the mechanism's command of one pressure per channel.
+    estimate : object
+        What a controller of this mechanism shows of its beliefs; this one has none.
+    """
+
+    def __init__(
+        self,
+        times: Sequence[float],
+        pressures: Sequence[Sequence[float]],
+        segments: Sequence[Segment],
+        *,
+        rest: Reference,
+        command: Any,
+        estimate: Any,
+    ) -> None:
+        self.times = tuple(times)
+        self.pressures = tuple(tuple(row) for row in pressures)
+        self.segments = tuple(segments)
+        self.duration = self.times[-1]
+        self.estimate = estimate
+        self._rest = rest
+        self._command = command
+        self._t = 0.0
+
+    def at(self, t: float) -> Reference:
+        """Take the time, and return the reference to stay."""
+        self._t = t
+        return self._rest
+
+    def reset(self, state: Any) -> None:
+        """Start over; there is nothing to remember."""
+        self._t = 0.0
+
+    def update(self, state: Any, reference: Any) -> Command:
+        """Return the pressures of this instant."""
+        command: Command = self._command(*self.at_time(self._t))
+        return command
+
+    def at_time(self, t: float) -> tuple[float, ...]:
+        """Return the pressures at an instant, Pa gauge."""
+        times = self.times
+        k = min(max(bisect_right(times, t), 1), len(times) - 1)
+        start, end = times[k - 1], times[k]
+        share = 1.0 if end <= start else min(max((t - start) / (end - start), 0.0), 1.0)
+        return tuple(
+            a + share * (b - a)
+            for a, b in zip(self.pressures[k - 1], self.pressures[k], strict=True)
+        )

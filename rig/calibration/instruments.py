@@ -1,0 +1,121 @@
+"""Reference instruments: what somebody reads off a gauge while the rig holds still.
+
+On a rig a person reads them, and types or hands over what was read. In simulation a simulated
+instrument does it: it looks at the plant through the truth that the log of a simulated run holds,
+with an error of its own, and the identification is given its readings and nothing else.
+"""
+
+import csv
+import zlib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from rig.calibration.procedure import Readings
+from rig.calibration.recording import TRUTH
+from rig.config.quantities import UnitError, parse_quantity
+from rig.experiment.metrics import evaluation_from_json
+from rig.hal import ConfigurationError
+from rig.run_folder import EVALUATION, RunFolder
+from rig.runtime.log import read_log
+
+
+class Instrument(NamedTuple):
+    """One quantity to be read in several stretches.
+
+    Parameters
+    ----------
+    name : str
+        Of the quantity, e.g. ``"gauge agonist"``.
+    unit : str
+        SI unit.
+    accuracy : float
+        Standard uncertainty of a reading, in `unit`.
+    stretches : tuple of str
+        When it is read.
+    truth : str
+        What it shows, by the name of the simulated plant's column.
+    """
+
+    name: str
+    unit: str
+    accuracy: float
+    stretches: tuple[str, ...]
+    truth: str
+
+
+def simulate(instruments: Sequence[Instrument], folders: Sequence[Path], seed: int) -> Readings:
+    """Return what simulated instruments show during recorded runs of a simulated rig."""
+    readings: dict[str, dict[str, float]] = {instrument.name: {} for instrument in instruments}
+    for path in folders:
+        folder = RunFolder.open(path)
+        log = read_log(folder.log_path)
+        segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+        t = log.column("reference.time")
+        bounds = {segment.name: (segment.start, segment.end) for segment in segments}
+        for instrument in instruments:
+            shown = log.column(TRUTH + instrument.truth)
+            own = zlib.crc32(f"{seed}/{instrument.name}".encode())
+            errors = np.random.default_rng(own).normal(
+                0.0, instrument.accuracy, len(instrument.stretches)
+            )
+            for stretch, error in zip(instrument.stretches, errors.tolist(), strict=True):
+                if stretch in bounds:
+                    start, end = bounds[stretch]
+                    inside = (t >= start) & (t < end)
+                    if inside.any():
+                        readings[instrument.name][stretch] = float(shown[inside].mean()) + error
+    return readings
+
+
+def ask(instruments: Sequence[Instrument], prompt: Callable[[str], str]) -> Readings:
+    """Ask a person for every reading; what is no quantity is asked for once more."""
+    readings: dict[str, dict[str, float]] = {}
+    for instrument in instruments:
+        for stretch in instrument.stretches:
+            while True:
+                text = prompt(f"{instrument.name} during {stretch!r} ({instrument.unit})")
+                try:
+                    value = _parse(text, instrument.unit)
+                except UnitError:
+                    continue
+                readings.setdefault(instrument.name, {})[stretch] = value
+                break
+    return readings
+
+
+def read_file(instruments: Sequence[Instrument], path: Path) -> Readings:
+    """Read a table of ``quantity,stretch,value`` lines, values with or without a unit.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be read, or a line is no reading; with its number.
+    """
+    units = {instrument.name: instrument.unit for instrument in instruments}
+    readings: dict[str, dict[str, float]] = {}
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            for number, row in enumerate(csv.reader(stream), 1):
+                if not row or row[0].startswith("#"):
+                    continue
+                if len(row) != 3 or row[0] not in units:
+                    raise ConfigurationError(
+                        f"{path}:{number}:1: expected quantity,stretch,value with one of "
+                        f"{', '.join(units)}"
+                    )
+                readings.setdefault(row[0], {})[row[1]] = _parse(row[2], units[row[0]])
+    except (OSError, UnicodeError) as error:
+        raise ConfigurationError(f"cannot read the readings {path}: {error}") from error
+    except UnitError as error:
+        raise ConfigurationError(f"{path}:{number}: {error}") from error
+    return readings
+
+
+def _parse(text: str, unit: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return parse_quantity(text.strip(), unit)

@@ -1,0 +1,75 @@
+"""What a procedure will move and how far, said before anything is opened."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rig.calibration.excitation import OpenLoop
+from rig.calibration.procedure import Procedure
+from rig.config import Profile, format_quantity
+
+_STEP = 0.01
+"""The motion is looked at every so often, s."""
+
+
+def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iterator[str]:
+    """Yield sentences on what will happen.
+
+    Parameters
+    ----------
+    procedure, profile
+        What is to be done on what.
+    done : sequence of str
+        Stretches that are recorded already.
+    """
+    excitation = procedure.excite(profile, done)
+    motion = excitation.motion
+    yield f"{procedure.name}: {procedure.title}"
+    if not motion.segments:
+        yield "  everything is recorded: nothing moves"
+        return
+    yield f"  {len(motion.segments)} stretches in {motion.duration:.0f} s"
+    if isinstance(motion, OpenLoop):
+        yield from _pressures(motion)
+    else:
+        yield from _positions(motion)
+    limits = excitation.profile.mechanism_settings
+    for name in ("position", "speed", "pressure", "pair_force", "tilt", "tension"):
+        bound = getattr(getattr(limits, "limits", None), name, None)
+        if bound is not None:
+            yield f"  in force: limits.{name} {_bound(bound, name)}"
+    yield from (f"  but: {note}" for note in excitation.notes)
+    for instrument in procedure.instruments(profile):
+        accuracy = format_quantity(instrument.accuracy, instrument.unit)
+        yield (
+            f"  to be read: {instrument.name}, {len(instrument.stretches)} times, "
+            f"to {accuracy} or better"
+        )
+    yield f"  writes: {', '.join(f'{name}.yaml' for name in procedure.targets(profile))}"
+
+
+def _pressures(motion: OpenLoop[Any, Any]) -> Iterator[str]:
+    columns = list(zip(*motion.pressures, strict=True))
+    for number, column in enumerate(columns, 1):
+        low, high = format_quantity(min(column), "Pa"), format_quantity(max(column), "Pa")
+        yield f"  chamber {number}: set-points {low} … {high}"
+    if all(column == columns[0] for column in columns):
+        yield "  all chambers alike: their pulls cancel, and no rod is meant to move"
+
+
+def _positions(motion: Any) -> Iterator[str]:
+    count = max(int(motion.duration / _STEP), 2)
+    rows = [motion.at(motion.duration * k / count) for k in range(count + 1)]
+    if hasattr(rows[0], "position"):
+        places = [row.position for row in rows]
+        speeds = [abs(row.velocity) for row in rows]
+        low, high = format_quantity(min(places), "m"), format_quantity(max(places), "m")
+        yield f"  the pair moves {low} … {high}, up to {format_quantity(max(speeds), 'm/s')}"
+
+
+def _bound(bound: Any, name: str) -> str:
+    unit = {
+        "position": "m", "speed": "m/s", "pressure": "Pa", "pair_force": "N", "tilt": "rad",
+        "tension": "N",
+    }[name]  # fmt: skip
+    ends = bound if isinstance(bound, tuple) else (bound,)
+    return " … ".join(format_quantity(end, unit) for end in ends)

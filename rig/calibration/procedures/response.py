@@ -1,0 +1,170 @@
+"""Response of the regulators: dead time, natural frequency and damping, from steps.
+
+All chambers step up and down together, so nothing moves. To each step of the monitored pressure a
+second order with a dead time is fitted,
+
+    p(t) = p_0 + (p_1 - p_0) h(t - dead time),    h of  w^2 / (s^2 + 2 z w s + w^2),
+
+and the repetitions tell how well it is known. Air fills faster than it leaves: the mean of both
+directions is what a controller can use, and each direction has its own scatter.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rig.calibration.estimates import Estimate, interval
+from rig.calibration.excitation import PressureSteps
+from rig.calibration.instruments import Instrument
+from rig.calibration.mechanism import open_loop, pneumatics_of
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Profile
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+REPEATS: Final = 6
+_HEIGHT: Final = 40e3
+_RAMP: Final = 1e-3
+_DWELL: Final = 0.6
+_LEAST: Final = 0.3
+_BOUND: Final = 3e3
+
+
+class Response:
+    """Step response and dead time of the regulators."""
+
+    name = "response"
+    title = "step response and dead time of the regulators"
+    mechanisms = ("cylinder", "joint")
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the mechanism's file: its controllers are told of the response."""
+        return (profile.mechanism,)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return none: the monitors measure it."""
+        return ()
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the repetitions that are not done."""
+        base = profile.mechanism_settings.base_pressure
+        names: list[str] = []
+        levels: list[float] = []
+        for k in range(REPEATS):
+            pair = [f"up {k + 1}", f"down {k + 1}"]
+            if not all(name in done for name in pair):
+                names += pair
+                levels += [base + _HEIGHT, base]
+        plan = PressureSteps(
+            tuple(names or [""]), tuple(levels or [base]), ramp=_RAMP, dwell=_DWELL,
+            judged=_DWELL + _RAMP,
+        )  # fmt: skip
+        times, pressures = plan.knots(base)
+        count = len(pneumatics_of(profile).channels)
+        motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
+        return Excitation(plan, motion, motion, "open-loop", profile, approach=1.0)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Fit every step of every channel."""
+        channels = pneumatics_of(profile).channels
+        sides = {side: [f"{side} {k + 1}" for k in range(REPEATS)] for side in ("up", "down")}
+        recording.require(name for names in sides.values() for name in names)
+        estimates: list[Estimate] = []
+        rests: list[Array] = []
+        panels: list[Panel] = []
+        means: list[Array] = []
+        model = profile.mechanism_settings.regulator_response
+        for channel in channels:
+            found: dict[str, Array] = {}
+            for side, names in sides.items():
+                rows = []
+                for number, name in enumerate(names):
+                    part = recording[name]
+                    t = part["t"] - part["t"][0]
+                    pressure = part[f"reading.pressure_{channel}"]
+                    q, fitted = _fit_step(channel, t, pressure)
+                    rows.append(q[:3])
+                    rests.append(pressure - fitted)
+                    if number == 0:
+                        before = _step(t, (model.bandwidth, model.damping, 1e-3, *q[3:]))
+                        panels.append(_panel(f"{channel}, {side}", t, pressure, fitted, before))
+                found[side] = np.array(rows)
+            mean = 0.5 * (found["up"].mean(axis=0) + found["down"].mean(axis=0))
+            variance = 0.25 * sum(rows.var(axis=0, ddof=1) / REPEATS for rows in found.values())
+            for index, (name, unit) in enumerate(
+                (("bandwidth", "rad/s"), ("damping", "1"), ("dead_time", "s"))
+            ):
+                std = float(np.sqrt(variance[index]))
+                estimates.append(
+                    interval(f"{channel}.{name}", mean[index], unit, std, 2.0 * (REPEATS - 1))
+                )
+            means.append(mean)
+        bandwidth, damping, _ = np.mean(means, axis=0)
+        values = {
+            "regulator_response": {
+                "bandwidth": float(f"{bandwidth:.6g}"),
+                "damping": float(f"{damping:.6g}"),
+            }
+        }
+        residuals = np.concatenate(rests)
+        return (
+            Finding(
+                profile.mechanism, values, estimates, residuals, "Pa", _BOUND, 2 * REPEATS, panels
+            ),
+        )
+
+
+def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Array"]:
+    from scipy.optimize import least_squares
+
+    start, end = float(pressure[:5].mean()), float(pressure[-50:].mean())
+    if abs(end - start) < _LEAST * _HEIGHT:
+        raise CalibrationRefused(
+            f"{channel}: the pressure moved by {abs(end - start) / 1e3:.3g} kPa at a step of "
+            f"{_HEIGHT / 1e3:g} kPa: too little to tell a response; is the supply open?"
+        )
+    scale = end - start
+
+    def residuals(q: "Array") -> "Array":
+        return (
+            pressure - _step(t, (q[0], q[1], q[2], start + q[3] * scale, end + q[4] * scale))
+        ) / scale
+
+    found = least_squares(
+        residuals, (40.0, 1.0, 3e-3, 0.0, 0.0), x_scale=(10.0, 0.3, 3e-3, 0.01, 0.01),
+        bounds=((5.0, 0.2, 0.0, -0.2, -0.2), (400.0, 3.0, 0.1, 0.2, 0.2)),
+    )  # fmt: skip
+    q = found.x
+    whole = np.array([q[0], q[1], q[2], start + q[3] * scale, end + q[4] * scale])
+    return whole, _step(t, whole)
+
+
+def _step(t: "Array", q: Any) -> "Array":
+    """Return the response to a step at 0, Pa."""
+    w, z, dead, start, end = (float(x) for x in q)
+    s = np.maximum(t - dead, 0.0)
+    if z < 1.0 - 1e-6:
+        wd = w * math.sqrt(1.0 - z * z)
+        h = 1.0 - np.exp(-z * w * s) * (np.cos(wd * s) + z * w / wd * np.sin(wd * s))
+    elif z > 1.0 + 1e-6:
+        root = math.sqrt(z * z - 1.0)
+        a, b = w * (z - root), w * (z + root)
+        h = 1.0 - (b * np.exp(-a * s) - a * np.exp(-b * s)) / (b - a)
+    else:
+        h = 1.0 - np.exp(-w * s) * (1.0 + w * s)
+    return np.asarray(start + (end - start) * h)
+
+
+def _panel(title: str, t: "Array", y: "Array", fitted: "Array", before: "Array") -> Panel:
+    return Panel(
+        title, "time (ms)", "monitor (kPa)", "residual (kPa)",
+        1e3 * t, y / 1e3, fitted / 1e3, before / 1e3,
+    )  # fmt: skip

@@ -1,0 +1,140 @@
+"""What a procedure recorded, stretch by stretch; the simulation's truth is not in it."""
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rig.experiment.measures.base import PHASE_RUN
+from rig.experiment.metrics import evaluation_from_json
+from rig.hal import RigError
+from rig.run_folder import EVALUATION, RunFolder
+from rig.runtime.log import Log, LogError, read_log
+from rig.runtime.motion import Segment
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TRUTH = "truth."
+
+
+class CalibrationRefused(RigError):
+    """What was recorded does not suffice, or is worse than what there is; nothing was changed."""
+
+
+class Stretch(Mapping[str, "NDArray[np.float64]"]):
+    """The rows of one segment, column by column; ``"t"`` is seconds since its reference began."""
+
+    def __init__(self, columns: dict[str, "NDArray[np.float64]"]) -> None:
+        self._columns = columns
+
+    def __getitem__(self, name: str) -> "NDArray[np.float64]":
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise CalibrationRefused(f"the log has no column {name!r}") from None
+
+    def __iter__(self) -> "Iterable[str]":  # type: ignore[override]
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def mean(self, name: str) -> float:
+        """Return the mean of a column."""
+        return float(self[name].mean())
+
+
+class Recording:
+    """One or several runs of a procedure: a later one completes what an earlier one left out.
+
+    Parameters
+    ----------
+    runs : sequence of tuple
+        Log and segments of each.
+    paths : sequence of Path
+        The logs.
+    """
+
+    def __init__(
+        self, runs: Sequence[tuple[Log, Sequence[Segment]]], paths: Sequence[Path] = ()
+    ) -> None:
+        self.paths = tuple(paths)
+        self._stretches: dict[str, Stretch] = {}
+        for log, segments in runs:
+            self._take(log, segments)
+
+    @classmethod
+    def of(cls, folders: Sequence[Path]) -> "Recording":
+        """Read run folders.
+
+        Raises
+        ------
+        CalibrationRefused
+            One has no readable log.
+        ConfigurationError
+            One is not a run folder.
+        """
+        runs, paths = [], []
+        for path in folders:
+            folder = RunFolder.open(path)
+            try:
+                log = read_log(folder.log_path)
+            except LogError as error:
+                raise CalibrationRefused(str(error)) from error
+            segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+            runs.append((log, segments))
+            paths.append(folder.log_path)
+        return cls(runs, paths)
+
+    def _take(self, log: Log, segments: Sequence[Segment]) -> None:
+        if not len(log.t):
+            return
+        run = log.column("phase") == PHASE_RUN
+        t = log.column("reference.time")
+        last = float(t[run].max()) if run.any() else -np.inf
+        columns = {c.name: log.column(c.name) for c in log.columns if not c.name.startswith(TRUTH)}
+        for segment in segments:
+            inside = run & (t >= segment.start) & (t < segment.end)
+            # A stretch that was cut short is none: it would be judged as if it were whole.
+            if last >= segment.end - 0.02 and inside.any():
+                part = {name: values[inside] for name, values in columns.items()}
+                self._stretches[segment.name] = Stretch({**part, "t": t[inside]})
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The stretches that are there as a whole."""
+        return tuple(self._stretches)
+
+    @property
+    def samples(self) -> int:
+        """Rows of all stretches."""
+        return sum(len(stretch["t"]) for stretch in self._stretches.values())
+
+    def __getitem__(self, name: str) -> Stretch:
+        return self._stretches[name]
+
+    def require(self, names: Iterable[str]) -> None:
+        """Raise if a stretch is missing.
+
+        Raises
+        ------
+        CalibrationRefused
+            With what is missing.
+        """
+        wanted = list(names)
+        missing = [name for name in wanted if name not in self._stretches]
+        if missing:
+            listed = ", ".join(missing[:4]) + (", …" if len(missing) > 4 else "")
+            raise CalibrationRefused(
+                f"{len(missing)} of {len(wanted)} stretches are missing or cut short: {listed}"
+            )
+
+    def sha256(self) -> str:
+        """Return the digest of the raw logs, in hexadecimal digits."""
+        digest = hashlib.sha256()
+        for path in self.paths:
+            digest.update(path.read_bytes())
+        return digest.hexdigest()

@@ -1,0 +1,175 @@
+"""A procedure on a rig, from the recording to the calibration file."""
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rig.assembly import Backend, check_profile
+from rig.calibration import instruments, store
+from rig.calibration.page import draw_page
+from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
+from rig.experiment.plan import Plan
+from rig.experiment.run import Result, Watcher, run_experiment
+from rig.run_folder import FIGURES
+
+
+class Calibrated(NamedTuple):
+    """What came of a procedure.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+        What was found.
+    files : sequence of Path
+        The calibration files that were written.
+    figures : sequence of Path
+        The page.
+    """
+
+    findings: Sequence[Finding]
+    files: Sequence[Path]
+    figures: Sequence[Path]
+
+
+def plan_of(procedure: Procedure, excitation: Excitation) -> Plan:
+    """Return an excitation as what the runtime runs."""
+    check_profile(excitation.profile)
+    kind = type(excitation.settings).__name__.lower()
+    experiment = Experiment(
+        name=f"calibrate-{procedure.name}",
+        description=procedure.title,
+        rig=excitation.profile.name,
+        controller=excitation.controller_name,
+        reference=ReferenceEntry(kind, excitation.settings),
+        approach=excitation.approach,
+        metrics={},
+        figures=(),
+    )
+    return Plan(experiment, excitation.profile, excitation.controller, excitation.motion)
+
+
+def record(
+    procedure: Procedure,
+    profile: Profile,
+    backend: Backend,
+    out: Path,
+    *,
+    on: str | None = None,
+    earlier: Sequence[Path] = (),
+    watcher: Watcher | None = None,
+) -> tuple[Result | None, list[Path]]:
+    """Record what is not recorded yet.
+
+    Parameters
+    ----------
+    procedure, profile, backend, out, on, watcher
+        See `rig.experiment.run.run_experiment`.
+    earlier : sequence of Path
+        Runs of the same procedure that were ended before their time: what they hold is kept.
+
+    Returns
+    -------
+    result : Result or None
+        How it ended; None if nothing was left to record.
+    folders : list of Path
+        All run folders, the new one last.
+    """
+    done = Recording.of(earlier).names if earlier else ()
+    excitation = procedure.excite(profile, done)
+    if not excitation.motion.segments:
+        return None, list(earlier)
+    result = run_experiment(
+        plan_of(procedure, excitation),
+        backend,
+        out,
+        on=on,
+        watcher=watcher,
+        report=False,
+        heed_calibrations=False,
+    )
+    return result, [*earlier, result.path]
+
+
+def read_instruments(
+    procedure: Procedure,
+    profile: Profile,
+    folders: Sequence[Path],
+    *,
+    simulated: bool,
+    readings: Path | None = None,
+    prompt: Callable[[str], str] | None = None,
+) -> Readings:
+    """Return what the procedure's reference instruments showed.
+
+    Raises
+    ------
+    CalibrationRefused
+        Nobody is there to read them; says how to hand the readings over later.
+    """
+    wanted = procedure.instruments(profile)
+    if not wanted:
+        return {}
+    if readings is not None:
+        return instruments.read_file(wanted, readings)
+    if simulated:
+        return instruments.simulate(wanted, folders, profile.simulation.seed)
+    if prompt is None:
+        names = ", ".join(instrument.name for instrument in wanted)
+        runs = " ".join(f"--from {path}" for path in folders)
+        raise CalibrationRefused(
+            f"nobody is there to read {names}; write quantity,stretch,value lines to a file and "
+            f"go on with: rig calibrate {profile.name} {procedure.name} {runs} --readings FILE"
+        )
+    return instruments.ask(wanted, prompt)
+
+
+def conclude(
+    procedure: Procedure,
+    profile: Profile,
+    folders: Sequence[Path],
+    readings: Readings,
+    circumstances: store.Circumstances,
+    configs: Path,
+    search: Sequence[Path],
+    *,
+    replace: bool = False,
+) -> Calibrated:
+    """Identify, draw the page and write the files.
+
+    Raises
+    ------
+    CalibrationRefused
+        The recording does not suffice, or its fit is worse than the one in force. The page is
+        drawn whenever there is a fit.
+    """
+    recording = Recording.of(folders)
+    if not folders or not recording.names:
+        raise CalibrationRefused("nothing was recorded to its end")
+    # What is true of a simulated rig, and how it is drawn, is no business of an identification.
+    seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
+    findings = procedure.identify(seen, recording, readings)
+    page = folders[-1] / FIGURES
+    figures = draw_page(page, f"calibration-{procedure.name}", findings)
+    files = []
+    contents = []
+    for finding in findings:
+        try:
+            old = store.in_force(profile, search, finding.target)
+        except ProfileError:
+            if not replace:
+                raise
+            old = None  # what nobody can trust is replaced; its history stays
+        if not replace:
+            store.check_not_worse(finding, procedure.name, old)
+        contents.append(
+            store.compose(finding, procedure.name, profile, recording, circumstances, old)
+        )
+    for finding, content in zip(findings, contents, strict=True):
+        files.append(store.write(configs, profile.name, finding.target, content))
+    return Calibrated(findings, files, figures)
+
+
+__all__ = ["Calibrated", "conclude", "plan_of", "read_instruments", "record"]

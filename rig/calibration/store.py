@@ -1,0 +1,235 @@
+"""Calibration files: written with their history, compared, and never made worse unasked."""
+
+import os
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime, timedelta
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+
+from rig.calibration.procedure import Finding
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Profile
+from rig.config.calibration import HISTORY, check_seal, find_calibration, seal
+from rig.config.diagnostics import Problems
+from rig.config.yaml_loader import read_source
+from rig.hal import ConfigurationError
+
+_HEADER = (
+    "# Written by rig calibrate; the last line seals it. Values of your own go into the profile.\n"
+)
+
+_WORSE = 0.95
+"""A fit is worse if chance explains its larger residuals with less than one in twenty."""
+
+
+class Circumstances(NamedTuple):
+    """What nobody can compute.
+
+    Parameters
+    ----------
+    operator : str
+        Who calibrates.
+    valid_for : float
+        How long it holds, s.
+    conditions : mapping of str to str
+        Temperature, supply pressure, instruments, remarks.
+    now : datetime
+        When.
+    """
+
+    operator: str
+    valid_for: float
+    conditions: Mapping[str, str]
+    now: datetime
+
+
+def compose(
+    finding: Finding,
+    procedure: str,
+    profile: Profile,
+    recording: Recording,
+    circumstances: Circumstances,
+    old: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Return the content of a calibration file.
+
+    What other procedures have found of the same device stays, with what was measured then.
+    """
+    date = circumstances.now.astimezone(UTC).isoformat(timespec="seconds")
+    until = circumstances.now + timedelta(seconds=circumstances.valid_for)
+    entry = profile.devices.get(finding.target)
+    rms, largest = _size(finding.residuals)
+    kept = [] if old is None else [m for m in old["measured"] if m["procedure"] != procedure]
+    provenance = {
+        "procedure": procedure,
+        "date": date,
+        "operator": circumstances.operator,
+        "serial": None if entry is None else entry.serial,
+        "samples": recording.samples,
+        "blocks": finding.blocks,
+        "residual_rms": _short(rms),
+        "residual_max": _short(largest),
+        "residual_bound": finding.bound,
+        "unit": finding.unit,
+        "valid_until": min(
+            [until.date().isoformat(), *(m["valid_until"] for m in kept if "valid_until" in m)]
+        ),
+        "parent": None if old is None else _name(finding.target, old),
+        "software": f"rig-controller {metadata.version('rig-controller')}",
+        "log": ", ".join(str(path) for path in recording.paths),
+        "log_sha256": recording.sha256(),
+        "conditions": dict(circumstances.conditions),
+    }
+    measured = [
+        {
+            "name": e.name,
+            "value": _short(e.value, 9),
+            "unit": e.unit,
+            "std": _short(e.std),
+            "interval": [_short(e.low, 9), _short(e.high, 9)],
+            "procedure": procedure,
+            "date": date,
+            "valid_until": until.date().isoformat(),
+        }
+        for e in finding.estimates
+    ]
+    values = _merged({} if old is None else old["values"], finding.values)
+    return {
+        "values": values,
+        "measured": [*kept, *measured],
+        "provenance": {key: value for key, value in provenance.items() if value is not None},
+    }
+
+
+def check_not_worse(finding: Finding, procedure: str, old: Mapping[str, Any] | None) -> None:
+    """Refuse a fit that is worse than the one in force, and one that is bad in itself.
+
+    Raises
+    ------
+    CalibrationRefused
+        With both residuals.
+    """
+    from scipy.stats import f
+
+    rms, _ = _size(finding.residuals)
+    if rms > finding.bound:
+        raise CalibrationRefused(
+            f"{finding.target}: the residual is {rms:.4g} {finding.unit} rms, above the bound of "
+            f"{finding.bound:.4g} {finding.unit}: this fit does not describe the device"
+        )
+    if old is None or old["provenance"].get("procedure") != procedure:
+        return
+    was, blocks = old["provenance"]["residual_rms"], old["provenance"].get("blocks", 2)
+    chance = f.ppf(_WORSE, max(finding.blocks - 1, 1), max(blocks - 1, 1))
+    if rms > 0.0 and rms**2 > chance * was**2:
+        raise CalibrationRefused(
+            f"{finding.target}: the residual is {rms:.4g} {finding.unit} rms, that of the "
+            f"calibration in force {was:.4g}: a worse fit does not replace a better one unless "
+            "it is told to (--replace)"
+        )
+
+
+def write(configs: Path, rig: str, target: str, content: Mapping[str, Any]) -> Path:
+    """Write a calibration file and its copy in the history, whole or not at all.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be written.
+    """
+    path = configs / "calibration" / rig / f"{target}.yaml"
+    body = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100)
+    text = seal(_HEADER + body)
+    stamp = content["provenance"]["date"].replace(":", "").replace("+0000", "Z")
+    kept = path.parent / HISTORY / target / f"{stamp}.yaml"
+    try:
+        suffix = 1
+        while kept.exists():
+            suffix += 1
+            kept = kept.with_name(f"{stamp}-{suffix}.yaml")
+        for place in (kept, path):  # the copy first: the old file is in force until all is kept
+            place.parent.mkdir(parents=True, exist_ok=True)
+            temporary = place.with_name(f".{place.name}.{os.getpid()}")
+            temporary.write_text(text, encoding="utf-8")
+            temporary.replace(place)
+    except OSError as error:
+        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+    return path
+
+
+def load(path: Path) -> dict[str, Any]:
+    """Read a calibration file as plain data.
+
+    Raises
+    ------
+    ProfileError
+        Its seal does not fit, with line and column.
+    ConfigurationError
+        It cannot be read.
+    """
+    source = read_source(path)
+    problems = Problems()
+    check_seal(source, path, problems)
+    problems.raise_if_any()
+    content = yaml.safe_load(source.text)
+    return {"measured": [], **content}
+
+
+def find(search: Sequence[Path], rig: str, name: str) -> Path:
+    """Return a calibration file by its path, its device, or its path in the rig's folder.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none.
+    """
+    places = [Path(name)]
+    for configs in search:
+        folder = configs / "calibration" / rig
+        places += [folder / name, folder / f"{name}.yaml", folder / HISTORY / f"{name}.yaml"]
+    for place in places:
+        if place.is_file():
+            return place
+    raise ConfigurationError(f"no calibration of the rig {rig} is called {name!r}")
+
+
+def in_force(profile: Profile, search: Sequence[Path], target: str) -> dict[str, Any] | None:
+    """Return the calibration that is in force, None without one."""
+    found = find_calibration(profile.name, target, search)
+    return None if found is None else load(found[0])
+
+
+def history(search: Sequence[Path], rig: str, target: str) -> list[Path]:
+    """Return every calibration of a device that is kept, oldest first."""
+    found: list[Path] = []
+    for configs in search:
+        found += (configs / "calibration" / rig / HISTORY / target).glob("*.yaml")
+    return sorted(found, key=lambda path: path.name)
+
+
+def _name(target: str, content: Mapping[str, Any]) -> str:
+    stamp = str(content["provenance"]["date"]).replace(":", "").replace("+0000", "Z")
+    return f"{HISTORY}/{target}/{stamp}.yaml"
+
+
+def _merged(old: Any, new: Any) -> Any:
+    if isinstance(old, Mapping) and isinstance(new, Mapping):
+        keys = [*old, *(key for key in new if key not in old)]
+        return {key: _merged(old.get(key), new[key]) if key in new else old[key] for key in keys}
+    return (
+        {key: _merged(None, value) for key, value in new.items()}
+        if isinstance(new, Mapping)
+        else new
+    )
+
+
+def _size(residuals: Any) -> tuple[float, float]:
+    return float(np.sqrt(np.mean(residuals**2))), float(np.abs(residuals).max())
+
+
+def _short(value: float, digits: int = 4) -> float:
+    return float(f"{value:.{digits}g}")

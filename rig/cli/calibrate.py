@@ -1,0 +1,227 @@
+"""`rig calibrate`: find what a profile cannot know, and keep it with its history."""
+
+from __future__ import annotations
+
+import getpass
+import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.interfaces import OnBackend
+from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.calibration.procedure import Procedure
+    from rig.calibration.session import Calibrated
+    from rig.calibration.store import Circumstances
+    from rig.config import Profile
+
+_DAY = 86_400.0
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.argument("procedures", nargs=-1, metavar="[PROCEDURE]...")
+@click.option("--all", "every", is_flag=True, help="Every procedure of the rig, in order.")
+@click.option("--yes", is_flag=True, help="Ask nothing.")
+@click.option("--dry-run", is_flag=True, help="Show what would move and how far; open nothing.")
+@click.option(
+    "--on", "on", type=OnBackend(), default="virtual", show_default=True,
+    help="As for `rig run`.",
+)  # fmt: skip
+@click.option(
+    "--from", "earlier", multiple=True, metavar="RUN",
+    type=click.Path(path_type=Path, exists=True, file_okay=False),
+    help="Go on from a recorded run of the procedure: only what it lacks is recorded.",
+)  # fmt: skip
+@click.option(
+    "--readings", type=click.Path(path_type=Path, dir_okay=False),
+    help="File of what the reference instruments showed: quantity,stretch,value lines.",
+)  # fmt: skip
+@click.option("--replace", is_flag=True, help="Replace a better or an unreadable calibration.")
+@click.option("--operator", default=None, help="Who calibrates; default: the user's name.")
+@click.option("--temperature", help="For the record, as in '23 degC'.")
+@click.option("--supply", help="Supply pressure, for the record, as in '7 bar'.")
+@click.option("--valid-for", type=click.IntRange(1), default=365, show_default=True, help="Days.")
+@click.option("--history", "history_of", metavar="DEVICE", help="Show every kept calibration.")
+@click.option("--diff", nargs=2, metavar="A B", help="Compare two calibration files.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
+              help="Where run folders live.")  # fmt: skip
+@set_option
+@configs_option
+def calibrate(rig: str, **options: Any) -> int:
+    """Calibrate RIG by PROCEDURE..., and write configs/calibration/RIG/DEVICE.yaml.
+
+    Without a procedure, list them. A procedure records a run within the rig's limits, fits
+    what it recorded, draws a page into the run folder and writes the file; the older file is
+    kept. Ctrl-C leaves the old calibration in force and the recording as it is: go on with
+    --from RUN.
+    """
+    from rig.config.names import find_configs
+
+    search = find_configs(options["configs"])
+    if options["diff"]:
+        return _diff(search, rig, *options["diff"])
+    if options["history_of"]:
+        return _history(search, rig, options["history_of"])
+    from rig.assembly import REGISTRY
+    from rig.calibration.catalogue import pick, procedures
+    from rig.config import load_profile
+
+    profile = load_profile(rig, REGISTRY, options["overrides"], search)
+    known = procedures(profile)
+    if not options["procedures"] and not options["every"]:
+        rows = [(p.name, ", ".join(p.targets(profile)), p.title) for p in known.values()]
+        print_tables([Table(f"procedures of {rig}", ("procedure", "writes", "what"), rows)])
+        return 0
+    chosen = pick(profile, tuple(known) if options["every"] else options["procedures"])
+    for procedure in chosen:
+        # Each builds on what the one before has found.
+        profile = load_profile(rig, REGISTRY, options["overrides"], search)
+        code = _calibrate(procedure, profile, search, options)
+        if code:
+            return code
+    return 0
+
+
+def _calibrate(
+    procedure: Procedure, profile: Profile, search: Sequence[Path], options: dict[str, Any]
+) -> int:
+    from rig.assembly import Backend, backend_of
+    from rig.calibration.recording import CalibrationRefused
+    from rig.calibration.session import conclude, read_instruments, record
+    from rig.cli.progress import ProgressLine
+    from rig.run_folder import RunStatus
+
+    on: str = options["on"]
+    backend = backend_of(on)
+    _preview(procedure, profile, options["earlier"])
+    if options["dry_run"]:
+        return 0
+    if not options["yes"] and not _agreed():
+        return 2
+    with ProgressLine(f"calibrate {procedure.name}", on) as line:
+        result, folders = record(
+            procedure, profile, backend, options["out"],
+            on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
+        )  # fmt: skip
+    if result is not None and result.status is not RunStatus.OK:
+        again = " ".join(f"--from {path}" for path in folders)
+        click.echo(f"{result.status}: {result.message}", err=True)
+        click.echo(
+            "nothing was changed; what was recorded is kept, go on with: "
+            f"rig calibrate {profile.name} {procedure.name} {again}",
+            err=True,
+        )
+        return result.exit_code
+    try:
+        readings = read_instruments(
+            procedure, profile, folders,
+            simulated=backend.is_simulated, readings=options["readings"],
+            prompt=None if options["yes"] or not sys.stdin.isatty() else click.prompt,
+        )  # fmt: skip
+        done = conclude(
+            procedure, profile, folders, readings, _circumstances(options), search[0], search,
+            replace=options["replace"],
+        )  # fmt: skip
+    except CalibrationRefused as refusal:
+        click.echo(f"{procedure.name}: {refusal}", err=True)
+        click.echo("nothing was changed: the calibration before stays in force", err=True)
+        return 1
+    _show(procedure, done)
+    return 0
+
+
+def _circumstances(options: dict[str, Any]) -> Circumstances:
+    from rig.calibration.store import Circumstances
+
+    said = {"temperature": options["temperature"], "supply pressure": options["supply"]}
+    return Circumstances(
+        options["operator"] or getpass.getuser(),
+        options["valid_for"] * _DAY,
+        {key: value for key, value in said.items() if value is not None},
+        datetime.now(UTC),
+    )
+
+
+def _agreed() -> bool:
+    if not sys.stdin.isatty():
+        click.echo("there is no terminal to ask: say --yes, or look first with --dry-run", err=True)
+        return False
+    return click.confirm("Go?", default=False, err=True)
+
+
+def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) -> None:
+    """Say what will move and how far, before anything is opened."""
+    from rig.calibration.preview import preview
+    from rig.calibration.recording import Recording
+
+    done = Recording.of(earlier).names if earlier else ()
+    for sentence in preview(procedure, profile, done):
+        click.echo(sentence, err=True)
+
+
+def _show(procedure: Procedure, done: Calibrated) -> None:
+    from rig.config import format_quantity
+
+    rows = [
+        (
+            e.name,
+            format_quantity(e.value, e.unit),
+            format_quantity(e.std, e.unit),
+            f"{format_quantity(e.low, e.unit)} … {format_quantity(e.high, e.unit)}",
+        )
+        for finding in done.findings
+        for e in finding.estimates
+    ]
+    print_tables([Table(procedure.title, ("quantity", "value", "std", "95 %"), rows)])
+    for path in (*done.files, *done.figures):
+        click.echo(str(path), err=True)
+
+
+def _history(search: Sequence[Path], rig: str, target: str) -> int:
+    from rig.calibration.store import history, load
+    from rig.hal import ConfigurationError
+
+    kept = history(search, rig, target)
+    if not kept:
+        raise ConfigurationError(f"no calibration of {target} of the rig {rig} is kept")
+    rows = []
+    for path in kept:
+        of = load(path)["provenance"]
+        residual = f"{of.get('residual_rms', '-')} {of.get('unit', '')}"
+        rows.append(
+            (str(of["date"]), of["operator"], of.get("procedure", "-"), residual,
+             str(of.get("valid_until", "-")), str(path))
+        )  # fmt: skip
+    head = ("date", "operator", "procedure", "residual rms", "valid until", "file")
+    print_tables([Table(f"calibrations of {target}", head, rows)])
+    return 0
+
+
+def _diff(search: Sequence[Path], rig: str, one: str, other: str) -> int:
+    from rig.calibration.store import find, load
+    from rig.config import format_quantity
+
+    paths = [find(search, rig, name) for name in (one, other)]
+    a, b = ({m["name"]: m for m in load(path)["measured"]} for path in paths)
+    rows = []
+    for name in [*a, *(name for name in b if name not in a)]:
+        old, new = a.get(name), b.get(name)
+        texts = ["-" if m is None else format_quantity(m["value"], m["unit"]) for m in (old, new)]
+        if old is None or new is None:
+            rows.append((name, *texts, "-", "-"))
+            continue
+        change = new["value"] - old["value"]
+        spread = (old["std"] ** 2 + new["std"] ** 2) ** 0.5
+        sigmas = f"{abs(change) / spread:.1f}" if spread else "-"
+        rows.append((name, *texts, format_quantity(change, new["unit"]), sigmas))
+    print_data(f"A: {paths[0]}\nB: {paths[1]}")
+    head = ("quantity", "A", "B", "change", "in its std")
+    print_tables([Table("difference", head, rows)])
+    return 0

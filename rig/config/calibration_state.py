@@ -1,0 +1,72 @@
+"""Whether the calibrations of a profile still hold, and what would mend those that do not."""
+
+from datetime import date, datetime
+from typing import NamedTuple
+
+from rig.config.models import Calibration, Profile
+
+
+class CalibrationState(NamedTuple):
+    """One calibration in force.
+
+    Parameters
+    ----------
+    name : str
+        The device, or the mechanism.
+    calibration : Calibration
+        What was laid over its settings.
+    problems : tuple of str
+        Why it does not hold; empty if it does.
+    remedy : str
+        The command that would mend it.
+    """
+
+    name: str
+    calibration: Calibration
+    problems: tuple[str, ...]
+    remedy: str
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong and how to mend it, in one sentence."""
+        return f"its calibration {'; '.join(self.problems)}; mend it with: {self.remedy}"
+
+
+def calibration_states(profile: Profile, today: date) -> tuple[CalibrationState, ...]:
+    """Return the state of every calibration in force.
+
+    Parameters
+    ----------
+    profile : Profile
+        As loaded.
+    today : date
+        The day to judge it at.
+    """
+    found = []
+    for name, calibration in profile.calibrations.items():
+        entry = profile.devices.get(name)
+        serial = None if entry is None else entry.serial
+        procedure = calibration.provenance.procedure or "--all"
+        remedy = f"rig calibrate {profile.name} {procedure} --replace --on hardware"
+        problems = _problems(calibration, serial, today)
+        found.append(CalibrationState(name, calibration, problems, remedy))
+    return tuple(found)
+
+
+def _problems(calibration: Calibration, serial: int | None, today: date) -> tuple[str, ...]:
+    of = calibration.provenance
+    problems = []
+    if None not in (serial, of.serial) and serial != of.serial:
+        problems.append(f"is of serial number {of.serial}, the profile's device has {serial}")
+    if of.valid_until is not None and datetime.fromisoformat(of.valid_until).date() < today:
+        problems.append(f"expired on {of.valid_until}")
+    if (
+        of.residual_rms is not None
+        and of.residual_bound is not None
+        and of.residual_rms > of.residual_bound
+    ):
+        problems.append(
+            f"leaves {of.residual_rms:g} {of.unit or ''} rms, "
+            f"above the bound of {of.residual_bound:g} {of.unit or ''}"
+        )
+    return tuple(problems)
