@@ -28,7 +28,8 @@ from rig.hal import DeviceFault, LimitExceeded, Reading, Vector
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
 _PROFILE: Final = 401
-_TAKE_ERROR_VALUE: Final = 1  # 0x6443
+_HOLD: Final = 0  # 0x6443
+_TAKE_ERROR_VALUE: Final = 1
 _TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
 _BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wire
 _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
@@ -77,7 +78,10 @@ class Cia401Regulators:
         self._lowest, self._highest = low - slack, high + slack
         count = len(wiring)
         self._vented: Vector = (min(max(settings.vented, low), high),) * count
-        self._supply = 0 if settings.supply_bit is None else 1 << settings.supply_bit
+        self._held = tuple(channel.safe == "hold" for channel in wiring)
+        self._open = settings.opening_bits
+        self._kept = settings.kept_bits
+        self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
         self._pressed_level = 0 if settings.stop_active_low else self._stop
 
@@ -86,7 +90,7 @@ class Cia401Regulators:
         self._packers = tuple(layout_struct(layout) for layout in self._receive_layouts)
         self._pack_only = self._packers[0].pack if len(self._packers) == 1 else None
         vented = [encode(self._vented[k]) for k, encode in enumerate(self._encoders)]
-        safe = self._contents(vented, supply=False)
+        safe = self._contents(vented, 0)
         self._pdos = tuple(
             CyclicFrame(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
         )
@@ -117,9 +121,9 @@ class Cia401Regulators:
 
     # Codec ----------------------------------------------------------------------------
 
-    def _contents(self, counts: list[int | float], *, supply: bool) -> tuple[bytes, ...]:
-        """Return what the receive PDOs hold for setpoints in counts and the supply valve."""
-        values = [*counts, self._supply if supply else 0] if self._supply else counts
+    def _contents(self, counts: list[int | float], digital: int) -> tuple[bytes, ...]:
+        """Return what the receive PDOs hold for setpoints in counts and the digital outputs."""
+        values = [*counts, digital] if self._open else counts
         contents = []
         for layout, packer in zip(self._receive_layouts, self._packers, strict=True):
             part, values = values[: len(layout)], values[len(layout) :]
@@ -160,7 +164,8 @@ class Cia401Regulators:
     def connect(self) -> None:
         """Find, identify and configure the module; leave it vented, in PRE-OPERATIONAL.
 
-        Every object that matters for safety is written and read back.
+        A chamber that is locked stays so until the first setpoint. Every object that matters
+        for safety is written and read back.
 
         Raises
         ------
@@ -168,6 +173,7 @@ class Cia401Regulators:
             It does not answer, is another device, or did not take a setting.
         """
         self._armed = False
+        self._forget_setpoints()
         settings, node = self.settings, self._node
         node.connect(
             profile=_PROFILE,
@@ -179,14 +185,13 @@ class Cia401Regulators:
             signal = channel.setpoint
             raw = encode_pressure(codec, self._vented[0])
             if settings.error_mode is not None:
-                node.write(
-                    settings.error_mode, signal.sub, settings.error_mode_type, _TAKE_ERROR_VALUE
-                )
+                mode = _HOLD if channel.safe == "hold" else _TAKE_ERROR_VALUE
+                node.write(settings.error_mode, signal.sub, settings.error_mode_type, mode)
             if settings.error_value is not None:
                 kind = "f32" if signal.type == "f32" else "i32"
                 node.write(settings.error_value, signal.sub, kind, raw)
-        if self._supply:
-            node.write(0x6206, 1, "u8", 0xFF)
+        if self._open:
+            node.write(0x6206, 1, "u8", 0xFF & ~self._kept)
             node.write(0x6207, 1, "u8", 0)
         node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
         node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
@@ -194,7 +199,7 @@ class Cia401Regulators:
             signal = channel.setpoint
             raw = encode_pressure(codec, self._vented[0])
             node.write(signal.index, signal.sub, signal.type, raw)
-        if self._supply:
+        if self._open:
             node.write(0x6200, 1, "u8", 0)
         self._set_safe()
 
@@ -206,6 +211,7 @@ class Cia401Regulators:
         ConnectionFailed
             It does not become OPERATIONAL, or sends no readings.
         """
+        self._forget_setpoints()
         self._set_safe()
         self._node.arm()
         for pdo in self._pdos:
@@ -224,7 +230,7 @@ class Cia401Regulators:
         return f"{self.name}: {max(doubts)[1]}" if doubts else None
 
     def make_safe(self) -> None:
-        """Vent every channel and shut the supply, from now until it is armed again."""
+        """Vent, hold or lock each channel as its settings say, until it is armed again."""
         self._armed = False
         self._set_safe()
 
@@ -270,12 +276,14 @@ class Cia401Regulators:
                 )
             counts.append(encode(value))
         self._setpoint = pressure
+        digital = self._open
+        self._digital = self._kept
         if self._pack_only is not None:  # as most modules have it: one PDO for everything
             self._pdos[0].data = (
-                self._pack_only(*counts, self._supply) if self._supply else self._pack_only(*counts)
+                self._pack_only(*counts, digital) if digital else self._pack_only(*counts)
             )
             return
-        for pdo, data in zip(self._pdos, self._contents(counts, supply=True), strict=True):
+        for pdo, data in zip(self._pdos, self._contents(counts, digital), strict=True):
             pdo.data = data
 
     def check(self, now: float) -> None:
@@ -303,10 +311,23 @@ class Cia401Regulators:
         """Return counters for the run's manifest."""
         return self._inputs.statistics()
 
-    def _set_safe(self) -> None:
+    def safe_pressure(self) -> Vector:
+        """Return the setpoints of the safe state, Pa gauge, shape (n,); see `SafePressure`."""
+        return tuple(
+            setpoint if held else vented
+            for held, setpoint, vented in zip(self._held, self._setpoint, self._vented, strict=True)
+        )
+
+    def _forget_setpoints(self) -> None:
+        """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._setpoint = self._vented
-        for pdo in self._pdos:
-            pdo.data = pdo.safe
+        self._digital = 0
+
+    def _set_safe(self) -> None:
+        self._setpoint = setpoint = self.safe_pressure()
+        counts = [encode(setpoint[k]) for k, encode in enumerate(self._encoders)]
+        for pdo, data in zip(self._pdos, self._contents(counts, self._digital), strict=True):
+            pdo.data = pdo.safe = data
 
     def _broken_wire(self, k: int) -> DeviceFault:
         signal = self.settings.channels[self.channels[k]].monitor

@@ -149,10 +149,20 @@ class RegulatorChannel:
         What commands it.
     monitor : MonitorSignal
         What it reports.
+    safe : str
+        What it does when the rig is made safe, or the master falls silent. ``vent``: the
+        setpoint goes to `vented`. ``hold``: it keeps its last setpoint, and the supply stays
+        open. ``lock``: the valve of `lock_bit` shuts the air in, and the setpoint goes to
+        `vented` behind it.
+    lock_bit : int, optional
+        Bit of the first digital output byte that opens the valve between the regulator and its
+        chamber; low shuts it.
     """
 
     setpoint: SetpointSignal
     monitor: MonitorSignal
+    safe: Literal["vent", "hold", "lock"] = "vent"
+    lock_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,6 +252,25 @@ class Cia401Settings:
                         f"channels {owner[entry]} and {name} have the same {side} object {entry}."
                     )
                 owner[entry] = name
+        bits = {} if self.supply_bit is None else {self.supply_bit: "supply_bit"}
+        for name, channel in self.channels.items():
+            if channel.lock_bit is not None:
+                own = f"channels.{name}.lock_bit"
+                if bits.setdefault(channel.lock_bit, own) != own:
+                    raise ValueError(
+                        f"{own}: output bit {channel.lock_bit} is that of "
+                        f"{bits[channel.lock_bit]} already."
+                    )
+            elif channel.safe == "lock":
+                raise ValueError(
+                    f"channels.{name}: safe is lock, but nothing locks it; give lock_bit, the "
+                    "output of the valve between regulator and chamber, or take vent or hold."
+                )
+            if channel.safe == "hold" and self.error_mode is None:
+                raise ValueError(
+                    f"channels.{name}: safe is hold, but without error_mode the module cannot be "
+                    "told to hold its output when the master falls silent."
+                )
         low, high = self.pressure_range
         if not low < high:
             raise ValueError("channels: their setpoints have no pressure range in common.")
@@ -259,9 +288,24 @@ class Cia401Settings:
         return max(low for low, _ in scales), min(high for _, high in scales)
 
     @property
+    def opening_bits(self) -> int:
+        """The digital output bits that a rig in use has high: supply and lock valves."""
+        bits = [self.supply_bit, *(channel.lock_bit for channel in self.channels.values())]
+        return sum(1 << bit for bit in bits if bit is not None)
+
+    @property
+    def kept_bits(self) -> int:
+        """Those that stay as they are in the safe state."""
+        channels = self.channels.values()
+        kept = [channel.lock_bit for channel in channels if channel.safe != "lock"]
+        if any(channel.safe == "hold" for channel in channels):
+            kept.append(self.supply_bit)
+        return sum(1 << bit for bit in kept if bit is not None)
+
+    @property
     def receive_entries(self) -> Layout:
         """What the module receives each cycle, in order."""
-        digital = () if self.supply_bit is None else (_DIGITAL_OUTPUT,)
+        digital = (_DIGITAL_OUTPUT,) if self.opening_bits else ()
         return (*(channel.setpoint.entry for channel in self.channels.values()), *digital)
 
     @property

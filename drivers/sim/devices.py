@@ -27,6 +27,10 @@ class RegulatorPort(Protocol):
         """Open or shut (and vent) the supply valve."""
         ...
 
+    def set_lock(self, channel: int, locked: bool) -> None:
+        """Shut or open the valve between a regulator and its chamber."""
+        ...
+
 
 class RodPort(Protocol):
     """What an encoder needs of a plant."""
@@ -112,6 +116,8 @@ class SimulatedRegulators(_SimulatedDevice):
         Of the monitor's converter, Pa.
     deviation, deviation_time : float
         How far (Pa) and for how long (s) a monitored pressure may be off its setpoint.
+    safe : sequence of str
+        Of each channel: ``vent``, ``hold`` or ``lock``; empty: all vent.
     """
 
     def __init__(
@@ -125,6 +131,7 @@ class SimulatedRegulators(_SimulatedDevice):
         resolution: float = 0.5e6 / 0x7FFF,
         deviation: float = inf,
         deviation_time: float = 0.5,
+        safe: Sequence[str] = (),
     ) -> None:
         super().__init__(name, clock)
         self.channels = tuple(channels)
@@ -135,9 +142,10 @@ class SimulatedRegulators(_SimulatedDevice):
         self._deviation_time = deviation_time
         count = len(self.channels)
         self._vented = (max(pressure_range[0], 0.0),) * count
+        self._safe = tuple(safe) or ("vent",) * count
         self._setpoints: Vector = self._vented
         self._followed_at = [0.0] * count
-        self._armed = False
+        self._armed = self._holding = False
         self._stopped = False
         self._broken: set[int] = set()
         self._stuck: set[int] = set()
@@ -149,13 +157,16 @@ class SimulatedRegulators(_SimulatedDevice):
 
     def connect(self) -> None:
         """Vent, with the supply closed, and take the first readings."""
+        self._armed = self._holding = False
         self._plant.set_supply(False)
+        self._lock(True)
         self._write(self._vented)
         self._sample()
 
     def arm(self) -> None:
         """Open the supply and follow setpoints from now on."""
         self._armed = True
+        self._lock(False)
         self._followed_at = [self._clock.now()] * len(self.channels)
         self._plant.set_supply(True)
         self._sample()
@@ -190,10 +201,27 @@ class SimulatedRegulators(_SimulatedDevice):
         self._sample()
 
     def make_safe(self) -> None:
-        """Vent every chamber and close the supply."""
+        """Vent, hold or lock each chamber; the supply stays open only for what is held."""
+        self._holding = "hold" in self._safe and (self._armed or self._holding)
         self._armed = False
-        self._write(self._vented)
-        self._plant.set_supply(False)
+        if not self._holding:
+            self._plant.set_supply(False)
+        self._lock(True)
+        self._write(self.safe_pressure())
+
+    def safe_pressure(self) -> Vector:
+        """Return the setpoints of the safe state, Pa gauge, shape (n,)."""
+        return tuple(
+            setpoint if safe == "hold" else vented
+            for safe, setpoint, vented in zip(
+                self._safe, self._setpoints, self._vented, strict=True
+            )
+        )
+
+    def _lock(self, locked: bool) -> None:
+        for channel, safe in enumerate(self._safe):
+            if safe == "lock":
+                self._plant.set_lock(channel, locked)
 
     def _write(self, setpoints: Vector) -> None:
         self._setpoints = setpoints

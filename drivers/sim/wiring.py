@@ -128,6 +128,7 @@ def emulate_cia401(
                 signal.monitor.sub,
                 _scale(signal.setpoint),
                 _scale(signal.monitor),
+                signal.lock_bit,
             )
             for signal in by_plant
         ],
@@ -166,6 +167,7 @@ def simulate_cia401(
         resolution=resolution,
         deviation=settings.following.deviation,
         deviation_time=settings.following.time,
+        safe=tuple(signal.safe for signal in settings.channels.values()),
     )
 
 

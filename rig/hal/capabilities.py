@@ -65,6 +65,14 @@ class PressureRegulator(Device, Protocol):
         ...
 
 
+class SafePressure(Protocol):
+    """Regulators of which some keep their pressure in the safe state."""
+
+    def safe_pressure(self) -> Vector:
+        """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
+        ...
+
+
 class LinearEncoder(Device, Protocol):
     """Linear encoders, n channels."""
 

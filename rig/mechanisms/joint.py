@@ -237,7 +237,9 @@ class SphericalJoint:
         return JointCommand(first, second, third, fourth)
 
     def released_command(self) -> JointCommand:
-        """Return all chambers vented."""
+        """Return all chambers vented but for those that the profile has hold their pressure."""
+        if hasattr(self._regulators, "safe_pressure"):
+            return JointCommand(*self._regulators.safe_pressure())
         return JointCommand(*(self._limits.pressure[0],) * 4)
 
     def blend(self, start: JointCommand, end: JointCommand, share: float) -> JointCommand:

@@ -44,6 +44,10 @@ class RegulatorPort(Protocol):
         """Open or shut (and vent) the supply valve."""
         ...
 
+    def set_lock(self, channel: int, locked: bool) -> None:
+        """Shut or open the valve between a regulator and its chamber."""
+        ...
+
 
 class RegulatorWiring(NamedTuple):
     """How one regulator is wired to the module.
@@ -54,12 +58,15 @@ class RegulatorWiring(NamedTuple):
         Sub-indices of the analogue output (setpoint) and input (monitor).
     setpoint, monitor : AnalogueScale
         Their scales.
+    lock_bit : int or None
+        Bit of 0x6200:1 that opens the valve between regulator and chamber; None: there is none.
     """
 
     output: int
     input: int
     setpoint: AnalogueScale
     monitor: AnalogueScale
+    lock_bit: int | None = None
 
 
 class EmulatedCia401(EmulatedNode):
@@ -129,6 +136,7 @@ class EmulatedCia401(EmulatedNode):
         self._stuck: set[int] = set()
         self._signals = [0.0] * len(self._regulators)
         self._supply: bool | None = None
+        self._locked: dict[int, bool] = {}
         self._next_look = inf
         self._reported: list[int] = [0] * inputs
         self._add_digital()
@@ -219,6 +227,7 @@ class EmulatedCia401(EmulatedNode):
     def restore_process(self) -> None:
         """Power-on: outputs at 0 counts, supply shut."""
         self._supply = None
+        self._locked.clear()
         self.apply_outputs(self.now)
 
     def _analogue_written(self) -> None:
@@ -233,6 +242,12 @@ class EmulatedCia401(EmulatedNode):
         if supply is not self._supply:
             self._supply = supply
             self._port.set_supply(supply)
+        for channel, wiring in enumerate(self._regulators):
+            if wiring.lock_bit is not None:
+                locked = not bits >> wiring.lock_bit & 1
+                if self._locked.get(channel) is not locked:
+                    self._locked[channel] = locked
+                    self._port.set_lock(channel, locked)
 
     def _set_signal(self, channel: int, raw: float | bytes) -> None:
         if channel in self._stuck or isinstance(raw, bytes):

@@ -136,6 +136,8 @@ class PneumaticPlant(ABC):
         self._line["supply"] = self._line["supply_target"] = ATMOSPHERE
         self._supply_open = False
         self._supply_pressure = settings.regulator.supply_pressure
+        self._modes = [REGULATING] * count
+        self._locked = [False] * count
 
         self._monitors = monitors
         self._noise: list[list[float]] = []
@@ -176,6 +178,11 @@ class PneumaticPlant(ABC):
         """Open the supply valve, or close it: it then vents the line and the regulators."""
         self._supply_open = open
         self._connect_supply()
+
+    def set_lock(self, channel: int, locked: bool) -> None:
+        """Shut or open the valve between a regulator and its chamber."""
+        self._locked[channel] = locked
+        self._set_mode(channel, self._modes[channel])
 
     def pressure(self, channel: int) -> float:
         """Return what the regulator's monitor puts out, Pa gauge: the chamber and its noise."""
@@ -234,10 +241,16 @@ class PneumaticPlant(ABC):
             self.parameters[channel]["wire_stiffness"] = 0.0
             self.parameters[channel]["wire_damping"] = 0.0
         else:
-            self.channels[channel]["mode"] = _MODES[fault]
+            self._set_mode(channel, _MODES[fault])
+
+    def _set_mode(self, channel: int, mode: float) -> None:
+        """Have a regulator work or fail; behind a shut lock valve it does not matter which."""
+        self._modes[channel] = mode
+        self.channels[channel]["mode"] = STUCK_CLOSED if self._locked[channel] else mode
 
     def _repair(self) -> None:
-        self.channels["mode"] = REGULATING
+        for channel in range(len(self.channel_names)):
+            self._set_mode(channel, REGULATING)
         self.channels["leak"] = 0.0
         self.parameters["wire_stiffness"] = self._common.wire.stiffness
         self.parameters["wire_damping"] = self._common.wire.damping
