@@ -45,10 +45,14 @@ def check_turn_back(
     if sin_qs > 1.0:
         limit = geometry.rate_limits[2]
         least = max(limit * sin_qs, least_rate(geometry, trajectory.speed))
+        if math.cos(elbow) > 0.0:  # the start has to be outside the region, too
+            least /= abs(s3)
+        least = math.ceil(1e4 * least) / 1e4
         raise InfeasibleMotion(
             f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
             f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
-            f"{least:.4f} rad/s, or the hand be no faster than {trajectory.speed / sin_qs:.4g} m/s."
+            f"{least:.4f} rad/s, or the hand be no faster than "
+            f"{trajectory.speed * limit / least:.4g} m/s."
         )
     if abs(s3) <= sin_qs and math.cos(elbow) > 0.0:
         raise InfeasibleMotion(

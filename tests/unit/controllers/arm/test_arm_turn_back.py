@@ -126,7 +126,7 @@ def test_time_scales_with_speeds_and_limits():
 
 
 def test_the_printed_speed_is_refused_with_the_rate_that_would_do():
-    with pytest.raises(InfeasibleMotion, match=r"5\.3173, more than 1.*at least 5\.3173 rad/s"):
+    with pytest.raises(InfeasibleMotion, match=r"5\.3173, more than 1.*at least 5\.3174 rad/s"):
         paper(TurnBack(speed=0.7, turn_rate=0.7))
     with pytest.raises(InfeasibleMotion, match=r"more than 1"):
         ours(TurnBack(speed=0.7, turn_rate=0.7))
