@@ -49,8 +49,18 @@ def test_rates_of_the_other_laws(tmp_path, law):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rig", ["legs", "legs-can"])
-@pytest.mark.parametrize("name", ["legs-walk", "legs-walk-fast", "legs-walk-bob", "legs-squat"])
+@pytest.mark.parametrize(
+    ("name", "rig"),
+    [
+        ("legs-walk", "legs"),
+        ("legs-walk", "legs-can"),
+        ("legs-walk-fast", "legs"),
+        ("legs-walk-fast", "legs-can"),
+        ("legs-walk-bob", "legs"),
+        ("legs-squat", "legs"),
+        ("legs-squat", "legs-can"),
+    ],
+)
 def test_experiments_over_bytes_and_frames(tmp_path, name, rig):
     measure(tmp_path, name, f"rig={rig}", backend=Backend.VIRTUAL)
 
