@@ -26,7 +26,7 @@ from rig.runtime.log import read_log  # noqa: E402
 PDOS = (0x190, 0x1A0, 0x1A1, 0x210)
 CONFIGS = Path(__file__).parents[2] / "configs"
 # Steps too short to settle: the bounds of the experiment are of no interest here.
-SHORT = ("reference.dwell=0.3 s", "reference.repeats=1", "approach=0.3 s")
+SHORT = ("loop.rate=500 Hz", "reference.dwell=0.2 s", "reference.repeats=1", "approach=0.2 s")
 
 
 def run(out, *options):
@@ -156,6 +156,7 @@ def test_other_formats_hold_the_same_frames(kind, folder, frames, tmp_path, capf
     assert [line[14:] for line in ours] == [line[14:] for line in theirs]
 
 
+@pytest.mark.slow
 def test_a_killed_run_leaves_every_frame_and_a_log_that_is_read(tmp_path):
     process = subprocess.Popen(
         [sys.executable, "-m", "rig", "run", "cylinder-sine", "--frames", "--out", str(tmp_path)],
