@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from rig.cli.interfaces import OnBackend
 from rig.cli.names import complete_config, configs_option, json_option, set_option
 from rig.cli.tables import print_data, print_tables
 
@@ -27,11 +28,24 @@ _EXPERIMENT_KEY = re.compile(r"^(rig|reference|metrics|controller|approach)\s*:"
 @click.argument("source", metavar="PROFILE|EXPERIMENT", shell_complete=complete_config)
 @set_option
 @configs_option
+@click.option(
+    "--on",
+    type=OnBackend(),
+    metavar="INTERFACE|hardware",
+    help="Ask these CAN buses, or the profile's own (hardware), who is there, and compare that "
+    "with the profile. It only reads: no node is reset or started.",
+)
 @json_option
-def check(source: str, overrides: tuple[str, ...], configs: Path | None, as_json: bool) -> int:
+def check(
+    source: str,
+    overrides: tuple[str, ...],
+    configs: Path | None,
+    on: str | None,
+    as_json: bool,
+) -> int:
     """Check a profile or an experiment and show what it says.
 
-    Nothing is opened. Every error of a file is shown at once, with its line.
+    Nothing is opened, unless --on says so. Every error of a file is shown at once, with its line.
     """
     from rig.cli.description import (
         describe_experiment,
@@ -41,6 +55,10 @@ def check(source: str, overrides: tuple[str, ...], configs: Path | None, as_json
     )
 
     profile, plan = load(source, overrides, configs)
+    if on is not None:
+        from rig.cli.check_bus import check_buses
+
+        return check_buses(profile, _on_bus(on), as_json=as_json)
     described = describe_profile(profile)
     if plan is None:
         content: dict[str, Any] = {"profile": described}
@@ -54,6 +72,12 @@ def check(source: str, overrides: tuple[str, ...], configs: Path | None, as_json
         print_tables(tables)
         click.echo(f"{source}: valid", err=True)
     return 0
+
+
+def _on_bus(on: str) -> str:
+    if on in ("sim", "virtual"):
+        raise click.BadParameter(f"{on} has no bus that could be asked.", param_hint="--on")
+    return on
 
 
 def load(

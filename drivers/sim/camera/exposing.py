@@ -1,5 +1,6 @@
 """The process behind `ServedCamera`: renders frames, searches them, hands over what they show."""
 
+import contextlib
 import os
 import pickle
 import select
@@ -153,6 +154,7 @@ def main(simulation: int, listener: int) -> None:
     import cv2
 
     cv2.setNumThreads(1)
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    with contextlib.suppress(OSError):  # where permitted: after loop and devices, before the rest
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
     with socket.socket(fileno=simulation) as ours, socket.socket(fileno=listener) as theirs:
         Exposing(ours, theirs).run()

@@ -1,0 +1,153 @@
+"""Who answers on a profile's CAN buses, and whether that is what the profile says."""
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from rig.assembly.buses import is_can
+from rig.assembly.interfaces import Interfaces
+from rig.config import Profile
+from rig.hal import DeviceFault, MonotonicClock
+
+_PROFILES = {"cia401": 401, "cia406": 406, "cia402": 402}
+"""Drivers and the CiA device profile that they need on the other side."""
+
+
+class Expected(NamedTuple):
+    """A node that the profile says is there."""
+
+    name: str
+    node: int
+    profile: int | None
+    vendor: int | None
+    product: int | None
+    serial: int | None
+
+
+class Answer(NamedTuple):
+    """One node number of a bus.
+
+    Attributes
+    ----------
+    bus : str
+        By the profile's name.
+    node : int
+        The number.
+    name : str
+        The device, and its joint, of the profile; empty for one that it does not know.
+    found : drivers.can.found.Found or None
+        What answered.
+    differences : tuple of str
+        In words; empty if all is as it should be.
+    """
+
+    bus: str
+    node: int
+    name: str
+    found: Any
+    differences: tuple[str, ...]
+
+
+def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
+    """Ask all CAN buses of a profile who is there; nothing is changed on them.
+
+    Parameters
+    ----------
+    profile : Profile
+        Checked.
+    interfaces : mapping
+        Settings that replace a bus's own, by its name; those that are missing are the profile's.
+
+    Raises
+    ------
+    ConnectionFailed
+        An interface is missing or down.
+    DeviceFault
+        It refuses frames.
+    """
+    from drivers.can import open_bus
+
+    answers: list[Answer] = []
+    for name, entry in profile.buses.items():
+        if not is_can(entry):
+            continue
+        bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
+        try:
+            found = _surveyor(entry.protocol)(bus, MonotonicClock())
+        except Exception as error:  # each interface has errors of its own
+            raise DeviceFault(name, f"the interface refused a frame: {error}") from error
+        finally:
+            bus.shutdown()
+        answers += compare(name, expected_on(profile, name), {item.node: item for item in found})
+    return answers
+
+
+def expected_on(profile: Profile, bus: str) -> list[Expected]:
+    """Return the nodes that a profile says are on a bus."""
+    nodes: list[Expected] = []
+    for name, entry in profile.devices.items():
+        if entry.bus != bus:
+            continue
+        settings = entry.settings
+        common = (
+            _PROFILES.get(entry.driver),
+            getattr(settings, "vendor", None),
+            getattr(settings, "product", None),
+        )
+        if hasattr(settings, "node"):
+            nodes.append(Expected(name, settings.node, *common, entry.serial))
+        for joint, its in getattr(settings, "joints", {}).items():
+            number = getattr(its, "node", getattr(its, "axis", None))
+            if number is not None:
+                nodes.append(
+                    Expected(f"{name}.{joint}", number, *common, getattr(its, "serial", None))
+                )
+    return nodes
+
+
+def compare(bus: str, expected: list[Expected], found: dict[int, Any]) -> list[Answer]:
+    """Return what is expected and what else answers, by node number."""
+    wanted = {item.node: item for item in expected}
+    return [
+        Answer(
+            bus,
+            node,
+            wanted[node].name if node in wanted else "",
+            found.get(node),
+            _differences(wanted.get(node), found.get(node)),
+        )
+        for node in sorted({*wanted, *found})
+    ]
+
+
+def _differences(expected: Expected | None, found: Any) -> tuple[str, ...]:
+    if found is None:
+        return ("does not answer",)
+    differences = []
+    if expected is None:
+        differences.append("not in the profile")
+    if found.answers > 1 or len(found.serials) > 1:
+        differences.append(f"{max(found.answers, len(found.serials))} devices have this number")
+    if found.answers == 0:
+        differences.append("sends, but answers no question")
+    if expected is None:
+        return tuple(differences)
+    for what, wanted, seen in (
+        ("device profile CiA", expected.profile, found.profile),
+        ("vendor", expected.vendor, found.vendor),
+        ("product", expected.product, found.product),
+        ("serial", expected.serial, found.serials[0] if found.serials else None),
+    ):
+        if wanted is not None and found.answers and seen != wanted:
+            differences.append(f"{what} {wanted} expected")
+    return tuple(differences)
+
+
+def _surveyor(protocol: str) -> Callable[..., list[Any]]:
+    if protocol == "cansimple":
+        from drivers.servos.odrive_survey import survey_odrives
+
+        return survey_odrives
+    from drivers.canopen.survey import survey_canopen
+
+    return survey_canopen

@@ -1,0 +1,70 @@
+"""`rig check --on`: who answers on the bus, beside what the profile says."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.assembly.survey import Answer
+    from rig.config import Profile
+
+_HEADER = ("bus", "node", "device", "type", "vendor", "serial", "state", "verdict")
+EXIT_DIFFERENT = 3
+
+
+def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
+    """Show who answers on the CAN buses of a profile; return the exit code."""
+    from rig.assembly import parse_interfaces
+    from rig.assembly.survey import survey_buses
+
+    interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
+    answers = survey_buses(profile, interfaces)
+    if as_json:
+        print_data(json.dumps({"buses": [_as_data(answer) for answer in answers]}, indent=2))
+    else:
+        title = f"{profile.name} on {on}"
+        print_tables([Table(title, _HEADER, [_row(answer) for answer in answers])])
+    different = [answer for answer in answers if answer.differences]
+    for answer in different:
+        who = answer.name or "an unknown device"
+        what = ", ".join(answer.differences)
+        click.echo(f"{who} (bus {answer.bus}, node 0x{answer.node:02X}): {what}", err=True)
+    if not different:
+        click.echo(f"{len(answers)} of {len(answers)} nodes are as the profile says", err=True)
+        return 0
+    click.echo(_advise(profile, on, answers), err=True)
+    return EXIT_DIFFERENT
+
+
+def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
+    """Say what to do next."""
+    if all(answer.found is None for answer in answers):
+        return (
+            "nobody answers: look at power, cable, termination and bit rate (ip -details link "
+            f"show); a simulated rig is started by: rig simulate {profile.name} --on {on}"
+        )
+    if any(answer.found is not None and answer.found.answers > 1 for answer in answers):
+        return "take one of the devices that share a number off the bus, and give it another"
+    return "look at node numbers and power, or correct the profile"
+
+
+def _as_data(answer: Answer) -> dict[str, Any]:
+    found = None if answer.found is None else answer.found._asdict()
+    return {**answer._asdict(), "found": found}
+
+
+def _row(answer: Answer) -> tuple[str, ...]:
+    found = answer.found
+    verdict = ", ".join(answer.differences) or "ok"
+    name = answer.name or "-"
+    node = f"0x{answer.node:02X}"
+    if found is None:
+        return (answer.bus, node, name, "-", "-", "-", "-", verdict)
+    vendor = "-" if found.vendor is None else f"0x{found.vendor:X}"
+    serials = " ".join(f"{serial:X}" for serial in found.serials) or "-"
+    return (answer.bus, node, name, found.kind or "-", vendor, serials, found.state, verdict)
