@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 ENCODERS, TRUTH = "estimate.encoder_marker", "truth.marker"
 _SAME = 1e-6
 """Two stamps that differ by less are of one sample, s."""
+_ROUNDS = 4
+"""Each corrects what the one before has left; the first one is linear."""
 _FEWEST = 10
 """Fewer samples than these tell nothing."""
 
@@ -70,20 +72,52 @@ def stamp_error(windows: Windows, source: str) -> float:
     source : str
         Columns of what the samples are held against, without the axis.
     """
-    products = squares = 0.0
-    for window in windows:
-        samples = camera_samples(window)
-        inside = samples.t >= window.t[0]
-        for number, axis in enumerate("xyz"):
-            track = window.column(f"{source}_{axis}")
-            speed = np.interp(samples.t, window.t, local_slope(window.t, track))[inside]
-            gap = samples.marker[inside, number] - np.interp(samples.t, window.t, track)[inside]
-            gap -= gap.mean()
-            products -= float(gap @ speed)
-            squares += float(speed @ speed)
-    if squares == 0.0:
-        raise ValueError("the marker does not move")
-    return products / squares
+    error = 0.0
+    tracks = [_Track(window, source) for window in windows]
+    for _ in range(_ROUNDS):
+        products = squares = 0.0
+        for track in tracks:
+            gap, speed = track.misfit(error)
+            products -= float(np.sum(gap * speed))
+            squares += float(np.sum(speed * speed))
+        if squares == 0.0:
+            raise ValueError("the marker does not move")
+        error += products / squares
+    return error
+
+
+class _Track:
+    """The marker's way through a window, and what the camera saw of it.
+
+    Parameters
+    ----------
+    window : Window
+        In which it moves.
+    source : str
+        Columns of the way, without the axis.
+    """
+
+    def __init__(self, window: Window, source: str) -> None:
+        self._t = window.t
+        self._samples = camera_samples(window)
+        self._way = np.column_stack([window.column(f"{source}_{axis}") for axis in "xyz"])
+        self._speed = np.column_stack([local_slope(window.t, way) for way in self._way.T])
+
+    def misfit(self, late: float) -> "tuple[Array, Array]":
+        """Return by how far the samples are beside the way, m, and its speed there, m/s.
+
+        `late` (s) is by how much the stamps are taken to be too late; a constant distance, which
+        is one of calibration, is left out.
+        """
+        t = self._samples.t - late
+        inside = (t >= self._t[0]) & (t <= self._t[-1])
+        t = t[inside]
+        there, speed = (
+            np.column_stack([np.interp(t, self._t, values) for values in signal.T])
+            for signal in (self._way, self._speed)
+        )
+        gap = self._samples.marker[inside] - there
+        return gap - gap.mean(axis=0), speed
 
 
 def camera_latency(windows: Windows) -> float:

@@ -45,7 +45,8 @@ def draw_camera(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 60.0)
     age, fit, gain = figure.subplots(1, 3)
     ages = np.concatenate([camera_samples(window).age for window in windows]) * 1e3
-    age.hist(ages, bins=24, color=BLUE, lw=0)
+    edges = np.arange(np.floor(ages.min()) - 1.0, np.ceil(ages.max()) + 1.5, 0.25)
+    age.hist(ages, bins=edges, color=BLUE, lw=0)
     mean = float(ages.mean())
     age.axvline(mean, color=INK, lw=0.8, ls=(0, (4, 2)), label=f"mean {mean:.1f} ms")
     age.set_xlabel("age of a sample when used first (ms)")
@@ -75,7 +76,8 @@ def _draw_fit(axes: Any, run: RunData, window: Window) -> None:
         axes.plot([], [], color=color, label=f"{label}: {found * 1e3:+.2f} ms")
         axes.axvline(found * 1e3, color=color, lw=0.6, ls=(0, (4, 2)))
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel(f"latency beyond the calibrated one (ms), {window.segment.name}")
+    axes.set_xlabel("latency beyond the calibrated (ms)")
+    axes.set_title(window.segment.name, loc="left")
     axes.set_ylabel("camera off the track, rms (µm)")
     place_legend(axes, 1)
 
@@ -100,7 +102,7 @@ def _draw_gain(axes: Any, run: RunData, windows: list[Window]) -> None:
                           ha="center", fontsize=6.5)  # fmt: skip
     axes.set_xticks(range(len(windows)), labels=[window.segment.name for window in windows])
     axes.tick_params(axis="x", labelsize=6.5)
-    axes.set_ylabel("estimate off the true marker, rms (µm)")
+    axes.set_ylabel("off the true marker, rms (µm)")
     axes.grid(axis="x", visible=False)
     place_legend(axes, 2)
 
