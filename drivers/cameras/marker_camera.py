@@ -70,6 +70,11 @@ class MarkerCameraDriver:
         self._armed = False
         self._forget()
 
+    @property
+    def sphere_radius(self) -> float:
+        """How far from the joint's centre it takes the marker to be, m."""
+        return self.settings.marker.sphere_radius
+
     # Life cycle -----------------------------------------------------------------------
 
     def connect(self) -> None:
@@ -158,9 +163,9 @@ class MarkerCameraDriver:
             absent = newest.t - self._seen_at
             raise DeviceFault(
                 self.name,
-                f"{reason.what}; the marker has been out of sight for {absent:.3f} s",
+                f"{reason.what}; the marker was last seen {absent:.3f} s ago",
                 value=reason.value,
-                bound=f"{reason.bound}, out of sight at most {settings.max_absence:g} s",
+                bound=f"{reason.bound}, unseen at most {settings.max_absence:g} s",
             )
         age = now - newest.t
         if age > settings.max_age:

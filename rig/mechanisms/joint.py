@@ -26,7 +26,7 @@ from rig.hal import (
 )
 from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.joint_columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint_devices import check_devices
+from rig.mechanisms.joint_devices import check_camera, check_devices
 from rig.mechanisms.joint_motion import JointMotion, plan_motion
 from rig.mechanisms.joint_settings import JointSettings
 from rig.mechanisms.joint_watch import JointWatch
@@ -88,6 +88,8 @@ class SphericalJoint:
         period: float,
     ) -> None:
         check_devices(settings, regulators, encoders)
+        if camera is not None:
+            check_camera(settings, camera)
         self.settings = settings
         self.controller: PoseController | None = None
         self.motion: JointMotion | None = None

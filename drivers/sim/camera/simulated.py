@@ -12,7 +12,7 @@ from drivers.cameras.settings import MarkerCameraSettings
 from drivers.cameras.sighting import Sight, Sighting
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.ports import Delivery, MarkerPort
-from drivers.sim.camera.poses import rotation_matrix, twist_of
+from drivers.sim.camera.poses import Floats, rotation_matrix, twist_of
 from drivers.sim.camera.settings import CameraSimulationSettings
 from rig.hal import Clock
 
@@ -38,8 +38,12 @@ class _ImagelessLink:
         self._noise = optics.noise
         self._generator = np.random.default_rng(seed)
         self._delivery = Delivery(settings, optics, seed)
-        self._axis_x = rotation_matrix(settings.rotation_base_from_camera)[:, 0]
+        self._calibrated = rotation_matrix(settings.rotation_base_from_camera)
+        self._true = rotation_matrix(optics.rotation_error) @ self._calibrated
+        self._axis_x = self._calibrated[:, 0]
         self._camera = np.array(settings.position_camera_in_base)
+        self._turned = any(optics.rotation_error)
+        self._true_camera = self._camera + np.array(optics.position_error)
         self._start = inf
         self._frame = -1
         self._last: Sighting | None = None
@@ -105,11 +109,27 @@ class _ImagelessLink:
         if faults.has("mirrored"):
             place -= 2.0 * ((place - self._camera) @ self._axis_x) * self._axis_x
         place += self._noise * self._generator.standard_normal(3)
-        # Whatever the image says, the ray ends on the sphere.
-        place *= marker.sphere_radius / math.sqrt(float(place @ place))
-        x, y, z = place.tolist()
+        seen = self._end_of_ray(place)
+        if seen is None:
+            return Sighting(0, 0.0, Sight.OUTSIDE, amount=0.0)
+        x, y, z = seen
         twist = twist_of(self._plant.ring_rotation()) if aruco else nan
+        if aruco and self._turned:
+            believed = self._calibrated @ self._true.T @ np.array(self._plant.ring_rotation())
+            twist = twist_of(believed.tolist())
         return Sighting(0, 0.0, Sight.SEEN, marker.ids[:1], ((x, y, z),), (twist,))
+
+    def _end_of_ray(self, place: Floats) -> Position | None:
+        """Return where the ray to a place ends on the marker's sphere, as calibrated; or None."""
+        ray = self._calibrated @ (self._true.T @ (place - self._true_camera))
+        ray /= math.sqrt(float(ray @ ray))
+        radius = self._settings.marker.sphere_radius
+        along = -float(ray @ self._camera)
+        left = along * along - float(self._camera @ self._camera) + radius * radius
+        if left < 0.0:
+            return None
+        x, y, z = (self._camera + (along - math.sqrt(left)) * ray).tolist()
+        return x, y, z
 
 
 class SimulatedMarkerCamera(MarkerCameraDriver):

@@ -42,14 +42,14 @@ def emulate_marker_camera(
     serial : int, optional
         The serial number of the profile, which the camera then has.
     optics : CameraSimulationSettings, optional
-        What the camera is really like.
+        What the camera is really like; default: what the plant's settings say.
     """
     from drivers.sim.camera.emulated import EmulatedCamera
 
     return EmulatedCamera(
         name,
         settings,
-        optics or CameraSimulationSettings(),
+        optics or _optics_of(plant),
         plant,
         _own_seed(name, seed),
         serial=settings.calibrated_serial if serial is None else str(serial),
@@ -86,7 +86,7 @@ def serve_marker_camera(
     return ServedCamera(
         name,
         settings,
-        optics or CameraSimulationSettings(),
+        optics or _optics_of(plant),
         plant,
         _own_seed(name, seed),
         camera_address(channel, name),
@@ -133,12 +133,18 @@ def simulate_marker_camera(
     return SimulatedMarkerCamera(
         name,
         settings,
-        optics or CameraSimulationSettings(),
+        optics or _optics_of(plant),
         plant,
         clock,
         _own_seed(name, seed),
         serial=serial,
     )
+
+
+def _optics_of(plant: object) -> CameraSimulationSettings:
+    """Return what the plant's settings say of the camera that watches it."""
+    settings = getattr(plant, "settings", None)
+    return getattr(settings, "camera", None) or CameraSimulationSettings()
 
 
 def _own_seed(name: str, seed: int) -> int:

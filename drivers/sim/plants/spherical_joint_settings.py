@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
+from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.plants.settings import ActuatorSettings, RegulatorSettings, WireSettings
 
 
@@ -105,6 +106,9 @@ class SphericalJointPlantSettings:
         Step of the integration, s.
     regulator, cylinder, wire, ring
         Parameters of the parts.
+    camera : CameraSimulationSettings
+        What the camera that watches the marker is really like: latency, noise, blur, losses,
+        errors of its calibration.
     """
 
     seals: Literal["standard", "low-speed"] = "standard"
@@ -121,6 +125,7 @@ class SphericalJointPlantSettings:
     cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
     wire: WireSettings = field(default_factory=WireSettings)
     ring: RingSettings = field(default_factory=RingSettings)
+    camera: CameraSimulationSettings = field(default_factory=CameraSimulationSettings)
 
     def __post_init__(self) -> None:
         if not self.home < self.cylinder.stroke:
