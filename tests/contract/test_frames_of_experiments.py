@@ -5,6 +5,8 @@ import json
 import pytest
 from wireshark import dissect, needs_tshark, troubles
 
+from drivers.can.candump import parse_lines
+from drivers.can.frame import REMOTE_FLAG
 from rig.cli import invoke
 
 EXPERIMENTS = {
@@ -44,3 +46,32 @@ def test_no_frame_of_an_experiment_is_malformed_or_unknown(rig, tmp_path, capfd,
     assert len(shown) == sum(found.values())
     assert all(json.loads(line)["known"] for line in shown)
     record_property("exchanges", (f"frames of {experiment} on {rig} under tshark", len(shown)))
+
+
+@pytest.mark.slow
+def test_every_frame_of_the_odrives_is_in_the_dbc(tmp_path, capfd, record_property):
+    """CANSimple is no CANopen: the DBC of the package odrive-can judges, by way of cantools."""
+    odrive_can = pytest.importorskip("odrive_can")
+    messages = {
+        message.frame_id & 0x1F: message
+        for message in odrive_can.get_dbc("odrive-cansimple-0.6.10").messages
+        if message.frame_id < 0x20
+    }
+    arguments = ["run", "arm-elbow-circle", "--rig", "arm-odrive", "--frames", "--no-report"]
+    assert invoke([*arguments, "--out", str(tmp_path)]) == 0
+    (folder,) = tmp_path.iterdir()
+    with (folder / "frames.log").open() as lines:
+        frames = list(parse_lines(lines, "frames.log"))
+    for frame in frames:
+        message = messages[frame.can_id & 0x1F]
+        if frame.can_id & REMOTE_FLAG:
+            assert frame.data == b""
+            continue
+        assert len(frame.data) == message.length, f"{message.name}: {frame}"
+        message.decode(frame.data, decode_choices=False)
+    capfd.readouterr()
+    assert invoke(["monitor", "arm-odrive", "--frames", str(folder), "--json"]) == 0
+    shown = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
+    assert all(line["known"] for line in shown)
+    assert len(shown) == len(frames)
+    record_property("exchanges", ("frames of arm-elbow-circle on ODrives by the DBC", len(frames)))
