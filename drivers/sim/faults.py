@@ -110,7 +110,12 @@ def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
         raise ValueError(
             f"simulation: no device {entry.device!r} to fail; there are {', '.join(targets)}"
         )
-    if entry.fault not in target.known_faults:
+    known = target.known_faults
+    if entry.fault not in known:
+        # Of a device with joints those of all joints are enough, and how to name one of them.
+        common = [fault for fault in known if "." not in fault]
+        own = next((fault for fault in known if "." in fault), None)
+        alone = f", or for one joint alone as in {own!r}" if own else ""
         raise ValueError(
-            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(target.known_faults)}"
+            f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(common)}{alone}"
         )
