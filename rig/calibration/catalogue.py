@@ -8,11 +8,12 @@ from rig.hal import ConfigurationError
 def procedures(profile: Profile) -> dict[str, Procedure]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
     from rig.calibration.procedures.encoders import Encoders
+    from rig.calibration.procedures.friction import Friction
     from rig.calibration.procedures.regulators import Regulators
     from rig.calibration.procedures.response import Response
     from rig.calibration.procedures.wires import Wires
 
-    every: tuple[Procedure, ...] = (Regulators(), Encoders(), Wires(), Response())
+    every: tuple[Procedure, ...] = (Regulators(), Encoders(), Wires(), Response(), Friction())
     return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}
 
 

@@ -2,7 +2,7 @@
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Generic, TypeVar
 
 from annotated_types import Gt, MinLen, Unit
@@ -127,3 +127,45 @@ class OpenLoop(Generic[Reference, Command]):
             a + share * (b - a)
             for a, b in zip(self.pressures[k - 1], self.pressures[k], strict=True)
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Strokes:
+    """Constant-speed strokes to and fro, each with a name of its own.
+
+    Parameters
+    ----------
+    travel : float
+        Half a stroke, m.
+    speeds : tuple of float
+        One stroke to and one fro at each, m/s; a speed may come more than once.
+    turn : float
+        Time in which a stroke starts and ends, s.
+    """
+
+    travel: Annotated[float, Unit("m"), Gt(0)]
+    speeds: Annotated[tuple[Annotated[float, Unit("m/s"), Gt(0)], ...], MinLen(1)]
+    turn: Annotated[float, Unit("s"), Gt(0)] = 0.25
+    _ramp: Any = field(init=False, repr=False, default=None)
+
+    def __post_init__(self) -> None:
+        from rig.experiment.references.pair import Ramp
+
+        object.__setattr__(self, "_ramp", Ramp(self.travel, self.speeds, self.turn))
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self._ramp.duration)
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The constant-speed part of each stroke."""
+        return tuple(
+            Segment(f"stroke {k} {segment.name}", segment.start, segment.end)
+            for k, segment in enumerate(self._ramp.segments, 1)
+        )
+
+    def at(self, t: float) -> Any:
+        """Return the desired motion at `t`."""
+        return self._ramp.at(t)
