@@ -10,6 +10,7 @@ from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.pid import Pid, PidSettings
 from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings
 from controllers.cylinder.super_twisting import SuperTwisting, SuperTwistingSettings
+from controllers.spherical_joint.dither import DitherSettings
 from controllers.spherical_joint.pose_control import PoseController, PoseControlSettings
 
 
@@ -45,29 +46,32 @@ class JointCascadeSettings(PoseControlSettings):
 
     Parameters
     ----------
-    ball_friction, friction_distance : float
-        As of all pose controllers, in 1 and m.
+    ball_friction, friction_distance, dither
+        As of all pose controllers.
     pair : CascadeSettings
         Of both pairs.
     """
 
-    ball_friction: Annotated[float, Ge(0), Le(2)] = 1.17
-    friction_distance: Annotated[float, Unit("m"), Gt(0)] = 16e-6
+    ball_friction: Annotated[float, Ge(0), Le(2)] = 1.1
+    friction_distance: Annotated[float, Unit("m"), Gt(0)] = 13e-6
+    dither: DitherSettings = field(
+        default_factory=lambda: DitherSettings(amplitude=245e3, frequency=27.5, fade_speed=17e-3)
+    )
     pair: CascadeSettings = field(
         default_factory=lambda: CascadeSettings(
-            position_rate=160.0,
-            velocity_rate=500.0,
-            integral=2.4e5,
+            position_rate=195.0,
+            velocity_rate=430.0,
+            integral=3.0e5,
             hold_integral=1e6,
             observer_bandwidth=3000.0,
-            force_trust=0.25,
-            lead_bandwidth=560.0,
-            disturbance_gain=0.022,
-            disturbance_bandwidth=17.0,
+            force_trust=0.3,
+            lead_bandwidth=490.0,
+            disturbance_gain=0.042,
+            disturbance_bandwidth=19.0,
             trim_rate=20.0,
             differential_limit=400e3,
             feedforward=FeedforwardSettings(
-                gain=0.94, distance=4e-6, learning_rate=2.7, error_rate=15.0
+                gain=0.65, distance=3e-6, learning_rate=14.0, error_rate=11.0
             ),
         )
     )
