@@ -34,6 +34,7 @@ class ThreadlessNetwork(canopen.Network):
         super().__init__()
         self._canopen_bus = bus
         self._answers: dict[int, int] = {}
+        self._requests: dict[int, int] = {}
 
     def add(self, node: int) -> Any:
         """Return the SDO client of a node; its answers are taken from the bus."""
@@ -45,7 +46,7 @@ class ThreadlessNetwork(canopen.Network):
         remote.sdo.MAX_RETRIES = _ATTEMPTS
         remote.sdo.RETRY_DELAY = 0.0
         self.add_node(remote)
-        self._answers[0x580 + node] = 0
+        self._answers[0x580 + node] = self._requests[0x580 + node] = 0
         return remote.sdo
 
     def take_answer(self, can_id: int, data: bytes, now: float) -> None:
@@ -55,12 +56,18 @@ class ThreadlessNetwork(canopen.Network):
         self._answers[can_id] += 1
         self.notify(can_id, bytearray(data), now)
 
+    def surplus(self, node: int) -> int:
+        """Return how many more answers a node number has given than it was asked questions."""
+        return self._answers[0x580 + node] - self._requests[0x580 + node]
+
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
         """Send a frame; after an SDO request, receive until it is answered."""
         bus = self._canopen_bus
         answer = can_id + _REQUEST_TO_ANSWER
         waits = can_id in _SDO_REQUESTS and answer in self._answers and data[0] != _ABORT
         before = self._answers.get(answer, 0)
+        if waits:
+            self._requests[answer] += 1
         bus.send(can_id, bytes(data))
         if waits:
             bus.wait_until(lambda: self._answers[answer] != before, bus.settings.sdo_timeout)

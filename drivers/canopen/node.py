@@ -101,6 +101,7 @@ class CanopenNode:
         self.write(0x1017, 0, "u16", _milliseconds(settings.heartbeat))
         timeout = _milliseconds(settings.heartbeat_timeout)
         self.write(0x1016, 1, "u32", settings.master_id << 16 | timeout)
+        self._check_alone()
         return device_type >> 16
 
     def map_pdos(
@@ -255,6 +256,16 @@ class CanopenNode:
             self._command(_PRE_OPERATIONAL)
         self.emergency.clear()
 
+    def _check_alone(self) -> None:
+        """Raise if more answers came than there were questions, but for a stray one."""
+        surplus = self._bus.network.surplus(self.node)
+        if surplus > 1:
+            raise self._failed(
+                "several devices have this node number; take all but one off the bus, and give "
+                "them others",
+                value=f"{surplus} answers more than there were questions",
+            )
+
     def _identify(self, profile: int) -> int:
         device_type = int(self.read(0x1000, 0, "u32"))
         if device_type & 0xFFFF != profile:
@@ -332,6 +343,7 @@ class CanopenNode:
         except (ConnectionFailed, DeviceFault):
             raise
         except Exception as error:  # no answer, a broken answer, or a refused frame
+            self._check_alone()
             raise self._failed(
                 f"it did not answer when an object was to be {done} ({error}); "
                 "is it powered, and are its node number and bit rate right?",

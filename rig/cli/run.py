@@ -67,7 +67,7 @@ def run(
     from rig.assembly import Backend, backend_of
     from rig.cli.progress import ProgressLine
     from rig.experiment.plan import load_plan
-    from rig.experiment.run import run_experiment
+    from rig.experiment.run import EXIT_PREFLIGHT, run_experiment
 
     options = list(overrides)
     if controller is not None:
@@ -93,6 +93,9 @@ def run(
         print_data(json.dumps(as_data(result), indent=2))
     else:
         show(result, has_report=not no_report)
+    if result.exit_code == EXIT_PREFLIGHT and not backend_of(on).is_simulated:
+        asking = f"rig check {plan.experiment.rig} --on {on}"
+        click.echo(f"who answers on the bus is told by: {asking}", err=True)
     return result.exit_code
 
 
