@@ -136,12 +136,14 @@ def run_experiment(
     with StopRequests() as stop:
         status, code, message = _run(plan, rig, folder, watcher, stop)
         stop.shield()  # what is left is bookkeeping; it is not to be torn either
+        counts: dict[str, Any] = {"buses": rig.statistics()}
         if frame_log is not None:
+            counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
             _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
         metrics = _finish(plan, folder, status)
         if status is RunStatus.OK and not all_passed(metrics):
             status, code = RunStatus.FAILED, EXIT_MISSED
-        folder.finish(status, code, message, {"buses": rig.statistics()})
+        folder.finish(status, code, message, counts)
     if report:
         from rig.report.regenerate import write_report
 

@@ -61,6 +61,7 @@ def test_every_cycle_is_on_file(folder, frames):
     assert len(frames) >= (
         manifest["buses"]["can0"]["frames_in"] + manifest["buses"]["can0"]["frames_out"]
     )
+    assert manifest["frames"] == {"recorded": len(frames), "lost": 0}
     times = [frame.time for frame in frames]
     assert times == sorted(times)
     assert {frame.channel for frame in frames} == {"can0"}
