@@ -14,6 +14,9 @@ from annotated_types import Ge, Gt, Le, Unit
 
 from controllers.spherical_joint.types import JointModel
 
+_RISE_TIME = 0.2
+"""With which the dither grows from nothing, so that control starts without a jump, s."""
+
 
 @dataclass(frozen=True, slots=True)
 class DitherSettings:
@@ -53,20 +56,23 @@ class TensionDither:
         self._amplitude = 4.0 * model.area * settings.amplitude
         self._per_fade = 1.0 / settings.fade_speed
         self._step = math.tau * settings.frequency * period
-        self._phase = 0.0
+        self._rise = 1.0 - math.exp(-period / _RISE_TIME)
+        self.reset()
         ratio = math.tau * settings.frequency / model.regulator_bandwidth
         passed = math.hypot(1.0 - ratio * ratio, 2.0 * model.regulator_damping * ratio)
         self.tension = model.area * settings.amplitude / passed
         """By which the dither lowers the tension of a wire with a quarter of the sum, N."""
 
     def reset(self) -> None:
-        """Start with the sine's upward zero."""
+        """Start with the sine's upward zero, from nothing."""
         self._phase = 0.0
+        self._share = 0.0
 
     def update(self, speed: float) -> float:
         """Return what is added to the sum of the tensions (N) at a speed of the wires, m/s."""
         if self._amplitude == 0.0:
             return 0.0
         self._phase = (self._phase + self._step) % math.tau
+        self._share += self._rise * (1.0 - self._share)
         fade = speed * self._per_fade
-        return self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)
+        return self._share * self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)

@@ -38,7 +38,8 @@ every = pytest.mark.parametrize("kind", ALL, ids=lambda kind: kind.__name__)
 
 
 def build(kind, model=MODEL, **changes):
-    settings = replace(kind.Settings(), **changes)
+    """Return a controller without dither, if the changes say nothing else."""
+    settings = replace(kind.Settings(), **{"dither": DitherSettings(), **changes})
     if kind is JointPidFriction:
         settings = replace(settings, pair=replace(settings.pair, dither_amplitude=0.0))
     return kind(settings, model, PERIOD)
@@ -115,7 +116,7 @@ def test_joint_controller_forgets_everything_on_reset(kind):
 
 @every
 def test_joint_starts_bumplessly(kind):
-    controller = build(kind)
+    controller = build(kind, dither=kind.Settings().dither)
     pressures = (130e3, 105e3, 110e3, 125e3)
     axis = axis_from_tilt(0.2, 0.4)
     state = JointState(0.0, rods_at(axis), pressures)

@@ -13,15 +13,24 @@ MODEL = JointModel()
 
 
 def shake(settings, speed, count=2000):
+    """Return the dither from its start on; it is whole after some 2 s."""
     dither = TensionDither(settings, MODEL, PERIOD)
     return np.array([dither.update(speed) for _ in range(count)])
 
 
 def test_dither_is_a_sine_of_its_amplitude_and_frequency():
-    found = shake(DitherSettings(amplitude=100e3, frequency=20.0), 0.0)
+    found = shake(DitherSettings(amplitude=100e3, frequency=20.0), 0.0, 4000)[2000:]
     assert found.max() == pytest.approx(4.0 * MODEL.area * 100e3, rel=3e-3)
-    assert found.mean() == pytest.approx(0.0, abs=1e-9)
+    assert found.mean() == pytest.approx(0.0, abs=1e-3)
     assert np.abs(np.fft.rfft(found)).argmax() == 40
+
+
+def test_dither_grows_from_nothing():
+    found = np.abs(shake(DitherSettings(amplitude=100e3, frequency=20.0), 0.0, 1000))
+    whole = 4.0 * MODEL.area * 100e3
+    assert found[0] < 1e-3 * whole
+    assert np.abs(np.diff(found[:25])).max() < 0.02 * whole
+    assert found[-100:].max() > 0.98 * whole
 
 
 def test_dither_fades_with_the_speed_of_the_wires():
