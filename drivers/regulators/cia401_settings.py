@@ -1,13 +1,11 @@
 """What a profile says of a CiA 401 module with electro-pneumatic regulators on it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
-from drivers.canopen.described import DescribedNode, Quantity
 from drivers.canopen.mapping import (
     RANGES,
     DataTypeName,
@@ -18,14 +16,15 @@ from drivers.canopen.mapping import (
 )
 
 if TYPE_CHECKING:
+    from drivers.canopen.described import DescribedNode
     from drivers.canopen.eds_check import DeviceFile
 
 _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
 
-_DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
-_DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
+DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
+DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,11 +89,6 @@ class AnalogueSignal:
     def entry(self) -> Entry:
         """The object, as it is mapped into a PDO."""
         return Entry(self.index, self.sub, self.type)
-
-    def quantity(self, name: str) -> Quantity:
-        """Return what its counts mean."""
-        gain = (self.pressure[1] - self.pressure[0]) / (self.raw[1] - self.raw[0])
-        return Quantity(name, "Pa", gain, self.pressure[0] - gain * self.raw[0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -305,13 +299,13 @@ class Cia401Settings:
     @property
     def receive_entries(self) -> Layout:
         """What the module receives each cycle, in order."""
-        digital = (_DIGITAL_OUTPUT,) if self.opening_bits else ()
+        digital = (DIGITAL_OUTPUT,) if self.opening_bits else ()
         return (*(channel.setpoint.entry for channel in self.channels.values()), *digital)
 
     @property
     def transmit_entries(self) -> Layout:
         """What the module sends each cycle, in order."""
-        digital = () if self.stop_bit is None else (_DIGITAL_INPUT,)
+        digital = () if self.stop_bit is None else (DIGITAL_INPUT,)
         return (*(channel.monitor.entry for channel in self.channels.values()), *digital)
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
@@ -337,10 +331,11 @@ class Cia401Settings:
             It cannot be read or understood.
         """
         from drivers.canopen.eds_check import DeviceFile
+        from drivers.regulators.cia401_nodes import typed_objects
 
-        return DeviceFile(path, _typed_objects)
+        return DeviceFile(path, typed_objects)
 
-    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+    def describe_nodes(self, name: str) -> "tuple[DescribedNode, ...]":
         """Return what the module exchanges and what its counts mean.
 
         Parameters
@@ -348,54 +343,6 @@ class Cia401Settings:
         name : str
             The device's name in the profile.
         """
-        quantities: dict[Entry, Quantity] = {}
-        origins: dict[Entry, tuple[str | int, ...]] = {}
-        for channel, wired in self.channels.items():
-            for side, what in (("setpoint", "setpoint"), ("monitor", "pressure")):
-                signal: AnalogueSignal = getattr(wired, side)
-                quantities[signal.entry] = signal.quantity(f"{channel} {what}")
-                origins[signal.entry] = ("channels", channel, side)
-        for bit, entry, key, words in (
-            (self.supply_bit, _DIGITAL_OUTPUT, "supply_bit", ("shut", "open")),
-            (self.stop_bit, _DIGITAL_INPUT, "stop_bit", _stop_words(self.stop_active_low)),
-        ):
-            if bit is not None:
-                quantities[entry] = _digital(key.removesuffix("_bit"), bit, words)
-                origins[entry] = (key,)
-        return (
-            DescribedNode(
-                name,
-                self.node,
-                pack(self.receive_entries),
-                pack(self.transmit_entries),
-                self.remap,
-                quantities,
-                origins,
-            ),
-        )
+        from drivers.regulators.cia401_nodes import describe_nodes
 
-
-def _stop_words(active_low: bool) -> tuple[str, str]:
-    return ("pressed", "released") if active_low else ("released", "pressed")
-
-
-def _digital(name: str, bit: int, words: tuple[str, str]) -> Quantity:
-    return Quantity(name, words=lambda byte: words[byte >> bit & 1])
-
-
-def _typed_objects(plain: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[int, int]]:
-    """Return the objects whose types are settings, from the settings as they were written."""
-    found: dict[tuple[str | int, ...], tuple[int, int]] = {}
-    channels = plain.get("channels")
-    for name, channel in channels.items() if isinstance(channels, Mapping) else ():
-        for side, usual in (("setpoint", 0x6411), ("monitor", 0x6401)):
-            signal = channel.get(side) if isinstance(channel, Mapping) else None
-            if not isinstance(signal, Mapping):
-                continue
-            index, sub = signal.get("index", usual), signal.get("sub")
-            if isinstance(index, int) and isinstance(sub, int):
-                found["channels", name, side, "type"] = index, sub
-                mode = plain.get("error_mode", 0x6443)
-                if side == "setpoint" and isinstance(mode, int):
-                    found["error_mode_type",] = mode, sub
-    return found
+        return describe_nodes(self, name)

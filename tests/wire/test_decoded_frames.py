@@ -77,6 +77,14 @@ def test_pressures_in_si(text, values):
             assert value.value == expected
 
 
+def test_valves_that_lock_a_chamber_are_shown_one_by_one():
+    monitor = decoder("cylinder", "devices.regulators.channels.agonist.lock_bit=3")
+    valves = monitor.decode(*frame("210#0000000009")).values[-1]
+    assert (valves.name, valves.value) == ("valves", "supply open, agonist lock open")
+    valves = monitor.decode(*frame("210#0000000001")).values[-1]
+    assert valves.value == "supply open, agonist lock shut"
+
+
 def test_an_encoders_counts_become_metres_when_it_has_said_its_step():
     monitor = decoder("cylinder")
     sample = frame("1A0#10270000ECFF0000")
