@@ -77,12 +77,12 @@ def recorder():
     ip("link", "set", LINK, "up")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def simulation():
+    """One for all: every run resets its nodes, whatever the one before did to them."""
     with simulate("cylinder", LINK, *RATE) as program:
         yield program
-        if program.process.poll() is None:
-            assert program.stop() == 0, program.talk
+        assert program.stop() == 0, program.talk
 
 
 def run(tmp_path, *options):
@@ -108,6 +108,30 @@ def check(rig, *options):
 def safe_setpoints(frames):
     """Whether every setpoint is the vented one with the supply valve closed: all bits 0."""
     return all(not any(data) for _, _, data in frames)
+
+
+def test_no_such_interface_and_one_that_is_down(tmp_path, recorder):
+    with Program("run", "cylinder-step", "--on", "vcan99", "--out", tmp_path) as program:
+        assert program.end() == 3
+    assert "sudo ip link add dev vcan99 type vcan" in program.talk
+    with Program("simulate", "cylinder", "--on", "vcan99") as program:
+        assert program.end() == 3
+    assert "sudo ip link add dev vcan99 type vcan" in program.talk
+    ip("link", "set", LINK, "down")
+    with run(tmp_path / "down") as program:
+        assert program.end() == 3
+    assert f"sudo ip link set {LINK} up" in program.talk
+
+
+def test_nobody_answers(tmp_path):
+    with run(tmp_path) as program:
+        assert program.end() == 3
+    assert "did not answer" in program.talk
+    assert f"rig check cylinder --on {LINK}" in program.talk
+    code, nodes, talk = check("cylinder")
+    assert code == 3
+    assert {node["differences"][0] for node in nodes} == {"does not answer"}
+    assert f"rig simulate cylinder --on {LINK}" in talk
 
 
 def test_nodes_vent_by_themselves_when_the_controlling_process_is_killed(
@@ -184,17 +208,6 @@ def test_a_frame_that_ends_a_run(tmp_path, simulation, recorder, frame, words):
     assert safe_setpoints(sent), sent
 
 
-def test_nobody_answers(tmp_path):
-    with run(tmp_path) as program:
-        assert program.end() == 3
-    assert "did not answer" in program.talk
-    assert f"rig check cylinder --on {LINK}" in program.talk
-    code, nodes, talk = check("cylinder")
-    assert code == 3
-    assert {node["differences"][0] for node in nodes} == {"does not answer"}
-    assert f"rig simulate cylinder --on {LINK}" in talk
-
-
 def test_check_lists_who_answers(simulation):
     code, nodes, talk = check("cylinder")
     assert code == 0, talk
@@ -239,19 +252,6 @@ def test_two_nodes_with_one_number(tmp_path, simulation):
             assert program.end() == 3, program.talk
         assert "several devices have this node number" in program.talk
         assert other.stop() == 0
-
-
-def test_no_such_interface_and_one_that_is_down(tmp_path, recorder):
-    with Program("run", "cylinder-step", "--on", "vcan99", "--out", tmp_path) as program:
-        assert program.end() == 3
-    assert "sudo ip link add dev vcan99 type vcan" in program.talk
-    with Program("simulate", "cylinder", "--on", "vcan99") as program:
-        assert program.end() == 3
-    assert "sudo ip link add dev vcan99 type vcan" in program.talk
-    ip("link", "set", LINK, "down")
-    with run(tmp_path / "down") as program:
-        assert program.end() == 3
-    assert f"sudo ip link set {LINK} up" in program.talk
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
