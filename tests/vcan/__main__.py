@@ -2,8 +2,9 @@
 
 Natively if this kernel makes virtual CAN interfaces, else inside Debian's user-mode Linux: a
 kernel that runs as an ordinary process, with the host's files as its own (packages
-``user-mode-linux``, ``kmod`` and ``iproute2``; no virtualisation, no privilege beyond root's). It takes a
-second to boot. It has one processor and slow system calls: it is for function, not for timing.
+``user-mode-linux``, ``kmod`` and ``iproute2``; no virtualisation, no privilege beyond root's).
+It takes a second to boot. It has one processor and slow system calls: it is for function, not
+for timing.
 
 The exit code is pytest's, or 4 if there is neither kernel, and 124 if the time was up.
 """
