@@ -16,6 +16,8 @@ from controllers.spherical_joint.poses import Vector
 _MOST_ITERATIONS = 20
 _MOST_STEP = 0.15
 """Of tan(tilt / 2) in one iteration; from home to 60 degrees it takes four."""
+_MOST_AHEAD = 0.01
+"""Of tan(tilt / 2) from one call to the next; what moves further has jumped."""
 _SETTLED = 1e-5
 """A step below this leaves an error of its square."""
 
@@ -73,7 +75,7 @@ class ForwardKinematics:
             (a[0], a[1], b[0], b[1], a[0] * b[0] + a[1] * b[1] - a[2] * b[2])
             for a, b in zip(geometry.anchors, geometry.adjust_points, strict=True)
         )
-        self._p = (0.0, 0.0)
+        self._p = self._ahead = (0.0, 0.0)
         self._homes: Quadruple = (0.0, 0.0, 0.0, 0.0)
         home = self._linearise(0.0, 0.0, (0.0, 0.0, 0.0, 0.0))
         first, second, third, fourth = (row[0] for row in home)
@@ -81,7 +83,7 @@ class ForwardKinematics:
 
     def reset(self) -> None:
         """Start the next search at home."""
-        self._p = (0.0, 0.0)
+        self._p = self._ahead = (0.0, 0.0)
 
     def update(self, shortening: Quadruple) -> ForwardPose:
         """Return the pose that explains four shortenings (m) best.
@@ -91,7 +93,9 @@ class ForwardKinematics:
         ValueError
             No pose does: the search does not settle.
         """
-        p_x, p_y = self._p
+        last_x, last_y = self._p
+        ahead_x, ahead_y = self._ahead
+        p_x, p_y = last_x + ahead_x, last_y + ahead_y
         for _ in range(_MOST_ITERATIONS):
             rows = self._linearise(p_x, p_y, shortening)
             xx = xy = yy = x = y = 0.0
@@ -113,13 +117,18 @@ class ForwardKinematics:
             if size < _SETTLED:
                 break
         else:
-            self._p = (0.0, 0.0)
+            self.reset()
             raise ValueError(
                 "no pose of the ring explains the shortenings "
                 + ", ".join(f"{value * 1e3:.3f}" for value in shortening)
                 + " mm"
             )
         self._p = (p_x, p_y)
+        # A ring that goes on as it did is found in one iteration.
+        ahead_x, ahead_y = p_x - last_x, p_y - last_y
+        if abs(ahead_x) + abs(ahead_y) > _MOST_AHEAD:
+            ahead_x = ahead_y = 0.0
+        self._ahead = (ahead_x, ahead_y)
         share = 2.0 / (1.0 + p_x * p_x + p_y * p_y)
         first, second, third, fourth = (
             residual - slope_x * step_x - slope_y * step_y for residual, slope_x, slope_y in rows

@@ -58,6 +58,11 @@ _START_TIME = 0.2
 """With which the tensions that are found at the start give way to the wanted ones, s."""
 
 
+_POSE_EVERY = 4
+"""Shares of the tensions are worked out every so many cycles: within 4 ms, a ring at 1 Hz and 20
+degrees changes them by some 0.5 %."""
+
+
 class PairLaw(Protocol):
     """A law for one antagonistic pair."""
 
@@ -197,6 +202,9 @@ class PoseController:
         self._ahead = 2.0 * model.regulator_damping / model.regulator_bandwidth
         self._start_decay = math.exp(-period / _START_TIME)
         self._start: Quadruple | None = None
+        self._cycle = 0
+        self._pose = self._distribution.at(natural_rotation((0.0, 0.0, 1.0)))
+        self._later = self._pose.shares
         self._pushed = False
         self._rate = 0.5 / period
         self._force_memory: LapMemory | None = None
@@ -228,6 +236,7 @@ class PoseController:
         if self.learning is not None:
             self.learning.reset()
         self._start, self._pushed = None, False
+        self._cycle = 0
 
     def update(self, state: JointState, reference: JointReference) -> JointCommand:
         """Return the four setpoints of this period.
@@ -240,7 +249,13 @@ class PoseController:
         area = self._area
         axis, velocity = self._corrected(reference)
         position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
-        pose = self._distribution.at(natural_rotation(axis))
+        if self._cycle % _POSE_EVERY == 0:
+            self._pose = self._distribution.at(natural_rotation(axis))
+            self._later = self._distribution.shares(
+                natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
+            )
+        self._cycle += 1
+        pose = self._pose
         pull = _scaled(area, state.pressures)
         base = reference.base_pressure or self._base_pressure
         hold = self._hold(pose.shares, base)
@@ -292,11 +307,9 @@ class PoseController:
         if lap is not None:
             self._learn(lap.tick, reference, squared)
         # What holds the ring goes out early, past the laws: it has to be there in time.
-        later = self._distribution.shares(
-            natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
-        )
+        later = self._hold(self._later, base)
         tensions = pose.kept_taut(
-            _spread(_sum(self._hold(later, base), self._start), (wanted[0], wanted[1])), self._least
+            _spread(_sum(later, self._start), (wanted[0], wanted[1])), self._least
         )
         self._start = _scaled(self._start_decay, self._start)
         dither = _scaled(self._dither.update(math.hypot(*rates)), pose.shares)

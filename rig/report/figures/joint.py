@@ -1,5 +1,6 @@
 """The figures of the spherical joint, as its paper draws them and beyond."""
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,9 @@ from rig.report.style import (
     place_legend,
     shade_segments,
 )
+
+_SLOW = 1e-3
+"""While the marker moves no faster (m/s) nobody asks how much the channels stick."""
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -120,7 +124,7 @@ def draw_joint_error(run: RunData) -> "Figure | None":
     finish_time_axis(upper, t, f"pair error ({unit})")
     upper.set_xlabel("")
     _draw_bounds(upper, run, {"wire_rms", "wire_hold_rms"}, factor)
-    shade_segments(upper, PAGE, _whole(run))
+    shade_segments(upper, PAGE, [_brief(segment) for segment in _whole(run)])
     place_legend(upper, 3)
     desired = _marker(run, "reference")[part]
     extent = 0.0
@@ -148,7 +152,7 @@ def draw_tensions(run: RunData) -> "Figure | None":
     source = "truth" if run.has("truth.tension_ch1") else "estimate"
     if not run.has(f"{source}.tension_ch1"):
         return None
-    has_stick = run.has("truth.sticking_ch1")
+    has_stick = run.has("truth.sticking_ch1") and _wanted_speed(run) > _SLOW
     figure = new_figure(PAGE, 66.0)
     grid = figure.add_gridspec(1, 4)
     axes = figure.add_subplot(grid[0, :3] if has_stick else grid[0, :])
@@ -161,7 +165,7 @@ def draw_tensions(run: RunData) -> "Figure | None":
             axes.axhline(metric["bound"], color=VERMILION, lw=0.8, ls=(0, (5, 2)))
     finish_time_axis(axes, t, "tension (N)")
     axes.set_ylim(bottom=0.0)
-    shade_segments(axes, PAGE * 0.7, _whole(run))
+    shade_segments(axes, PAGE * 0.7, [_brief(segment) for segment in _whole(run)])
     place_legend(axes, 4)
     if has_stick:
         _draw_sticking(figure.add_subplot(grid[0, 3]), run)
@@ -204,6 +208,18 @@ def _whole(run: RunData) -> "list[Segment]":
             for outer in parts
         )
     ]
+
+
+def _brief(segment: "Segment") -> "Segment":
+    """Return a segment by a name that fits over a short stretch: a pose by its two angles."""
+    name = re.sub(r"^hold (\S+) deg at (\S+) deg.*$", r"\1°, \2°", segment.name)
+    return segment._replace(name=name)
+
+
+def _wanted_speed(run: RunData) -> float:
+    """Return how fast the marker is to move at most, m/s."""
+    track = _marker(run, "reference")[run.followed]
+    return max(float(np.abs(local_slope(run.t[run.followed], way)).max()) for way in track.T)
 
 
 def _rod_error(run: RunData, name: str) -> "Array":
