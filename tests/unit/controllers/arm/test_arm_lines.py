@@ -158,7 +158,10 @@ def test_look_ahead_at_the_boundary():
 
 @pytest.mark.parametrize(
     "geometry",
-    [{"a2": 0.4, "a3": 0.4}, {"elbow_offset": 0.05, "wrist_sign": -1, "base_height": 0.3}],
+    [
+        {"elbow_offset": 0.05, "wrist_sign": -1, "base_height": 0.3},
+        pytest.param({"a2": 0.4, "a3": 0.4}, marks=pytest.mark.slow),
+    ],
 )
 @pytest.mark.parametrize("path", LINES.values(), ids=LINES)
 def test_other_arms_pass_as_well(geometry, path):
