@@ -287,8 +287,7 @@ class ServoJoints:
     def write(self, applied: Any) -> None:
         """Hand the positions to the drives as this cycle's setpoints, if they went through `limit`.
 
-        After a fault they did not: to hold a joint that moves would stop it at once, while the
-        drives, made safe, slow it down from the setpoint that it had.
+        Else there is a fault: the drives slow down from the setpoints that they had.
         """
         if not self._limited:
             return
