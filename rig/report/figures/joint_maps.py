@@ -49,7 +49,11 @@ def draw_range_map(run: RunData) -> "Figure | None":
     """Draw tension, error of the wires and of the paper's wires over tilt and azimuth."""
     if not run.has("plan.reach", "reference.axis_x", "estimate.tension_ch1"):
         return None
-    part = run.followed
+    # The way home goes over fields that were passed already, and much faster.
+    out = next((segment.end for segment in run.segments if segment.name == "spiral"), np.inf)
+    part = run.followed & (run.t < out)
+    if not part.any():
+        return None
     x, y, z = (run.log.column(f"reference.axis_{axis}")[part] for axis in "xyz")
     tilt, azimuth = np.degrees(np.arctan2(np.hypot(x, y), z)), np.arctan2(y, x)
     source = "truth" if run.has("truth.tension_ch1") else "estimate"
@@ -72,25 +76,33 @@ def draw_range_map(run: RunData) -> "Figure | None":
             logarithmic=True,
         ),
     )
-    figure = new_figure(PAGE, 74.0)
+    figure = new_figure(PAGE, 78.0)
     reach = np.degrees(run.log.column("plan.reach")[part])
     edges = np.linspace(0.0, float(tilt.max()) + 1e-6, _RINGS + 1)
     for number, shown in enumerate(maps):
         axes: Any = figure.add_subplot(1, 3, number + 1, projection="polar")
         _draw_map(figure, axes, shown, tilt, azimuth, edges)
-        order = np.argsort(azimuth)
-        around, limit = azimuth[order], reach[order]
-        axes.plot(around, limit, color=VERMILION, lw=0.9, label="reach")
+        axes.plot(*_outline(azimuth, reach), color=VERMILION, lw=0.9, label="reach")
         axes.set_rmax(1.04 * float(reach.max()))
         axes.set_rticks([20, 40, 60])
         axes.set_rlabel_position(68.0)
         axes.set_thetagrids([0, 90, 180, 270], ["ch4", "ch1", "ch2", "ch3"])
         axes.tick_params(labelsize=6.5, pad=0.0)
-        axes.set_title(shown.title, pad=7.0)
+        axes.set_title(shown.title, pad=14.0)
         axes.grid(lw=0.3, color="white" if number != 1 else GREY, alpha=0.6)
         if number == 0:
             axes.legend(loc="lower left", bbox_to_anchor=(-0.22, -0.2))
     return figure
+
+
+def _outline(azimuth: "Array", reach: "Array") -> "tuple[Array, Array]":
+    """Return a closed line through the reach in each sector."""
+    edges = np.linspace(-np.pi, np.pi, _SECTORS + 1)
+    sector = np.digitize(azimuth, edges[1:-1])
+    known = [number for number in range(_SECTORS) if np.any(sector == number)]
+    around = np.array([0.5 * (edges[number] + edges[number + 1]) for number in known])
+    limit = np.array([float(np.median(reach[sector == number])) for number in known])
+    return np.append(around, around[:1]), np.append(limit, limit[:1])
 
 
 def _draw_map(
