@@ -1,7 +1,8 @@
-"""Ask a CANopen bus who is there, without changing anything on it.
+"""Ask a CANopen bus who is there, without disturbing it.
 
 Only objects are read (0x1000, 0x1018) and heartbeats heard: no node is reset, started or
-configured. A node in STOPPED answers no question; its heartbeat tells of it, if it has one.
+configured. A node in STOPPED answers no question, and every run leaves its nodes so: those that
+are expected and say nothing are taken to PRE-OPERATIONAL, where outputs stay safe as well.
 
 References
 ----------
@@ -10,6 +11,7 @@ CiA 301 V4.2, sections 7.2.4.3 (SDO upload), 7.5.2.1 and 7.5.2.19 (objects).
 
 import struct
 from collections import defaultdict
+from collections.abc import Collection
 from typing import Final
 
 from drivers.can.fast_path import drain_of, send_of
@@ -17,6 +19,8 @@ from drivers.can.found import Found
 from drivers.canopen.heartbeat import describe_state
 from rig.hal import CanBus, Clock
 
+_NMT_ID: Final = 0x000
+_ENTER_PRE_OPERATIONAL: Final = 0x80
 _UPLOAD: Final = 0x40
 _EXPEDITED: Final = 0x43  # with four bytes of data
 _ABORT: Final = 0x80
@@ -50,7 +54,9 @@ class _Heard:
             self.states[can_id - 0x700] = data[0] & 0x7F
 
 
-def survey_canopen(bus: CanBus, clock: Clock, *, listen: float = 1.0) -> list[Found]:
+def survey_canopen(
+    bus: CanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
+) -> list[Found]:
     """Return who answers on an open bus, by node number.
 
     Parameters
@@ -59,6 +65,8 @@ def survey_canopen(bus: CanBus, clock: Clock, *, listen: float = 1.0) -> list[Fo
         Open; nobody else reads it.
     clock : Clock
         For pauses.
+    expected : collection of int
+        Node numbers that should be there.
     listen : float
         How long heartbeats are waited for at least, s.
 
@@ -70,6 +78,12 @@ def survey_canopen(bus: CanBus, clock: Clock, *, listen: float = 1.0) -> list[Fo
     heard = _Heard()
     until = clock.now() + listen
     _ask(bus, clock, heard, range(1, 128), _DEVICE_TYPE)
+    silent = tuple(node for node in expected if not heard.objects[node][_DEVICE_TYPE])
+    if silent:
+        for node in silent:
+            send_of(bus)(_NMT_ID, bytes((_ENTER_PRE_OPERATIONAL, node)))
+        _listen(bus, clock, heard, clock.now() + _AFTERWARDS)
+        _ask(bus, clock, heard, silent, _DEVICE_TYPE)
     for thing in (_VENDOR, _PRODUCT, _SERIAL):
         answered = tuple(node for node, objects in heard.objects.items() if objects[_DEVICE_TYPE])
         _ask(bus, clock, heard, answered, thing)
@@ -86,6 +100,8 @@ def _ask(
         send(0x600 + node, _REQUEST.pack(_UPLOAD, *thing))
         if number % _AT_ONCE == _AT_ONCE - 1:
             _listen(bus, clock, heard, clock.now() + _PAUSE)
+    if not nodes:
+        return
     until = clock.now() + _ANSWER_TIME
     while clock.now() < until and not all(heard.objects[node][thing] for node in nodes):
         _listen(bus, clock, heard, clock.now() + _PAUSE)

@@ -6,6 +6,7 @@ ODrive Robotics, "CAN Protocol" of firmware 0.6: Address, Get_Version, Heartbeat
 """
 
 from collections import defaultdict
+from collections.abc import Collection
 from typing import Final
 
 from drivers.can.fast_path import drain_of, send_of
@@ -26,8 +27,11 @@ _PAUSE: Final = 2e-3  # s
 _COMMANDS: Final = 0x1F
 
 
-def survey_odrives(bus: CanBus, clock: Clock, *, listen: float = 1.0) -> list[Found]:
+def survey_odrives(
+    bus: CanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
+) -> list[Found]:
     """Return who answers on an open bus, by node number; see `survey_canopen`."""
+    del expected  # an axis answers in every state
     heard: dict[int, dict[int, list[bytes]]] = defaultdict(lambda: defaultdict(list))
     drain, send = drain_of(bus), send_of(bus)
 

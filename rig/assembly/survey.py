@@ -71,14 +71,16 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     for name, entry in profile.buses.items():
         if not is_can(entry):
             continue
+        expected = expected_on(profile, name)
+        numbers = [item.node for item in expected]
         bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
         try:
-            found = _surveyor(entry.protocol)(bus, MonotonicClock())
+            found = _surveyor(entry.protocol)(bus, MonotonicClock(), numbers)
         except Exception as error:  # each interface has errors of its own
             raise DeviceFault(name, f"the interface refused a frame: {error}") from error
         finally:
             bus.shutdown()
-        answers += compare(name, expected_on(profile, name), {item.node: item for item in found})
+        answers += compare(name, expected, {item.node: item for item in found})
     return answers
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,9 @@ from rig.cli.tables import print_data
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
+
+
+_VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true state"}
 
 
 @click.command()
@@ -120,9 +124,10 @@ def show(result: Result, *, has_report: bool) -> None:
     lines = []
     for metric in result.metrics:
         value, bound = format_against(metric.value, metric.bound, metric.unit)
+        value = "-" if math.isnan(metric.value) else value
         if metric.bound is not None:
             sign = "<=" if metric.bound_kind == "max" else ">="
-            bound = f"{sign} {bound}  {'ok' if metric.passed else 'MISSED'}"
+            bound = f"{sign} {bound}  {_VERDICTS[metric.passed]}"
         lines.append(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
     if lines:
         print_data("\n".join(lines))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from rig.experiment.measures import MEASURES
-from rig.experiment.measures.base import Samples, Window
+from rig.experiment.measures.base import NoTruth, Samples, Window
 from rig.hal import RigError
 from rig.runtime.log import LogError
 from rig.runtime.motion import Fact, Segment
@@ -60,7 +60,8 @@ class Metric(NamedTuple):
     name : str
         The experiment's name for it.
     value : float
-        SI; infinite if what it times never happened.
+        SI; infinite if what it times never happened, NaN if it takes the true state and the rig
+        is no simulation in the same process.
     unit : str
         SI unit, empty for a ratio.
     bound : float or None
@@ -81,13 +82,13 @@ class Metric(NamedTuple):
 
     @property
     def passed(self) -> bool | None:
-        """Whether the bound holds; None without a bound."""
-        if self.bound is None:
+        """Whether the bound holds; None without a bound, and without a value."""
+        if self.bound is None or math.isnan(self.value):
             return None
         return self.value <= self.bound if self.bound_kind == "max" else self.value >= self.bound
 
     def as_json(self) -> dict[str, Any]:
-        """Return the entry of ``metrics.json``; an infinite value is null there."""
+        """Return the entry of ``metrics.json``; a value that is no finite number is null there."""
         return {
             "name": self.name,
             "value": self.value if math.isfinite(self.value) else None,
@@ -154,6 +155,8 @@ def evaluate(
         windows = [_window(samples, name, segment) for segment in chosen]
         try:
             value = measure.compute(windows)
+        except NoTruth:
+            value = math.nan
         except (ValueError, LogError) as error:
             raise MetricError(f"metric {name}: {error}") from error
         metrics += _bounded(name, spec, measure_name, value, measure.unit)

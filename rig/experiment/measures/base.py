@@ -62,6 +62,13 @@ class Samples:
         return self._log.names(prefix)
 
 
+_TRUTH = "truth."
+
+
+class NoTruth(Exception):
+    """A measure takes the true state, which only a simulation in the same process records."""
+
+
 class Window:
     """The samples of one segment.
 
@@ -87,7 +94,9 @@ class Window:
         return t
 
     def column(self, name: str) -> "Array":
-        """Return one column of the log, SI, shape (n,); LogError if there is none."""
+        """Return one column of the log, SI, shape (n,); LogError or NoTruth if there is none."""
+        if name.startswith(_TRUTH) and not self.has(name):
+            raise NoTruth(name)
         return self._samples.column(name)[self._part]
 
     def has(self, name: str) -> bool:
@@ -103,6 +112,8 @@ class Window:
             There is none.
         """
         names = self._samples.names(prefix)
+        if not names and prefix.startswith(_TRUTH):
+            raise NoTruth(prefix)
         if not names:
             raise ValueError(f"the log has no columns {prefix}…")
         return np.column_stack([self.column(name) for name in names])
