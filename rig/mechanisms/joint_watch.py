@@ -76,6 +76,7 @@ class JointWatch:
         self._speed_from: tuple[float, Quadruple] | None = None
         self._last: Quadruple = (0.0,) * 4
         self._before: Quadruple = (0.0,) * 4
+        self._step = self._then = 0.0
 
     def restart(self) -> None:
         """Forget where the rods were: a new motion starts."""
@@ -102,6 +103,7 @@ class JointWatch:
         if not math.isfinite(sum(state.rods) + sum(state.pressures)):
             raise SafetyError(f"a reading is not a number: {state}")
         self._before, self._last = self._last, state.rods
+        self._step, self._then = now - self._then, now
         self._pressures.take(state.pressures, now)
         self._pressures.check(now)
         self._check_speed(state.rods, now)
@@ -152,9 +154,11 @@ class JointWatch:
         if not isinstance(error, DeviceFault) or error.device not in self._encoders:
             return None
         k = self._encoders.index(error.device)
-        # This cycle's state was not checked: the device said first that it is wrong.
+        # This cycle's state was not checked: the device said first that it is wrong, and may
+        # hold its last good reading.
         way, way_before = rods[k] - self._last[k], self._last[k] - self._before[k]
-        return k if way * way_before > 0.0 and abs(way_before) > _JUMP * abs(way) else None
+        fast = max(abs(way), self._limits.speed * self._step)
+        return k if abs(way_before) > _JUMP * fast else None
 
     def _check_speed(self, rods: Quadruple, now: float) -> None:
         if self._speed_from is None:

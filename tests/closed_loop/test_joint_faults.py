@@ -115,7 +115,7 @@ FROM_THE_START = {
         [],
         ("devices.camera.marker.kind=aruco", "plant.camera.rotation_error=[0, 0, 0.3]"),
         (0.1, 0.1 + 2 * FRAME),
-        ("camera", "twisted", "-17.2 deg", "10 deg"),
+        ("camera", "twisted", "+17.", "10 deg"),
     ),
 }
 

@@ -39,7 +39,7 @@ class _ImagelessLink:
         self._generator = np.random.default_rng(seed)
         self._delivery = Delivery(settings, optics, seed)
         self._calibrated = rotation_matrix(settings.rotation_base_from_camera)
-        self._true = rotation_matrix(optics.rotation_error) @ self._calibrated
+        self._true = self._calibrated @ rotation_matrix(optics.rotation_error)
         self._axis_x = self._calibrated[:, 0]
         self._camera = np.array(settings.position_camera_in_base)
         self._turned = any(optics.rotation_error)
