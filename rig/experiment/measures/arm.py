@@ -78,16 +78,12 @@ def time_end_measured(windows: Windows) -> float:
 def dwell_time_measured(windows: Windows) -> float:
     """Return how long the measured elbow is within the region, of all segments, s.
 
-    The region's border is where the planned elbow is when the segment ``region`` begins.
-
-    Raises
-    ------
-    ValueError
-        The segments are not ``all`` and ``region``.
+    The region's border is where the planned elbow is when the segment ``region`` begins; of a
+    law that has no region the time is infinite.
     """
     named = {window.segment.name: window for window in windows}
     if "region" not in named or "all" not in named:
-        raise ValueError("it takes the segments 'all' and 'region'")
+        return math.inf
     whole, t = named["all"], named["all"].t
     planned = np.abs(whole.column("plan.index_elbow"))
     border = float(np.interp(named["region"].segment.start, t, planned))
