@@ -13,9 +13,10 @@ from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJoin
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
 
 _NO_LOAD = (0.0, 0.0, 0.0)
-_BESIDE = (4e-4, 9e-4, 0.0)
+_BESIDE = (4e-4, 9e-4)
 """How far beside a pose its shares are taken if they are not unique there, rad: not along any of
-the anchors' azimuths. They move by less than 1e-4 over this."""
+the anchors' azimuths, and away from home, where they are not unique either. They move by less
+than 1e-4 over this."""
 
 
 _MOST_LIFTS = 25
@@ -125,7 +126,8 @@ class TensionDistribution:
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         self._wires = ExactWires(geometry)
         self._half_angle = geometry.ring_half_angle
-        self._vanishing = 1e-9 * geometry.ball_radius**3
+        # Nearer to such a pose, rounding would be more than what the limit of the shares is off.
+        self._vanishing = 5e-8 * geometry.ball_radius**3
 
     def at(self, rotation: Rotation) -> PoseTensions:
         """Return what tensions do in a pose."""
@@ -226,9 +228,10 @@ class TensionDistribution:
         No wire spins the ring there, and any two pairs are in balance. The shares beside such a
         pose tend to a limit, the choice without a jump; corrected so that they tilt nothing.
         """
-        axis = (rotation[0][2], rotation[1][2], rotation[2][2])
+        x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
+        off = (math.copysign(_BESIDE[0], x), math.copysign(_BESIDE[1], y), 0.0)
         beside = self._shares(
-            self._wires.jacobian(natural_rotation(move_axis(axis, _BESIDE, _NO_LOAD, 1.0)))
+            self._wires.jacobian(natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
         )
         assert beside is not None
         shares = list(beside)
