@@ -42,6 +42,9 @@ class Stretch(Mapping[str, "NDArray[np.float64]"]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
     def mean(self, name: str) -> float:
         """Return the mean of a column."""
         return float(self[name].mean())

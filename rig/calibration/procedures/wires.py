@@ -6,15 +6,19 @@ their free length,
     (x_a + x_b) / 2 = home - (A p - side (f_0 + f_1 p)) / k,
 
 side +1 on the way up: the seals' friction then keeps a part of the pull from the wire. The
-extrapolation to no pull is `home`.
+extrapolation to no pull is `home`. As the pressure changes, the friction follows only after the
+rod has gone the seals' presliding distance, behind on both ways, which makes the mean of both
+ways too short by f_1 / A times that distance: the intercept is corrected for it.
 """
 
+import dataclasses
+import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
 
-from rig.calibration.estimates import fit
+from rig.calibration.estimates import fit, interval
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
 from rig.calibration.mechanism import open_loop, pneumatics_of
@@ -23,8 +27,11 @@ from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 
 SWEEPS: Final = 3
-LEVELS: Final = 7
+LEVELS: Final = 6
 _BOUND: Final = 20e-6
+_PRESLIDING: Final = (30e-6, 10e-6)
+"""Distance in which the bristles of a seal follow a change, and its standard uncertainty, m."""
+
 _LEAST_GIVE: Final = 50e-6
 
 
@@ -45,8 +52,6 @@ class Wires:
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
-        import dataclasses
-
         pneumatics = pneumatics_of(profile)
         steps = [
             step
@@ -96,7 +101,8 @@ class Wires:
             )  # fmt: skip
         except ValueError as error:
             raise CalibrationRefused(f"the wires: {error}") from error
-        home, give = 1e-3 * found.values[0], 1e-3 * found.values[1]
+        give, growth = 1e-3 * found.values[1], found.values[3] / found.values[1]
+        home = 1e-3 * found.values[0] + growth * _PRESLIDING[0]
         if give <= 0.0:
             raise CalibrationRefused("the rods come out as the pull grows: an encoder is reversed")
         residuals = 1e-3 * found.residuals
@@ -112,7 +118,11 @@ class Wires:
                 profile.mechanism,
                 {"home": quantity(float(home), "m")},
                 (
-                    found.estimate("home", "m", (1e-3, 0, 0, 0), float(home)),
+                    interval(
+                        "home", float(home), "m",
+                        math.hypot(1e-3 * found.covariance[0, 0] ** 0.5, growth * _PRESLIDING[1]),
+                        found.freedom,
+                    ),
                     found.estimate("wire.stiffness", "N/m", (0, 1e-3 / give**2, 0, 0), 1.0 / give),
                     found.estimate("wire.stretch", "m", (0, 1e-3 * base, 0, 0), float(stretch)),
                 ),
@@ -124,17 +134,19 @@ class Wires:
 def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name (empty: not judged), pressure and side of the steps of one sweep."""
     pneumatics = pneumatics_of(profile)
-    low, high = pneumatics.lowest, 0.75 * pneumatics.highest
-    spacing = (high - low) / (LEVELS + 3)
-    shift = 0.5 * spacing * sweep / SWEEPS
-    yield "", low, 0
-    yield "", low + 1.5 * spacing, 0  # until the seals slide
+    low, high = pneumatics.lowest, 0.9 * pneumatics.highest
+    spacing = (high - low) / (LEVELS + 5)
+    shift = 0.3 * spacing * sweep
+    # After each turn the seals' bristles bend over before the seals slide the other way: what
+    # lies between is passed and not judged.
+    for passed in (0.0, 2.0, 4.0):
+        yield "", low + passed * spacing, 0
     for k in range(LEVELS):
-        yield f"sweep {sweep + 1} up {k + 1}", low + shift + (k + 2.0) * spacing, 1
-    yield "", high + spacing, 0
-    yield "", high - spacing, 0
+        yield f"sweep {sweep + 1} up {k + 1}", low + shift + (k + 5.0) * spacing, 1
+    for passed in (0.0, 2.0, 4.0):
+        yield "", high + 0.5 * spacing - passed * spacing, 0
     for k in reversed(range(LEVELS)):
-        yield f"sweep {sweep + 1} down {k + 1}", low + shift + (k + 0.5) * spacing, -1
+        yield f"sweep {sweep + 1} down {k + 1}", low + shift + (k + 0.8) * spacing, -1
 
 
 def _mean(recording: Recording, name: str, column: str) -> float:
