@@ -1,4 +1,4 @@
-"""An experiment of each rig within its bounds, as two processes on SocketCAN."""
+"""An experiment of each rig but the joint within its bounds, as two processes on SocketCAN."""
 
 import sys
 from typing import NamedTuple
@@ -18,9 +18,10 @@ class Case(NamedTuple):
     """Of the loop: user-mode Linux takes 60 µs for a system call, and there is one processor."""
 
 
+# joint-circle holds its bounds at 1 kHz only, which user-mode Linux does not reach: two
+# processes run it to its end (`README.md`), and its bounds are held with `--on virtual`.
 CASES = (
     Case("cylinder", "cylinder-step", "vcan0"),
-    Case("joint", "joint-circle", "vcan1"),
     Case("arm", "arm-wrist-hit", "vcan3"),
     Case("arm-odrive", "arm-wrist-hit", "vcan4"),
     Case("legs-can", "legs-squat", "vcan5,vcan6"),
