@@ -68,7 +68,8 @@ class PlannedArmMotion:
     @property
     def segments(self) -> tuple[Segment, ...]:
         """The whole motion, the path without the settling, and the law's region if it has one."""
-        end = min(self.plan.duration, float(self.plan.t[-1]))
+        # A law that halts where it starts has one cycle.
+        end = max(min(self.plan.duration, float(self.plan.t[-1])), self.plan.period)
         whole = (Segment("all", 0.0, self.duration), Segment("path", 0.0, end))
         region = self.plan.marks.get("region", ())
         if len(region) < 2:
