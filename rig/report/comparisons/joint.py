@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rig.report.comparisons.base import Comparison, color_of
-from rig.report.comparisons.metrics import draw_bars
+from rig.report.comparisons.base import Comparison, color_of, metric_values, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figures.base import TIME_LABEL
-from rig.report.style import PAGE, SHADE, length_scale, new_figure, shade_segments
+from rig.report.style import INK, PAGE, SHADE, length_scale, new_figure, shade_segments
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,12 +18,16 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+_SHOWN = ("wire_rms", "wire_hold_rms", "marker_rms", "radial_rms", "fused_rms")
+
+
 def draw_joints(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     """Draw the marker's distance from its target under each of them, beside their metrics.
 
     All have one scale: what differs by a factor is to look so.
     """
-    figure = new_figure(PAGE, max(30.0 + 22.0 * len(runs), 20.0 + 7.0 * _lengths(runs[0])))
+    bars = len(runs) * len(_errors(runs[0]))
+    figure = new_figure(PAGE, max(30.0 + 22.0 * len(runs), 24.0 + 3.4 * bars))
     grid = figure.add_gridspec(len(runs), 2, width_ratios=[1.9, 1.0])
     distances = [_distance(run) for run in runs]
     extent = max(float(distance.max(initial=1e-6)) for _, distance in distances)
@@ -48,8 +51,36 @@ def draw_joints(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     if top is not None and _parts(runs[0]):
         shade_segments(top, PAGE * 0.55, _parts(runs[0]))
     figure.supylabel(f"marker off its target ({unit})", fontsize=8.5)
-    draw_bars(figure.add_subplot(grid[:, 1]), runs, labels)
+    _draw_errors(figure.add_subplot(grid[:, 1]), runs)
     return figure
+
+
+def _draw_errors(axes: Any, runs: Sequence[RunData]) -> None:
+    """Draw what each run left of its errors, on a logarithmic scale, with the bounds."""
+    metrics = _errors(runs[0])
+    values = np.column_stack([metric_values(runs, metric["name"]) * 1e3 for metric in metrics])
+    height = 0.8 / len(runs)
+    for number in range(len(runs)):
+        rows = np.arange(len(metrics)) + (number - 0.5 * (len(runs) - 1)) * height
+        axes.barh(rows, values[number], height * 0.86, color=color_of(number))
+        for row, value in zip(rows, values[number], strict=True):
+            if np.isfinite(value):
+                write_value(axes, f"{value:.3g}", value, row)
+    for row, metric in enumerate(metrics):
+        if metric.get("bound") is not None and metric.get("bound_kind") == "max":
+            axes.vlines(
+                1e3 * metric["bound"], row - 0.46, row + 0.46,
+                color=INK, lw=0.9, ls=(0, (3, 1.5)),
+            )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_xlim(0.5 * float(np.nanmin(values)), 6.0 * float(np.nanmax(values)))
+    names = [metric["name"].replace("_", " ") for metric in metrics]
+    axes.set_yticks(range(len(metrics)), labels=names)
+    axes.tick_params(axis="y", labelsize=6.5, length=0)
+    axes.minorticks_off()
+    axes.invert_yaxis()
+    axes.grid(axis="y", visible=False)
+    axes.set_xlabel("errors (mm), bounds dashed")
 
 
 def _distance(run: RunData) -> "tuple[Array, Array]":
@@ -66,10 +97,12 @@ def _parts(run: RunData) -> list[Any]:
     return [s for s in run.segments if s.name != "all" and not s.name.endswith("last lap")]
 
 
-def _lengths(run: RunData) -> int:
-    return sum(metric["unit"] == "m" for metric in run.metrics)
+def _errors(run: RunData) -> list[dict[str, Any]]:
+    """Return the metrics of what was measured, not of what was known beforehand."""
+    return [metric for metric in run.metrics if metric.get("measure") in _SHOWN]
 
 
 JOINT_COMPARISON = Comparison(
-    lambda run: run.has("reference.marker_x", "estimate.marker_x"), draw_joints
+    lambda run: run.has("reference.marker_x", "estimate.marker_x") and bool(_errors(run)),
+    draw_joints,
 )
