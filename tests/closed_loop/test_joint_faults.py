@@ -47,7 +47,7 @@ FAULTS = {
     ),
     "regulator-closed": (
         plant("regulator_closed", 1),
-        PRESSURE + 0.1,
+        PRESSURE + 0.2,  # its setpoint must first ask for another pressure
         ("regulators: the regulator of ch2 is stuck closed", "kPa", "40 kPa for 0.05 s"),
     ),
     "supply-lost": (
@@ -57,7 +57,7 @@ FAULTS = {
     ),
     "encoder-frozen": (
         device("encoder-2", "frozen"),
-        0.1,
+        0.2,  # until the others have moved on by the distance
         ("encoder-2 is frozen", "rod of ch2 is jammed", "0.4 mm for 0.05 s"),
     ),
     "encoder-jumped": (device("encoder-2", "jump"), CYCLES, ("encoder-2", "jumped", "0.001")),
@@ -97,17 +97,17 @@ FROM_THE_START = {
         swapped(1, 2),
         (),
         (ENERGISED, 1.5),
-        ("encoder-1 and encoder-2 are swapped", "mJ"),
+        ("encoder-1 and encoder-2 are swapped",),
     ),
     "encoders-3-4-swapped": (
         swapped(3, 4),
         (),
         (ENERGISED, 1.5),
-        ("encoder-3 and encoder-4 are swapped", "mJ"),
+        ("encoder-3 and encoder-4 are swapped",),
     ),
     "calibration-of-another-rig": (
         [],
-        ("plant.camera.rotation_error=[0.1, 0, 0]",),
+        ("plant.camera.rotation_error=[0.05, 0, 0]",),
         (GRACE, GRACE + 2 * FRAME),
         ("camera", "before anything has moved", "another rig's calibration", "mm", "3 mm"),
     ),
