@@ -323,3 +323,18 @@ def test_a_known_load_of_a_pair_is_fed_forward_at_once(kind):
         command = loaded.update(state, PairReference(0.0, 0.0, 0.0), 2.0)
     assert command.agonist - command.antagonist > without.agonist - without.antagonist + 2.0e3
     assert loaded.correction == pytest.approx(plain.correction, abs=0.15)
+
+
+@every
+def test_a_push_comes_over_held_tensions_and_nothing_is_controlled(kind):
+    """However far the ring is off, the pressures are those of its pose and the push."""
+    controller = build(kind)
+    home = (0.0, 0.0, 1.0)
+    controller.reset(JointState(0.0, rods_at(home), BASE))
+    off = JointState(0.0, rods_at(axis_from_tilt(0.02, 0.3)), BASE)
+    goal = resting(home)._replace(push=(4.0, 0.0), base_pressure=0.16e6)
+    for _ in range(50):
+        command = controller.update(off, goal)
+    assert command.ch1 - command.ch3 == pytest.approx(4.0 / MODEL.area, rel=1e-6)
+    assert command.ch2 == pytest.approx(0.16e6, rel=1e-3)
+    assert command.ch4 == pytest.approx(0.16e6, rel=1e-3)

@@ -121,3 +121,12 @@ def test_a_lap_shorter_than_the_filter_is_refused():
     memory = LapMemory(LearningSettings(), 1, PERIOD)
     with pytest.raises(ValueError, match="a lap of 60 cycles is too short"):
         memory.begin(60)
+
+
+@pytest.mark.parametrize("lap", [Lap(0, 0, TICKS), Lap(5, 0, 2 * TICKS)], ids=["anew", "longer"])
+def test_laps_of_another_motion_are_learnt_from_the_beginning(lap):
+    _, learning, memory = learn(wave, 3)
+    learning.start_cycle(lap)
+    assert learning.active
+    assert not learning.scores
+    assert memory.at(250) == (0.0,)
