@@ -42,7 +42,7 @@ FAULTS = {
     ),
     "regulator-open": (
         plant("regulator_open", 0),
-        0.02,
+        PRESSURE,  # or sooner: its rod runs away
         ("regulators: the regulator of ch1 is stuck open", "kPa", "40 kPa"),
     ),
     "regulator-closed": (
