@@ -8,19 +8,19 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
-import matplotlib.image as image
 import matplotlib.pyplot as plt
+from matplotlib import image
 
 TARGET = Path(__file__).with_name("rigs.png")
 LEFT_HALF = slice(None, 736)
+RIG = (sys.executable, "-c", "from rig.cli import main; main()")
 
 
 def figure_of(experiment: str, name: str, folder: str) -> "image.AxesImage":
     """Run an experiment and return one of its figures."""
     place = Path(folder, experiment)
     subprocess.run(
-        [sys.executable, "-c", "from rig.cli import main; main()"]
-        + ["run", experiment, "--on", "sim", "--out", str(place)],
+        [*RIG, "run", experiment, "--on", "sim", "--out", str(place)],
         check=True,
     )
     return image.imread(next(place.glob(f"*/figures/{name}.png")))
