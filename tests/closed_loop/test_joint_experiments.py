@@ -41,6 +41,13 @@ PROMISED = {
     "joint-poses-low-speed": {"wire_hold_rms": 0.005e-3},
     "joint-wide": {"paper_wire_error_20deg": 12e-9, "paper_wire_error_60deg": 38e-6},
 }
+NOT_REACHED = {
+    "joint-circle-camera": pytest.mark.xfail(
+        strict=True,
+        reason="0.18 mm at 0.1 Hz, seed 0: stick-slip of the standard seals leaves 0.06 mm in the "
+        "wires, three times as much at the marker, faster than any camera at 60 frames/s sees",
+    )
+}
 SHORT = (
     "reference.tones=[{frequency: 0.5 Hz, laps: 1}]",
     "approach=1 s",
@@ -75,7 +82,9 @@ def test_a_lap_over_the_bus_keeps_its_bounds(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("name", [name for name in EXPERIMENTS if name != "joint-circle-camera"])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=NOT_REACHED.get(name, ())) for name in EXPERIMENTS]
+)
 def test_an_experiment_keeps_its_bounds(tmp_path, name, seed):
     metrics = run(tmp_path, name, f"simulation.seed={seed}")
     assert all_passed(metrics), [metric for metric in metrics if metric.passed is False]
