@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
-from drivers.sim.camera.settings import CameraSimulationSettings
+from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.settings import ActuatorSettings, RegulatorSettings, WireSettings
 
 
