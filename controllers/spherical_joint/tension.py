@@ -229,11 +229,14 @@ class TensionDistribution:
         pose tend to a limit, the choice without a jump; corrected so that they tilt nothing.
         """
         x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
-        off = (math.copysign(_BESIDE[0], x), math.copysign(_BESIDE[1], y), 0.0)
-        beside = self._shares(
-            self._wires.jacobian(natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
-        )
-        assert beside is not None
+        beside = None
+        reach = 1.0
+        while beside is None:  # small rings need more before their wires spin them at all
+            off = (math.copysign(reach * _BESIDE[0], x), math.copysign(reach * _BESIDE[1], y), 0.0)
+            beside = self._shares(
+                self._wires.jacobian(natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
+            )
+            reach *= 2.0
         shares = list(beside)
         for (one, other), coefficients in zip(PAIRS, (first, second), strict=True):
             half = 0.5 * sum(a * b for a, b in zip(coefficients, beside, strict=True))
