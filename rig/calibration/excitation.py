@@ -99,6 +99,9 @@ class OpenLoop(Generic[Reference, Command]):
         self.segments = tuple(segments)
         self.duration = self.times[-1]
         self.estimate = estimate
+        # What the joint's log keeps of a plan and of learning; there is neither.
+        self.learning = None
+        self.pose = (0.0, 0.0, 0.0)
         self._rest = rest
         self._command = command
         self._t = 0.0

@@ -138,8 +138,9 @@ def _noiseless(profile, procedure, folders):
     names = [column.name for column in log.columns]
     values = log.values.copy()
     for channel in ("agonist", "antagonist"):
-        true = values[:, names.index(f"truth.pressure_{channel}")]
-        values[:, names.index(f"reading.pressure_{channel}")] = true
+        true = values[:, names.index(f"truth.pressure_{channel}")].copy()
+        # A reading is one cycle old when it is used.
+        values[1:, names.index(f"reading.pressure_{channel}")] = true[:-1]
     segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
     recording = Recording([(log._replace(values=values), segments)], [Path(folder.log_path)])
     return {

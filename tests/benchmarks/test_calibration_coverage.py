@@ -1,0 +1,38 @@
+"""How often the stated 95 % intervals of a calibration hold what is true of the simulated rig.
+
+`pytest -m benchmark -s -n 0 tests/benchmarks/test_calibration_coverage.py`; CALIBRATIONS in the
+environment sets how many of each procedure (200).
+"""
+
+import os
+
+import pytest
+from calibration_truth import DRAWN, calibrate, covered, normalised
+
+CALIBRATIONS = int(os.environ.get("CALIBRATIONS", "200"))
+
+
+@pytest.mark.benchmark
+@pytest.mark.parametrize("procedure", DRAWN)
+def test_coverage(procedure, tmp_path, table):
+    seeds = range(3000, 3000 + CALIBRATIONS)
+    rows = [row for seed in seeds for row in calibrate(procedure, seed, tmp_path)]
+    held, errors = covered(rows), normalised(rows)
+    for name, (inside, count) in held.items():
+        spread = errors[name]
+        table(
+            what=name, held=inside / count, of=count,
+            bias=float(spread.mean()), spread=float(spread.std()),
+        )  # fmt: skip
+    inside, count = (sum(values) for values in zip(*held.values(), strict=True))
+    table(what=f"{procedure}: all", held=inside / count, of=count)
+    assert 0.93 <= inside / count <= 0.97
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("procedure", ["regulators", "encoders"])
+def test_coverage_of_a_few(procedure, tmp_path):
+    rows = [row for seed in range(8) for row in calibrate(procedure, seed, tmp_path)]
+    inside, count = (sum(values) for values in zip(*covered(rows).values(), strict=True))
+    # Quantities of one calibration err together: the binomial bound would be too narrow.
+    assert inside / count >= 0.85

@@ -1,0 +1,70 @@
+"""`rig calibrate` from the command line to the file, and back into a profile."""
+
+import json
+
+import pytest
+
+from rig.cli import invoke
+from rig.config import find_configs
+
+
+@pytest.fixture
+def configs(tmp_path):
+    source = find_configs()[0] / "rigs" / "cylinder.yaml"
+    folder = tmp_path / "configs"
+    (folder / "rigs").mkdir(parents=True)
+    (folder / "rigs" / "cylinder.yaml").write_text(source.read_text(encoding="utf-8"))
+    return folder
+
+
+def calibrate(configs, *words):
+    out = ["--configs", str(configs), "--out", str(configs.parent / "runs")]
+    return invoke(["calibrate", "cylinder", *words, *out])
+
+
+def test_a_procedure_from_preview_to_use(configs, capsys):
+    file = configs / "calibration" / "cylinder" / "cylinder.yaml"
+    assert calibrate(configs, "response", "--dry-run") == 0
+    shown = capsys.readouterr().err
+    assert "chamber 1: set-points 120 kPa … 160 kPa" in shown
+    assert "limits.position -20 mm … 20 mm" in shown
+    assert not file.exists()
+    assert not (configs.parent / "runs").exists()
+
+    assert calibrate(configs, "response", "--yes", "--on", "sim", "--temperature", "23 degC") == 0
+    capsys.readouterr()
+    (run,) = (configs.parent / "runs").iterdir()
+    assert (run / "figures" / "calibration-response.png").stat().st_size > 10_000
+    assert json.loads((run / "manifest.json").read_text())["status"] == "ok"
+    assert invoke(["check", "cylinder", "--configs", str(configs), "--json"]) == 0
+    (state,) = json.loads(capsys.readouterr().out)["profile"]["calibrations"]
+    assert (state["name"], state["procedure"], state["state"]) == ("cylinder", "response", [])
+
+    assert calibrate(configs, "--history", "cylinder") == 0
+    assert len(capsys.readouterr().out.strip().splitlines()) == 3
+    assert calibrate(configs, "--diff", "cylinder", "cylinder") == 0
+    assert "agonist.bandwidth" in capsys.readouterr().out
+
+
+def test_what_is_broken_off_changes_nothing_and_can_be_gone_on_with(configs, capsys):
+    stop = "simulation.faults=[{at: 5, device: regulators, fault: emergency_stop}]"
+    code = calibrate(configs, "response", "--yes", "--on", "sim", "--set", stop)
+    told = capsys.readouterr().err
+    assert code == 4
+    assert "nothing was changed; what was recorded is kept" in told
+    assert not (configs / "calibration").exists()
+    (run,) = (configs.parent / "runs").iterdir()
+    assert f"--from {run}" in told
+
+    assert calibrate(configs, "response", "--yes", "--on", "sim", "--from", str(run)) == 0
+    runs = sorted((configs.parent / "runs").iterdir())
+    assert len(runs) == 2
+    text = (configs / "calibration" / "cylinder" / "cylinder.yaml").read_text()
+    assert all(f"{path}/log.mcap" in " ".join(text.split()) for path in runs)
+
+
+def test_nobody_to_ask_is_told(configs, capsys):
+    assert calibrate(configs, "response", "--on", "sim") == 2
+    assert "say --yes" in capsys.readouterr().err
+    assert calibrate(configs, "respons", "--yes") == 2
+    assert "did you mean response?" in capsys.readouterr().err
