@@ -44,7 +44,7 @@ _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
 
 _MODEL: Final = 3e-3
-"""What the model leaves out, over the friction: bristles bend over within 1 ms of sliding
+"""What the model leaves out, over the Coulomb friction: bristles bend over within 1 ms of sliding
 and the seat's load swings. Found on simulated rigs without noise."""
 
 _REST: Final = 15
@@ -142,10 +142,6 @@ class Friction:
         count = min(map(len, slips))
         forward, backward = (part[:count] for part in slips)
         breakaway = mean_of("friction.breakaway", "N", (0.5 * (forward + backward)).tolist())
-        breakaway = interval(
-            breakaway.name, breakaway.value, "N",
-            math.hypot(breakaway.std, _MODEL * breakaway.value), count - 1.0,
-        )  # fmt: skip
         dry = pull - zero - viscous * velocity - mass * acceleration
         panels = (
             Panel(
