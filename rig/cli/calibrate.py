@@ -167,18 +167,14 @@ def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) ->
 
 
 def _show(procedure: Procedure, done: Calibrated) -> None:
-    from rig.config import format_quantity
+    from rig.config import format_against, format_quantity
 
-    rows = [
-        (
-            e.name,
-            format_quantity(e.value, e.unit),
-            format_quantity(e.std, e.unit),
-            f"{format_quantity(e.low, e.unit)} … {format_quantity(e.high, e.unit)}",
-        )
-        for finding in done.findings
-        for e in finding.estimates
-    ]
+    rows = []
+    for finding in done.findings:
+        for e in finding.estimates:
+            low, high = format_against(e.low, e.high, e.unit)  # as many digits as it takes
+            value, _ = format_against(e.value, e.low, e.unit)
+            rows.append((e.name, value, format_quantity(e.std, e.unit), f"{low} … {high}"))
     print_tables([Table(procedure.title, ("quantity", "value", "std", "95 %"), rows)])
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)

@@ -196,7 +196,7 @@ def profile_tables(profile: dict[str, Any]) -> list[Table]:
         ),
         Table(
             "calibrations",
-            ("of", "state", "date", "valid until", "residual rms", "file"),
+            ("of", "state", "date", "holds until", "residual rms", "file"),
             [_calibration_row(of) for of in profile["calibrations"]]
             or [("-", "none in force", "-", "-", "-", "-")],
         ),

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CALIPER_ACCURACY: Final = 10e-6
 """Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
 
-_SHARE: Final = 0.75
+_SHARE: Final = 0.6
 """Of the permitted positions that is used."""
 
 _LEVELS: Final = 15

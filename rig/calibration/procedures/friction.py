@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SPEEDS: Final = (0.03, 0.04) * 4
-CREEP: Final = 0.003
+CREEP: Final = 0.002
 BUMP: Final = 0.021
 _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
@@ -183,7 +183,7 @@ class Friction:
 
 def _strokes(profile: Profile) -> Strokes:
     low, high = profile.mechanism_settings.limits.position
-    return Strokes(0.7 * min(-low, high), (*SPEEDS, CREEP))
+    return Strokes(0.6 * min(-low, high), (*SPEEDS, CREEP))
 
 
 def _bump(period: float) -> tuple["Array", "Array", "Array"]:
