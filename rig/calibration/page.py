@@ -50,7 +50,7 @@ def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path
             data.plot(
                 x, panel.fit[order], color=VERMILION, lw=0, label="fit", **{**style, "ms": 1.5}
             )
-            data.set_title(panel.title, loc="left", fontsize=8.0)
+            rest.set_title(panel.title, loc="left", fontsize=8.0)
             data.set_xlabel(panel.x_label)
             data.set_ylabel(panel.y_label)
             rest.axhline(0.0, color=INK, lw=0.5)

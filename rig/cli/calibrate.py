@@ -174,8 +174,9 @@ def _show(procedure: Procedure, done: Calibrated) -> None:
         for e in finding.estimates:
             low, high = format_against(e.low, e.high, e.unit)  # as many digits as it takes
             value, _ = format_against(e.value, e.low, e.unit)
-            rows.append((e.name, value, format_quantity(e.std, e.unit), f"{low} … {high}"))
-    print_tables([Table(procedure.title, ("quantity", "value", "std", "95 %"), rows)])
+            std = format_quantity(e.std, e.unit)
+            rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
+    print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)
 

@@ -8,8 +8,8 @@ A controller on such seals never moves evenly, so velocity and acceleration are 
 differences: every term is weighed with one smooth bump of 20 ms, and the derivatives are moved to
 the bump by parts, where they are exact. Only bumps in which the pair slides all the time count.
 
-Breakaway is the pull at the last instant of rest before a slip, over the slips of a stroke so
-slow that the pair sticks and slips. It is what a controller has to overcome; the force at which
+Breakaway is the greatest pull between rest and a slip, over the slips of a stroke so slow that
+the pair sticks and slips. It is what a controller has to overcome; the force at which
 the bristles of a seal would yield at no speed at all is a little higher.
 
 References
@@ -224,7 +224,7 @@ def _sliding(velocity: "Array", least: float, width: int) -> "NDArray[np.int_]":
 
 
 def _slips(smooth: _Smooth, direction: float) -> Iterator[float]:
-    """Yield the pull at the last rest before each slip, N."""
+    """Yield the greatest pull before each slip, N."""
     still = np.abs(smooth.velocity) < 5e-4
     fast = direction * smooth.velocity > 4e-3
     rested, last = 0, 0
@@ -233,5 +233,5 @@ def _slips(smooth: _Smooth, direction: float) -> Iterator[float]:
             rested, last = rested + 1, k
         elif fast[k] or direction * smooth.velocity[k] < -4e-3:
             if rested >= _REST and fast[k]:
-                yield float(direction * smooth.pull[last])
+                yield float((direction * smooth.pull[max(last - 20, 0) : k]).max())
             rested = 0
