@@ -314,7 +314,9 @@ def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsy
     amplitudes = "reference.amplitude=5 mm,8 mm,25 mm"
     code, out, err = compare(capsys, tmp_path, "--vary", amplitudes)
     assert code == 0
-    assert json.loads(out)["labels"] == ["amplitude 5 mm", "amplitude 8 mm"]
+    content = json.loads(out)
+    assert content["labels"] == ["amplitude 5 mm", "amplitude 8 mm", "amplitude 25 mm"]
+    assert len(content["runs"]) == 2 and list(content["refused"]) == ["amplitude 25 mm"]
     assert "amplitude 25 mm: refused" in err and "limits.position" in err
     code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude=25 mm,26 mm")
     assert code == 2 and "at 26 mm" in err
