@@ -57,7 +57,7 @@ FAULTS = {
     ),
     "encoder-frozen": (
         device("encoder-2", "frozen"),
-        0.2,  # until the others have moved on by the distance
+        0.25,  # until the others have moved on by the distance, over the bus 0.2 s
         ("encoder-2 is frozen", "rod of ch2 is jammed", "0.4 mm for 0.05 s"),
     ),
     "encoder-jumped": (device("encoder-2", "jump"), CYCLES, ("encoder-2", "jumped", "0.001")),

@@ -173,8 +173,9 @@ def _draw_cost(
     if cost.linear:
         axes.set_xlim(left=0.0, right=1.25 * max(most, cost.bound or 0.0))
     else:
-        axes.set_xscale("log")
+        # Limits first: where nothing is above the floor, there is nothing to scale to.
         axes.set_xlim(left=0.7 * cost.floor, right=max(6.0 * most, 3.0 * (cost.bound or 0.0)))
+        axes.set_xscale("log")
     axes.set_yticks(range(len(values)), labels=labels)
     axes.tick_params(axis="y", labelsize=6.5, length=0)
     axes.invert_yaxis()
