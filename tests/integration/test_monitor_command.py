@@ -172,10 +172,10 @@ def test_a_live_interface_is_listened_to(capfd, request):
 
 
 def test_ctrl_c_ends_listening():
+    # A shell has what it starts in the background ignore Ctrl-C, and so everything in it.
     process = subprocess.Popen(
-        [*RIG, "--on", "virtual:quiet0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        # A shell has what it starts in the background ignore Ctrl-C, and so its children.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        ["env", "--default-signal=INT", *RIG, "--on", "virtual:quiet0"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     with process:
         assert process.stderr.readline().startswith("listening on virtual:quiet0")
@@ -196,7 +196,7 @@ def complete(arguments, incomplete):
 
 
 def test_names_are_completed():
-    assert complete(["monitor"], "cyl") == ["cylinder", "cylinder-low-speed"]
+    assert complete(["monitor"], "cylinder-l") == ["cylinder-low-speed"]
     assert complete(["monitor", "cylinder", "--device"], "enc") == [
         "encoder-agonist", "encoder-antagonist",
     ]  # fmt: skip
