@@ -111,7 +111,7 @@ class DampedSettings:
         |det J| below which the inverse is damped, m³.
     damping : float, optional
         lambda_0, at the singularity. None: the least power of sqrt(2) with which the path keeps
-        the rate limits.
+        the rate limits, in a region two or four times as wide if it has to be.
     """
 
     feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
@@ -138,7 +138,7 @@ class DampedLeastSquares(_PoseLaw):
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period, once the damping is found."""
         if self.settings.damping is None:
-            self.settings = replace(self.settings, damping=self._tuned(trajectory))
+            self.settings = self._tuned(trajectory)
         return super().move(trajectory, end)
 
     def rates(self, q: Joints, twist: Twist) -> Joints:
@@ -150,20 +150,36 @@ class DampedLeastSquares(_PoseLaw):
         solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
         return tuple((J.T @ solved).tolist())
 
-    def _tuned(self, trajectory: Trajectory) -> float:
-        limits = self.geometry.rate_limits
-        damping = 0.005
-        while damping < 1.0:
-            settings = replace(self.settings, damping=damping)
-            law = DampedLeastSquares(settings, self.geometry, self.period)
-            if all(
-                abs(rate) <= limit
-                for sample in law.move(trajectory, MotionEnd())
-                for rate, limit in zip(sample.velocities, limits, strict=True)
-            ):
-                break
-            damping *= math.sqrt(2.0)
-        return damping
+    def _tuned(self, trajectory: Trajectory) -> DampedSettings:
+        """Return the narrowest region, then the least damping in it, that keeps the limits.
+
+        Where damping alone does not, what it has put off is caught up too fast at the region's
+        border. Where nothing does, the settings that come nearest.
+        """
+        tried: list[tuple[float, DampedSettings]] = []
+        for width in (1.0, 2.0, 4.0):
+            damping = 0.005
+            while damping < 1.0:
+                settings: DampedSettings = replace(
+                    self.settings,
+                    damping=damping,
+                    manipulability=width * self.settings.manipulability,
+                )
+                over = self._greatest_share(settings, trajectory)
+                if over <= 1.0:
+                    return settings
+                tried.append((over, settings))
+                damping *= math.sqrt(2.0)
+        return min(tried, key=lambda one: one[0])[1]
+
+    def _greatest_share(self, settings: DampedSettings, trajectory: Trajectory) -> float:
+        """Return the greatest rate on the whole path over its limit."""
+        law = DampedLeastSquares(settings, self.geometry, self.period)
+        return max(
+            abs(rate) / limit
+            for sample in law.move(trajectory, MotionEnd())
+            for rate, limit in zip(sample.velocities, self.geometry.rate_limits, strict=True)
+        )
 
 
 @dataclass(frozen=True, slots=True)
