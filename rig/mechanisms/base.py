@@ -7,9 +7,6 @@ from rig.hal import ConfigurationError
 from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
 
-CLAMPED = 0.05
-"""Share of a regulator's span by which limits may exceed it: its driver clamps what is beyond."""
-
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")

@@ -7,7 +7,6 @@ from typing import Any, Protocol
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
-    ConfigurationError,
     Device,
     EmergencyStop,
     EmergencyStopInput,
@@ -17,8 +16,9 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.mechanisms.base import CLAMPED, Margin, pick_device
+from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.cylinder_settings import CylinderSettings
+from rig.mechanisms.pneumatic_devices import check_pneumatics
 from rig.runtime.columns import Column
 from rig.runtime.limits import VectorLimiter
 from rig.runtime.motion import Motion
@@ -94,7 +94,14 @@ class AntagonisticPair:
         emergency_stop: EmergencyStopInput | None,
         period: float,
     ) -> None:
-        _check_devices(settings, regulators, (encoder_agonist, encoder_antagonist))
+        check_pneumatics(
+            "an antagonistic pair",
+            _CHANNELS,
+            settings.limits.pressure,
+            settings.stroke,
+            regulators,
+            (encoder_agonist, encoder_antagonist),
+        )
         self.settings = settings
         self.controller: EstimatingController | None = None
         self._regulators = regulators
@@ -372,33 +379,3 @@ class AntagonisticPair:
             "pressure rate": self._limiter.rate_hits,
             "pair force": self._force_hits,
         }
-
-
-def _check_devices(
-    settings: CylinderSettings,
-    regulators: PressureRegulator,
-    encoders: tuple[LinearEncoder, LinearEncoder],
-) -> None:
-    if tuple(regulators.channels) != _CHANNELS:
-        raise ConfigurationError(
-            f"{regulators.name}: the channels are {', '.join(regulators.channels)}; "
-            f"an antagonistic pair needs {', '.join(_CHANNELS)} in this order"
-        )
-    low, high = regulators.pressure_range
-    # A calibrated module ends a little above or below what its maker says, and is clamped there.
-    low, high = low - CLAMPED * (high - low), high + CLAMPED * (high - low)
-    if settings.limits.pressure[0] < low or settings.limits.pressure[1] > high:
-        raise ConfigurationError(
-            f"limits.pressure {settings.limits.pressure[0]:g} … {settings.limits.pressure[1]:g} Pa "
-            f"exceeds what {regulators.name} can set, {low:g} … {high:g} Pa"
-        )
-    for encoder in encoders:
-        if len(encoder.channels) != 1:
-            raise ConfigurationError(
-                f"{encoder.name}: it has {len(encoder.channels)} channels, a rod needs one"
-            )
-        if encoder.stroke < settings.stroke:
-            raise ConfigurationError(
-                f"{encoder.name}: its stroke {encoder.stroke:g} m is shorter than the "
-                f"cylinder's, {settings.stroke:g} m"
-            )

@@ -26,10 +26,11 @@ from rig.hal import (
 )
 from rig.mechanisms.base import Margin, pick_device
 from rig.mechanisms.joint_columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint_devices import check_camera, check_devices
+from rig.mechanisms.joint_devices import check_camera
 from rig.mechanisms.joint_motion import JointMotion, plan_motion
 from rig.mechanisms.joint_settings import JointSettings
 from rig.mechanisms.joint_watch import JointWatch
+from rig.mechanisms.pneumatic_devices import check_pneumatics
 from rig.runtime.limits import VectorLimiter
 
 _ZERO = (0.0, 0.0, 0.0)
@@ -87,7 +88,9 @@ class SphericalJoint:
         emergency_stop: EmergencyStopInput | None,
         period: float,
     ) -> None:
-        check_devices(settings, regulators, encoders)
+        check_pneumatics(
+            "the joint", CHANNELS, settings.limits.pressure, settings.stroke, regulators, encoders
+        )
         if camera is not None:
             check_camera(settings, camera)
         self.settings = settings

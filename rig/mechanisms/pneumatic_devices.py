@@ -1,0 +1,64 @@
+"""Regulators and encoders of pneumatic cylinders: whether they can do what a mechanism needs."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from rig.hal import ConfigurationError, LinearEncoder, PressureRegulator
+
+_CLAMPED: Final = 0.05
+"""Share of a regulator's range by which a limit may exceed it: a calibrated module ends a little
+above or below what its maker says, and is clamped there."""
+
+
+def check_pneumatics(
+    whose: str,
+    channels: tuple[str, ...],
+    pressure: tuple[float, float],
+    stroke: float,
+    regulators: PressureRegulator,
+    encoders: Sequence[LinearEncoder],
+) -> None:
+    """Refuse devices that cannot do what cylinders need.
+
+    Parameters
+    ----------
+    whose : str
+        The mechanism, as a message names it: ``"the joint"``.
+    channels : tuple of str
+        Its chambers, in their order.
+    pressure : tuple of float
+        Least and greatest setpoint that it may give, Pa gauge.
+    stroke : float
+        Of each cylinder, m.
+    regulators : PressureRegulator
+        Of all chambers.
+    encoders : sequence of LinearEncoder
+        One to each rod.
+
+    Raises
+    ------
+    ConfigurationError
+        They have other channels, or ranges that do not hold the limits.
+    """
+    if tuple(regulators.channels) != channels:
+        raise ConfigurationError(
+            f"{regulators.name}: the channels are {', '.join(regulators.channels)}; "
+            f"{whose} needs {', '.join(channels)} in this order"
+        )
+    low, high = regulators.pressure_range
+    low, high = low - _CLAMPED * (high - low), high + _CLAMPED * (high - low)
+    if pressure[0] < low or pressure[1] > high:
+        raise ConfigurationError(
+            f"limits.pressure {pressure[0]:g} … {pressure[1]:g} Pa "
+            f"exceeds what {regulators.name} can set, {low:g} … {high:g} Pa"
+        )
+    for encoder in encoders:
+        if len(encoder.channels) != 1:
+            raise ConfigurationError(
+                f"{encoder.name}: it has {len(encoder.channels)} channels, a rod needs one"
+            )
+        if encoder.stroke < stroke:
+            raise ConfigurationError(
+                f"{encoder.name}: its stroke {encoder.stroke:g} m is shorter than the "
+                f"cylinder's, {stroke:g} m"
+            )
