@@ -25,11 +25,10 @@ from rig.runtime.log import read_log
 from rig.runtime.loop import Timings
 
 SECONDS = 7.5
-ROUNDS = 3
+ROUNDS = 5
 THREADED_CYCLES = 500
 WANTED = 0.1
-BOUND_DRAINED = 0.12
-BOUND_THREADED = 0.13
+BOUND = 0.12  # for a machine that has other things to do
 NEAR = 1e3  # the two sides' setpoints while the sine runs, median of the difference, Pa
 
 pytestmark = pytest.mark.benchmark
@@ -49,22 +48,26 @@ def test_cycle_cost(tmp_path, table, monkeypatch):
         if number:  # the first fills caches
             for name, cost in zip(names, costs, strict=True):
                 rounds[name].append(cost)
-    ours, drained, threaded = (min(rounds[name]) for name in names)
-    for name, results in rounds.items():
+    ratios = {}
+    for name, costs in rounds.items():
+        # Round by round: a host that lends its processor elsewhere slows both sides of a round.
+        each = [ours / cost for ours, cost in zip(rounds["rig"], costs, strict=True)]
+        ratios[name] = median(each)
         table(
             what=name,
-            us=1e6 * min(results),
-            rig_over_it=ours / min(results),
-            rounds=" ".join(f"{1e6 * cost:.1f}" for cost in results),
+            us=1e6 * median(costs),
+            rig_over_it=ratios[name],
+            rounds=" ".join(f"{1e6 * cost:.1f}" for cost in costs),
         )
+    _, drained, threaded = ratios.values()
     table(
         what="wanted",
         ratio=WANTED,
-        reached=ours <= WANTED * drained,
+        reached=max(drained, threaded) <= WANTED,
         frames_in_per_cycle=sum(len(frames) for frames in fed) / len(fed),
     )
-    assert ours <= BOUND_DRAINED * drained
-    assert ours <= BOUND_THREADED * threaded
+    assert drained <= BOUND
+    assert threaded <= BOUND
 
 
 class FarEnd(SocketCanBus):

@@ -17,6 +17,8 @@ from rig.runtime.motion import Segment
 Length = Annotated[float, Unit("m")]
 Duration = Annotated[float, Unit("s"), Gt(0)]
 
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
 
 @dataclass(frozen=True, slots=True)
 class SineTone:
@@ -81,7 +83,7 @@ class Sine:
                 phase = w * (t - start)
                 position = self.amplitude * math.cos(phase)
                 velocity = -self.amplitude * w * math.sin(phase)
-                return PairReference(position, velocity, -w * w * position)
+                return _new(PairReference, (position, velocity, -w * w * position))
         return PairReference(self.amplitude, 0.0, 0.0)
 
 
