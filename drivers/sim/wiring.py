@@ -10,7 +10,11 @@ from typing import Any, NamedTuple, Protocol
 from drivers.encoders.cia406_settings import Cia406Settings
 from drivers.regulators.cia401_settings import AnalogueSignal, Cia401Settings
 from drivers.sim.calibrated import CorrectedRegulators, CorrectedRods
-from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
+from drivers.sim.camera.wiring import (
+    emulate_marker_camera,
+    simulate_marker_camera,
+    true_camera,
+)
 from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
 from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
 from drivers.sim.nodes import object_dictionary as types
@@ -213,18 +217,22 @@ class LinkWiring(NamedTuple):
     Attributes
     ----------
     emulate : callable
-        ``emulate(name, settings, plant, seed, serial=)``: what stands in for its hardware, and
-        lives in virtual time.
+        ``emulate(name, settings, plant, seed, serial=, **reality)``: what stands in for its
+        hardware, and lives in virtual time.
     simulate : callable
-        ``simulate(name, settings, plant, clock, seed, serial=)``: the device itself.
+        ``simulate(name, settings, plant, clock, seed, serial=, **reality)``: the device itself.
+    reality : callable
+        ``reality(nominal, plant, bounds, seed)``: keywords that say what is true of the device,
+        from its settings before any calibration and from the bounds of what is drawn.
     """
 
     emulate: Callable[..., Any]
     simulate: Callable[..., Any]
+    reality: Callable[[Any, Any, Any, int], dict[str, Any]]
 
 
 LINKS: dict[str, LinkWiring] = {
-    "marker-camera": LinkWiring(emulate_marker_camera, simulate_marker_camera),
+    "marker-camera": LinkWiring(emulate_marker_camera, simulate_marker_camera, true_camera),
 }
 
 

@@ -62,6 +62,16 @@ def _wire(profile: Profile, plant: Any, name: str) -> tuple[Any, tuple[int, ...]
     return WIRINGS[entry.driver], plant_channels(name, wired, plant, own)
 
 
+def reality_of(profile: Profile, name: str, plant: Any) -> dict[str, Any]:
+    """Return what is true of a simulated device without a bus, whatever its driver believes."""
+    from drivers.sim.wiring import LINKS
+
+    entry, simulation = profile.devices[name], profile.simulation
+    return LINKS[entry.driver].reality(
+        entry.nominal, plant, simulation.perturbation, simulation.seed
+    )
+
+
 def build_sim(profile: Profile) -> Rig:
     """Build a rig whose devices stand straight on the plant."""
     from drivers.sim.clock import SimClock
@@ -74,8 +84,9 @@ def build_sim(profile: Profile) -> Rig:
     for name, entry in profile.devices.items():
         if entry.driver in LINKS:
             devices[name] = LINKS[entry.driver].simulate(
-                name, entry.settings, plant, clock, profile.simulation.seed, serial=entry.serial
-            )
+                name, entry.settings, plant, clock, profile.simulation.seed, serial=entry.serial,
+                **reality_of(profile, name, plant),
+            )  # fmt: skip
             continue
         wiring, channels = _wire(profile, plant, name)
         port = plant
@@ -152,7 +163,12 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
             ports[bus] = partial(getattr, line, "port")
     links = {
         name: LINKS[entry.driver].emulate(
-            name, entry.settings, plant, profile.simulation.seed, serial=entry.serial
+            name,
+            entry.settings,
+            plant,
+            profile.simulation.seed,
+            serial=entry.serial,
+            **reality_of(profile, name, plant),
         )
         for name, entry in profile.devices.items()
         if entry.driver in LINKS

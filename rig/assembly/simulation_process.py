@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from rig.assembly.buses import is_can
 from rig.assembly.interfaces import Interfaces
-from rig.assembly.simulated import checking_faults, emulate_nodes, make_plant
+from rig.assembly.simulated import checking_faults, emulate_nodes, make_plant, reality_of
 from rig.config import Profile
 from rig.hal import ConfigurationError
 
@@ -137,6 +137,7 @@ def _serve_cameras(
             profile.simulation.seed,
             next(iter(channels.values())),
             serial=entry.serial,
+            **reality_of(profile, name, plant),
         )
         stack.callback(camera.close)
         cameras[name] = camera

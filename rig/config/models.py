@@ -85,8 +85,21 @@ class Perturbation:
         Of every length and angle of a mechanism's geometry, as a share of it.
     camera_position, camera_angle : float
         Of the camera's pose, m and rad, along and about each axis.
+    camera_focal, camera_centre, camera_distortion : float
+        Of the lens: focal length as a share of it, principal point in pixels, and k1.
+    camera_latency : float
+        Of the camera's latency, s.
     joint_zero : float
         Of a servo joint's zero, rad.
+    joint_scale : float
+        Of a servo joint's encoder, 1.
+    joint_reversed : float
+        How likely a servo joint turns the other way than the profile says.
+    link_length : float
+        Of every length of a mechanism's geometry, m.
+    marker : float
+        Of the marker on the hand along each axis, m: a standard deviation and no bound, as what
+        a fixture is made to is stated.
     """
 
     setpoint_gain: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
@@ -100,7 +113,15 @@ class Perturbation:
     geometry: Annotated[float, Unit("1"), Interval(ge=0, le=0.1)] = 0.0
     camera_position: Annotated[float, Unit("m"), Interval(ge=0, le=0.1)] = 0.0
     camera_angle: Annotated[float, Unit("rad"), Interval(ge=0, le=0.5)] = 0.0
+    camera_focal: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
+    camera_centre: Annotated[float, Interval(ge=0, le=200)] = 0.0
+    camera_distortion: Annotated[float, Unit("1"), Interval(ge=0, le=1)] = 0.0
+    camera_latency: Annotated[float, Unit("s"), Interval(ge=0, le=0.03)] = 0.0
     joint_zero: Annotated[float, Unit("rad"), Interval(ge=0, le=0.5)] = 0.0
+    joint_scale: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
+    joint_reversed: Annotated[float, Unit("1"), Interval(ge=0, le=1)] = 0.0
+    link_length: Annotated[float, Unit("m"), Interval(ge=0, le=0.02)] = 0.0
+    marker: Annotated[float, Unit("m"), Interval(ge=0, le=0.01)] = 0.0
 
 
 @dataclass(frozen=True, slots=True)

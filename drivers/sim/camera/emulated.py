@@ -29,8 +29,10 @@ class EmulatedCamera:
         The device's name in the profile.
     settings : MarkerCameraSettings
         As the driver has them.
+    scene : MarkerCameraSettings
+        As the camera was built and mounted: lens, pose, latency.
     optics : CameraSimulationSettings
-        What the camera is really like.
+        What the camera is really like beside that.
     plant : MarkerPort
         The physics; at time t when `tick(t)` is called.
     seed : int
@@ -43,6 +45,7 @@ class EmulatedCamera:
         self,
         name: str,
         settings: MarkerCameraSettings,
+        scene: MarkerCameraSettings,
         optics: CameraSimulationSettings,
         plant: MarkerPort,
         seed: int,
@@ -53,9 +56,9 @@ class EmulatedCamera:
         self._settings = settings
         self._plant = plant
         self._serial = serial
-        self._renderer = MarkerRenderer(settings, optics, seed)
+        self._renderer = MarkerRenderer(scene, optics, seed)
         self._detector = MarkerDetector(settings)
-        self._delivery = Delivery(settings, optics, seed)
+        self._delivery = Delivery(settings.latency, scene.latency, optics, seed)
         self._faults = CameraFaults(name)
         self._instants = tuple(
             settings.exposure * (k + 0.5) / optics.sub_exposures

@@ -54,9 +54,11 @@ class Exposing:
     def __init__(self, simulation: socket.socket, listener: socket.socket) -> None:
         self._simulation = simulation
         self._listener = listener
-        name, settings, optics, seed, serial = pickle.loads(simulation.recv(_LARGEST))
+        name, settings, scene, optics, seed, serial = pickle.loads(simulation.recv(_LARGEST))
         self._feed = PoseFeed()
-        self._camera = EmulatedCamera(name, settings, optics, self._feed, seed, serial=serial)
+        self._camera = EmulatedCamera(
+            name, settings, scene, optics, self._feed, seed, serial=serial
+        )
         self._client: socket.socket | None = None
         self._origin = 0.0
         self._expected: int | None = None  # number of the next pose; None: frames are not wanted

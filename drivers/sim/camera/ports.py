@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from drivers.cameras.link import Event
-from drivers.cameras.settings import MarkerCameraSettings
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 
@@ -27,19 +26,21 @@ class Delivery:
 
     Parameters
     ----------
-    settings : MarkerCameraSettings
-        Whose latency the driver believes in.
+    believed : float
+        Latency that the driver believes in, s.
+    latency : float
+        True latency, s, if the optics do not say another one.
     optics : CameraSimulationSettings
-        True latency, its spread, losses.
+        Another latency, its spread, losses.
     seed : int
         Of everything random.
     """
 
     def __init__(
-        self, settings: MarkerCameraSettings, optics: CameraSimulationSettings, seed: int
+        self, believed: float, latency: float, optics: CameraSimulationSettings, seed: int
     ) -> None:
-        self._believed = settings.latency
-        self._latency = settings.latency if optics.latency is None else optics.latency
+        self._believed = believed
+        self._latency = latency if optics.latency is None else optics.latency
         self._jitter = optics.latency_jitter
         self._drop_rate = optics.drop_rate
         self._random = random.Random(seed)

@@ -48,8 +48,10 @@ class ServedCamera:
         The device's name in the profile.
     settings : MarkerCameraSettings
         The driver's.
+    scene : MarkerCameraSettings
+        As the camera was built and mounted: lens, pose, latency.
     optics : CameraSimulationSettings
-        What the camera is really like.
+        What the camera is really like beside that.
     plant : MarkerPort
         The physics; at time t when `tick(t)` is called.
     seed : int
@@ -69,6 +71,7 @@ class ServedCamera:
         self,
         name: str,
         settings: MarkerCameraSettings,
+        scene: MarkerCameraSettings,
         optics: CameraSimulationSettings,
         plant: MarkerPort,
         seed: int,
@@ -111,7 +114,7 @@ class ServedCamera:
                     pass_fds=passed,
                     process_group=0,  # Ctrl-C goes to a whole group; the simulation ends it
                 )
-        self._send((name, settings, optics, seed, serial))
+        self._send((name, settings, scene, optics, seed, serial))
         if self._socket.recv(1) != READY:
             raise ConnectionFailed(name, "the process that makes its frames has ended")
         self._socket.setblocking(False)

@@ -11,6 +11,7 @@ from drivers.cameras.marker_camera import MarkerCameraDriver
 from drivers.cameras.settings import MarkerCameraSettings
 from drivers.cameras.sighting import Sight, Sighting
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
+from drivers.sim.camera.lens import believed_ray
 from drivers.sim.camera.ports import Delivery, MarkerPort
 from drivers.sim.camera.poses import Floats, rotation_matrix, twist_of
 from drivers.sim.camera.settings import CameraSimulationSettings
@@ -25,6 +26,7 @@ class _ImagelessLink:
     def __init__(
         self,
         settings: MarkerCameraSettings,
+        scene: MarkerCameraSettings,
         optics: CameraSimulationSettings,
         plant: MarkerPort,
         seed: int,
@@ -37,13 +39,16 @@ class _ImagelessLink:
         self._serial = serial
         self._noise = optics.noise
         self._generator = np.random.default_rng(seed)
-        self._delivery = Delivery(settings, optics, seed)
+        self._delivery = Delivery(settings.latency, scene.latency, optics, seed)
         self._calibrated = rotation_matrix(settings.rotation_base_from_camera)
-        self._true = self._calibrated @ rotation_matrix(optics.rotation_error)
+        self._lens = scene.intrinsics, settings.intrinsics
+        self._true = rotation_matrix(scene.rotation_base_from_camera) @ rotation_matrix(
+            optics.rotation_error
+        )
         self._axis_x = self._calibrated[:, 0]
         self._camera = np.array(settings.position_camera_in_base)
-        self._turned = any(optics.rotation_error)
-        self._true_camera = self._camera + np.array(optics.position_error)
+        self._turned = bool(np.any(self._true != self._calibrated))
+        self._true_camera = np.array(scene.position_camera_in_base) + optics.position_error
         self._start = inf
         self._frame = -1
         self._last: Sighting | None = None
@@ -121,7 +126,8 @@ class _ImagelessLink:
 
     def _end_of_ray(self, place: Floats) -> Position | None:
         """Return where the ray to a place ends on the marker's sphere, as calibrated; or None."""
-        ray = self._calibrated @ (self._true.T @ (place - self._true_camera))
+        x, y, z = (self._true.T @ (place - self._true_camera)).tolist()
+        ray = self._calibrated @ np.array((*believed_ray((x / z, y / z), *self._lens), 1.0))
         ray /= math.sqrt(float(ray @ ray))
         radius = self._settings.marker.sphere_radius
         along = -float(ray @ self._camera)
@@ -145,8 +151,10 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
         The device's name in the profile.
     settings : MarkerCameraSettings
         Rate, latency, marker, limits.
+    scene : MarkerCameraSettings
+        As the camera was built and mounted: lens, pose, latency.
     optics : CameraSimulationSettings
-        True latency, losses, noise.
+        Losses, noise, errors beside that.
     plant : MarkerPort
         The physics.
     clock : Clock
@@ -161,6 +169,7 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
         self,
         name: str,
         settings: MarkerCameraSettings,
+        scene: MarkerCameraSettings,
         optics: CameraSimulationSettings,
         plant: MarkerPort,
         clock: Clock,
@@ -170,7 +179,7 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
     ) -> None:
         self._faults = CameraFaults(name)
         own = settings.calibrated_serial if serial is None else str(serial)
-        link = _ImagelessLink(settings, optics, plant, seed, self._faults, own)
+        link = _ImagelessLink(settings, scene, optics, plant, seed, self._faults, own)
         super().__init__(name, settings, clock, serial=serial, link=link)
 
     @property

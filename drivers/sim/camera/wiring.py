@@ -4,11 +4,13 @@ Only the camera that is asked for is imported: the one with images needs a compi
 """
 
 import zlib
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from drivers.cameras.settings import MarkerCameraSettings
+from drivers.sim.camera.mounting import built, mounted
 from drivers.sim.camera.ports import MarkerPort
 from drivers.sim.camera.settings import CameraSimulationSettings
+from drivers.sim.perturbation import Bounds
 from rig.hal import Clock
 
 if TYPE_CHECKING:
@@ -25,6 +27,7 @@ def emulate_marker_camera(
     seed: int,
     *,
     serial: int | None = None,
+    scene: MarkerCameraSettings | None = None,
     optics: CameraSimulationSettings | None = None,
 ) -> "EmulatedCamera":
     """Return a camera for `--on virtual`: the link of the production driver.
@@ -41,14 +44,17 @@ def emulate_marker_camera(
         Of the simulation; each camera draws its own from it and its name.
     serial : int, optional
         The serial number of the profile, which the camera then has.
+    scene : MarkerCameraSettings, optional
+        As the camera was built and mounted; default: as its driver believes.
     optics : CameraSimulationSettings, optional
-        What the camera is really like; default: what the plant's settings say.
+        What the camera is really like beside that; default: what the plant's settings say.
     """
     from drivers.sim.camera.emulated import EmulatedCamera
 
     return EmulatedCamera(
         name,
         settings,
+        scene or settings,
         optics or _optics_of(plant),
         plant,
         _own_seed(name, seed),
@@ -64,13 +70,14 @@ def serve_marker_camera(
     channel: str,
     *,
     serial: int | None = None,
+    scene: MarkerCameraSettings | None = None,
     optics: CameraSimulationSettings | None = None,
 ) -> "ServedCamera":
     """Return a camera of `rig simulate`, for a program in another process.
 
     Parameters
     ----------
-    name, settings, plant, seed, serial, optics
+    name, settings, plant, seed, serial, scene, optics
         As for `emulate_marker_camera`.
     channel : str
         The rig's first CAN interface.
@@ -86,6 +93,7 @@ def serve_marker_camera(
     return ServedCamera(
         name,
         settings,
+        scene or settings,
         optics or _optics_of(plant),
         plant,
         _own_seed(name, seed),
@@ -117,13 +125,14 @@ def simulate_marker_camera(
     seed: int,
     *,
     serial: int | None = None,
+    scene: MarkerCameraSettings | None = None,
     optics: CameraSimulationSettings | None = None,
 ) -> "SimulatedMarkerCamera":
     """Return a camera for `--on sim`: positions straight from the plant.
 
     Parameters
     ----------
-    name, settings, plant, seed, serial, optics
+    name, settings, plant, seed, serial, scene, optics
         As for `emulate_marker_camera`.
     clock : Clock
         The rig's.
@@ -133,12 +142,35 @@ def simulate_marker_camera(
     return SimulatedMarkerCamera(
         name,
         settings,
+        scene or settings,
         optics or _optics_of(plant),
         plant,
         clock,
         _own_seed(name, seed),
         serial=serial,
     )
+
+
+def true_camera(
+    nominal: MarkerCameraSettings, plant: MarkerPort, bounds: Bounds, seed: int
+) -> dict[str, Any]:
+    """Return what is true of a camera, by the keyword of the functions above.
+
+    Parameters
+    ----------
+    nominal : MarkerCameraSettings
+        Its settings before any calibration, which is its driver's knowledge alone.
+    plant : MarkerPort
+        The physics, whose settings say what else the camera is like.
+    bounds : Bounds
+        By how much lens, latency and pose may differ.
+    seed : int
+        Of the simulation.
+    """
+    return {
+        "scene": built(nominal, bounds, seed),
+        "optics": mounted(_optics_of(plant), bounds, seed),
+    }
 
 
 def _optics_of(plant: object) -> CameraSimulationSettings:

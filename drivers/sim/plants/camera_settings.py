@@ -34,9 +34,9 @@ class CameraSimulationSettings:
     texture : float
         Unevenness of the scene, counts.
     rotation_error : tuple of float
-        True orientation of the camera over the calibrated one, a rotation vector, rad.
+        True orientation of the camera over the nominal one, a rotation vector, rad.
     position_error : tuple of float
-        True place of the camera less the calibrated one, base frame, m.
+        True place of the camera less the nominal one, base frame, m.
     noise : float
         Of each coordinate of a marker where no image is made, rms, m. E: 0.1 pixels.
     """
