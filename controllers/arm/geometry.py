@@ -10,6 +10,7 @@ JOINT_NAMES = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Base, shoulder, elbow, and the wrist's three, from the base outwards."""
 
 Angle = Annotated[float, Unit("rad")]
+Length = Annotated[float, Unit("m")]
 Rate = Annotated[float, Unit("rad/s"), Gt(0)]
 Acceleration = Annotated[float, Unit("rad/s^2"), Gt(0)]
 SixAngles = tuple[Angle, Angle, Angle, Angle, Angle, Angle]
@@ -38,6 +39,9 @@ class ArmGeometry:
     shoulder_offset : float
         Of the plane of upper arm and forearm from the axis of q1, along Y, m. With it the axis
         is inside a void, whose surface is singular instead.
+    marker : tuple of float
+        Point of the hand that calibrations measure, from the tool point along the tool's axes,
+        m. On the tool's axis it does not see q6.
     position_min, position_max : tuple of float
         Range of each joint, rad.
     rate_limits : tuple of float
@@ -64,6 +68,7 @@ class ArmGeometry:
     wrist_sign: Literal[1, -1] = 1
     elbow_offset: Annotated[float, Unit("m")] = 0.0
     shoulder_offset: Annotated[float, Unit("m")] = 0.0
+    marker: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
     position_min: SixAngles = (-math.pi, -math.pi, -2.8, -2.0 * math.pi, -2.5, -2.0 * math.pi)
     position_max: SixAngles = (math.pi, math.pi, 2.8, 2.0 * math.pi, 2.5, 2.0 * math.pi)
     rate_limits: tuple[Rate, Rate, Rate, Rate, Rate, Rate] = (1.0, 1.0, 1.0, 2.0, 2.0, 2.0)

@@ -153,6 +153,20 @@ class DynamixelServos:
         self._health.expect_watchdog()
         self._armed = self._enabled = True
 
+    def listen(self) -> None:
+        """Take readings in every cycle from now on, without torque: joints are moved by hand.
+
+        Raises
+        ------
+        ConnectionFailed
+            They send no readings.
+        """
+        for client in self._clients:
+            client.write(table.BUS_WATCHDOG, 0)
+        self._health.restart()
+        self._start_reading()
+        self._armed = True
+
     def set_torque_enabled(self, enabled: bool) -> None:
         """Have the next cycle energise all joints where they stand, or release them.
 

@@ -87,6 +87,19 @@ class Cia402Servos(ServoChain[Cia402Drive]):
             A drive does not become OPERATIONAL, sends no readings, is in a fault, or its joint
             stands outside its limits.
         """
+        self.listen()
+        for drive in self.drives:
+            drive.check_start()
+        self.set_torque_enabled(True)
+
+    def listen(self) -> None:
+        """Start the nodes and take readings in every cycle from now on, without torque.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive does not become OPERATIONAL, or sends no readings.
+        """
         for drive in self.drives:
             drive.start()
         for drive in self.drives:
@@ -100,10 +113,7 @@ class Cia402Servos(ServoChain[Cia402Drive]):
         for drive in self.drives:
             if not drive.inputs.is_current():
                 drive.inputs.take_first()
-        for drive in self.drives:
-            drive.check_start()
         self._armed = True
-        self.set_torque_enabled(True)
 
     def close(self) -> None:
         """Expect nothing of the drives any more; the bus stops the nodes. Idempotent."""

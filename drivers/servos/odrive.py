@@ -109,6 +109,10 @@ class OdriveServos(ServoChain[OdriveAxis]):
         self._armed = True
         self.set_torque_enabled(True)
 
+    def listen(self) -> None:
+        """Take readings from now on, without torque: the axes send them by their own clocks."""
+        self._armed = True
+
     def close(self) -> None:
         """Slow down what still moves, then take the torque away. Idempotent."""
         self.make_safe()

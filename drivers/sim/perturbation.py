@@ -7,10 +7,18 @@ regulators err as real ones do.
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
+
+from drivers.sim.perturbed_joints import (
+    JointDraws,
+    PerturbedJoints,
+    dimensions_of,
+    draw_joints,
+    perturb_links,
+)
 
 _CHANNELS = 16
 """Draws are made for so many channels, so that a rig with more of them keeps what it had."""
@@ -37,6 +45,8 @@ class Draws(NamedTuple):
         Shares, one per dimension in their order.
     camera_position, camera_angle : tuple of float
         m and rad, length 3.
+    joints : JointDraws
+        Of servo joints and the links between them.
     """
 
     channels: Mapping[str, tuple[float, ...]]
@@ -45,6 +55,7 @@ class Draws(NamedTuple):
     geometry: tuple[float, ...]
     camera_position: tuple[float, float, float]
     camera_angle: tuple[float, float, float]
+    joints: JointDraws = JointDraws()
 
 
 PER_CHANNEL = (
@@ -64,7 +75,8 @@ def draw(bounds: Bounds, seed: int) -> Draws:
     (friction,), (wire_offset,) = values(bounds.friction, 1), values(bounds.wire_offset, 1)
     geometry = values(bounds.geometry, _CHANNELS)
     position, angle = values(bounds.camera_position, 3), values(bounds.camera_angle, 3)
-    return Draws(channels, friction, wire_offset, geometry, position, angle)  # type: ignore[arg-type]
+    joints = draw_joints(bounds, seed)
+    return Draws(channels, friction, wire_offset, geometry, position, angle, joints)  # type: ignore[arg-type]
 
 
 def perturb_plant(settings: Any, draws: Draws) -> Any:
@@ -80,17 +92,19 @@ def perturb_plant(settings: Any, draws: Draws) -> Any:
 def perturb_geometry(geometry: Any, draws: Draws) -> Any:
     """Return a geometry with every length scaled and every angle turned as drawn.
 
-    An angle turns by its share of a right angle.
+    An angle turns by its share of a right angle. Links and markers are moved besides.
     """
     shares = iter(draws.geometry)
     changes: dict[str, Any] = {}
-    for entry in fields(geometry):
-        value = getattr(geometry, entry.name)
+    for name, value, _ in dimensions_of(geometry):
         if isinstance(value, float):
-            changes[entry.name] = value * (1.0 + next(shares))
-        elif isinstance(value, tuple) and all(isinstance(item, float) for item in value):
-            changes[entry.name] = tuple(item + next(shares) * 0.5 * np.pi for item in value)
-    return replace(geometry, **changes)
+            changes[name] = value * (1.0 + next(shares))
+        else:
+            # Against each other: nothing but the wires themselves says from where angles count.
+            turns = [next(shares) * 0.5 * np.pi for _ in value]
+            mean = sum(turns) / len(turns)
+            changes[name] = tuple(v + turn - mean for v, turn in zip(value, turns, strict=True))
+    return perturb_links(replace(geometry, **changes), draws.joints)
 
 
 class PerturbedPlant:
@@ -110,7 +124,11 @@ class PerturbedPlant:
         self._setpoint = tuple(zip(of["setpoint_gain"], of["setpoint_offset"], strict=True))
         self._monitor = tuple(zip(of["monitor_gain"], of["monitor_offset"], strict=True))
         self._encoder = tuple(zip(of["encoder_scale"], of["encoder_offset"], strict=True))
-        self._zero = of["joint_zero"]
+        joints = PerturbedJoints(plant, draws.joints, of["joint_zero"])
+        self.command_joint = joints.command_joint
+        self.joint_position = joints.joint_position
+        self.joint_velocity = joints.joint_velocity
+        self.joint_torque = joints.joint_torque
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._plant, name)
@@ -133,13 +151,3 @@ class PerturbedPlant:
     def speed(self, channel: int) -> float:
         """Return what an encoder makes of a rod's speed, m/s."""
         return (1.0 + self._encoder[channel][0]) * float(self._plant.speed(channel))
-
-    def command_joint(
-        self, channel: int, position: float, velocity: float, torque_on: bool
-    ) -> None:
-        """Give a servo its reference as its zero has it."""
-        self._plant.command_joint(channel, position + self._zero[channel], velocity, torque_on)
-
-    def joint_position(self, channel: int) -> float:
-        """Return a joint's angle as its servo's zero has it, rad."""
-        return float(self._plant.joint_position(channel)) - self._zero[channel]

@@ -261,6 +261,11 @@ class SimulatedServos:
         self.set_torque_enabled(True)
         self._sample(self._clock.now())
 
+    def listen(self) -> None:
+        """Take readings from now on, without torque."""
+        self._armed = True
+        self._sample(self._clock.now())
+
     def set_torque_enabled(self, enabled: bool) -> None:
         """Hold every joint where it is, or let go of them; ignored unless armed."""
         if not self._armed:

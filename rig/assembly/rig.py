@@ -84,12 +84,20 @@ class Rig:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def arm(self) -> None:
-        """Make every device follow its setpoints, which are the safe ones until the loop runs."""
+    def arm(self, *, torque: bool = True) -> None:
+        """Make every device follow its setpoints, which are the safe ones until the loop runs.
+
+        Parameters
+        ----------
+        torque : bool
+            Without it servos are only listened to.
+        """
         # A camera waits for its first image; what hangs on a bus would grow stale meanwhile.
         waits = {name: self.profile.devices[name].bus is None for name in self.devices}
         for name in sorted(self.devices, key=lambda name: not waits[name]):
-            self.devices[name].arm()
+            device = self.devices[name]
+            listen = None if torque else getattr(device, "listen", None)
+            (listen or device.arm)()
         # Arming the last device may have taken longer than a reading may be old.
         now = self.clock.now()
         for bus in self.buses.values():

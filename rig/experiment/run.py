@@ -260,7 +260,7 @@ def _run(
                 for sentence in refused:
                     watcher.said(sentence)
                     events(None, "real-time", sentence, {})
-                rig.arm()
+                rig.arm(torque=getattr(plan.motion, "has_torque", True))
                 energised = True
                 outcome = loop.run(
                     plan.motion,

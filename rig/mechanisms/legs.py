@@ -222,7 +222,9 @@ class Legs(ServoJoints):
 
         Rounding of times may leave one more.
         """
-        if self.motion is None or self._followed < len(self.motion.plan.t) - 2:
+        if self.motion is None or not self._followed:
+            return None
+        if self._followed < len(self.motion.plan.t) - 2:
             return None
         return self.motion.at(self.motion.duration).positions
 

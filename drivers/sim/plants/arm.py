@@ -14,6 +14,7 @@ from drivers.sim.plants.arm_model import (
     HAND,
     JOINTS,
     LINKS,
+    MARKER,
     ArmDimensions,
     Deviations,
     build_model,
@@ -58,6 +59,7 @@ class ArmPlant:
         *((f"{joint}_velocity", "rad/s") for joint in JOINTS),
         *((f"hand_{axis}", "m") for axis in "xyz"),
         *((f"torque_{joint}", "N m") for joint in JOINTS),
+        *((f"marker_{axis}", "m") for axis in "xyz"),
     )
     """Names and units of `truth`."""
 
@@ -79,6 +81,7 @@ class ArmPlant:
         self._model = build_model(geometry, settings, _draw_unit(settings, seed))
         self._data = mujoco.MjData(self._model)
         self._hand = self._model.site(HAND).id
+        self._marker = self._model.site(MARKER).id
         self._tool = self._model.body(LINKS[-1]).id
         self._frictions = self._model.dof_frictionloss.copy()
         self._tool_mass = float(self._model.body_mass[self._tool])
@@ -173,7 +176,9 @@ class ArmPlant:
 
     def truth(self) -> tuple[float, ...]:
         """Return what `truth_columns` names."""
-        return (*self._angles, *self._speeds, *self.hand_position(), *self._drives.torques)
+        hand = self.hand_position()
+        marker = self._data.site_xpos[self._marker].tolist()
+        return (*self._angles, *self._speeds, *hand, *self._drives.torques, *marker)
 
     # Faults ---------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
 LINKS = ("shoulder", "upper_arm", "forearm", "wrist", "wrist_bend", "tool")
 HAND = "hand"
+MARKER = "marker"
 
 _STIFF_FRICTION = "0.9999 0.9999 0.001 0.5 2"
 """MuJoCo softens dry friction, so that a braked joint creeps; with its own default by 10 mrad/s."""
@@ -30,6 +31,7 @@ class ArmDimensions(Protocol):
     wrist_sign: int
     elbow_offset: float
     shoulder_offset: float
+    marker: tuple[float, float, float]
     position_min: tuple[float, ...]
     position_max: tuple[float, ...]
 
@@ -120,6 +122,8 @@ def describe_model(
         mass = links.masses[k] * deviations.masses[k]
         _add_rod(body, ends[k], links.radii[k], mass)
     SubElement(body, "site", name=HAND, pos=_vector(0.0, 0.0, geometry.d6))
+    x, y, z = geometry.marker
+    SubElement(body, "site", name=MARKER, pos=_vector(x, y, geometry.d6 + z))
     if links.payload > 0.0:
         SubElement(
             body,

@@ -43,7 +43,7 @@ class LegsPlant:
     Raises
     ------
     ValueError
-        The legs are not as long as the initial hip height.
+        The legs are not as long as the initial hip height, or the stand has not every joint.
     """
 
     Settings = LegsPlantSettings
@@ -66,6 +66,8 @@ class LegsPlant:
         ("torque_left_knee", "N m"),
         ("saturated", "1"),
         ("fell", "1"),
+        *((joint, "rad") for joint in CHANNELS),
+        *((f"{leg}_foot_{axis}", "m") for leg in ("right", "left") for axis in "xyz"),
     )
     """Names and units of `truth`. ``advance`` is of the waist since the stand let go; a slip is how
     far a foot has got off the places where it came down; ``saturated`` counts the servos that are
@@ -74,6 +76,8 @@ class LegsPlant:
     def __init__(self, settings: LegsPlantSettings, seed: int, geometry: LegDimensions) -> None:
         import mujoco
 
+        if len(settings.stand) not in (0, len(CHANNELS)):
+            raise ValueError(f"stand: {len(settings.stand)} angles for {len(CHANNELS)} joints.")
         self.settings = settings
         self.deviations = _draw(settings, seed)
         self.model = build_model(
@@ -190,14 +194,17 @@ class LegsPlant:
             self.joint_torque(_KNEES[1]),
             float(self._turning + self._at_peak()),
             float(self._fell),
+            *self._angles.tolist(),
+            *self._soles[0].tolist(),
+            *self._soles[1].tolist(),
         )
 
     def _stand_ready(self, geometry: LegDimensions) -> None:
-        """Put the robot with both soles flat on the floor, at the initial height."""
+        """Put the robot on its stand: both soles flat on the floor, or as the settings have it."""
         height = self.settings.initial_hip_height
         pitch, knee, ankle = knee_at_height(geometry.thigh, geometry.shank, height)
         leg = dict.fromkeys(JOINTS, 0.0) | {"hip_pitch": pitch, "knee": knee, "ankle_pitch": ankle}
-        self._angles[:] = [leg[joint] for joint in JOINTS] * 2
+        self._angles[:] = self.settings.stand or [leg[joint] for joint in JOINTS] * 2
         self._waist[:] = (0.0, 0.0, height + geometry.ankle_height, 1.0, 0.0, 0.0, 0.0)
         self._forward(self.model, self.data)
 

@@ -50,6 +50,9 @@ class LegsPlantSettings:
         the floor's, from unit to unit.
     initial_hip_height : float
         Of the hips above the ankles while the robot stands ready, m.
+    stand : tuple of float
+        Angles of the twelve joints on the stand instead, as in a jig, rad. A robot whose soles
+        are not on the floor then falls as soon as all servos have torque.
     fallen_tilt : float
         Lean of the waist beyond which the robot has fallen, rad.
     timestep : float
@@ -61,5 +64,6 @@ class LegsPlantSettings:
     mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.02
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.2
     initial_hip_height: Annotated[float, Unit("m"), Gt(0)] = 0.190
+    stand: tuple[Annotated[float, Unit("rad")], ...] = ()
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
