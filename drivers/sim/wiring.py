@@ -15,6 +15,7 @@ from drivers.sim.camera.wiring import (
     simulate_marker_camera,
     true_camera,
 )
+from drivers.sim.corrected_joints import CorrectedJoints
 from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
 from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
 from drivers.sim.nodes import object_dictionary as types
@@ -239,9 +240,9 @@ LINKS: dict[str, LinkWiring] = {
 WIRINGS: dict[str, Wiring] = {
     "cia401": Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of),
     "cia406": Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of),
-    "cia402": Wiring(emulate_cia402, simulate_cia402),
-    "odrive": Wiring(emulate_odrive, simulate_odrive),
-    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel),
+    "cia402": Wiring(emulate_cia402, simulate_cia402, CorrectedJoints.of),
+    "odrive": Wiring(emulate_odrive, simulate_odrive, CorrectedJoints.of),
+    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedJoints.of),
 }
 
 
