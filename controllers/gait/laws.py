@@ -1,4 +1,7 @@
-"""The four laws: one path, one curve of the joints, four ways to pass along it in time."""
+"""The four laws: one path, one curve of the joints, four ways to pass along it in time.
+
+Each is built from its settings, the robot's model and the loop's period, as `GaitLaw` says.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,15 +29,6 @@ class InverseLaw(GaitLaw[NoSettings]):
 
     Near the straight knee the joint rates are what they are; the servos may not follow.
 
-    Parameters
-    ----------
-    settings : NoSettings
-        None.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-
     References
     ----------
     Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
@@ -49,17 +43,7 @@ class InverseLaw(GaitLaw[NoSettings]):
 
 
 class MinimumJerkLaw(GaitLaw[NoSettings]):
-    """The rival: minimum-jerk timing of the path, by the closed-form inverse.
-
-    Parameters
-    ----------
-    settings : NoSettings
-        None.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-    """
+    """The rival: minimum-jerk timing of the path, by the closed-form inverse."""
 
     Settings = NoSettings
     name = "min-jerk"
@@ -87,15 +71,6 @@ class LimitedNormSettings:
 
 class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
     """The singularity-consistent law: constant path speed, with the joints' norm bounded.
-
-    Parameters
-    ----------
-    settings : LimitedNormSettings
-        The bound.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
 
     References
     ----------
@@ -138,15 +113,6 @@ class TrapezoidNormSettings:
 
 class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
     """The singularity-consistent law with a trapezoid of the joints' norm: no jump of the rates.
-
-    Parameters
-    ----------
-    settings : TrapezoidNormSettings
-        Its shape.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
 
     References
     ----------

@@ -5,6 +5,7 @@ cycles. All of them describe the same curve of the joints; they differ in when.
 """
 
 import math
+from abc import ABC, abstractmethod
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -45,37 +46,8 @@ class Pace(Protocol):
         ...
 
 
-class ConstantPathPace:
-    """Constant speed along the path from the first to the last instant: the plain law.
-
-    Each cycle takes the closed-form inverse, which is the inverse Jacobian integrated exactly.
-
-    Parameters
-    ----------
-    arcs : Arcs
-        Lengths of the phase.
-    cycles : int
-        Its duration in periods.
-    """
-
-    def __init__(self, arcs: Arcs, cycles: int) -> None:
-        self.summary = PaceSummary()
-        self._step = arcs.path_length / cycles
-        self._last = cycles - 1
-
-    def advance(self, curve: PhaseCurve, cycle: int) -> None:
-        """Move on by one period."""
-        if cycle >= self._last:
-            curve.finish()
-        else:
-            curve.place_path(self._step)
-
-
-class MinimumJerkPace:
-    """Minimum jerk along the path from rest to rest, with the closed-form inverse: the rival.
-
-    Near its end the path that is left shrinks with the third power of time, the knee with the
-    square root of that: it stops without a jump, too.
+class _PathPace(ABC):
+    """Along the path by the closed-form inverse, by so much in each period.
 
     Parameters
     ----------
@@ -95,7 +67,32 @@ class MinimumJerkPace:
         if cycle >= self._cycles - 1:
             curve.finish()
         else:
-            curve.place_path(self._covered(cycle + 1) - self._covered(cycle))
+            curve.place_path(self._step(cycle))
+
+    @abstractmethod
+    def _step(self, cycle: int) -> float:
+        """Return how far the path goes on in this cycle, m."""
+
+
+class ConstantPathPace(_PathPace):
+    """Constant speed along the path from the first to the last instant: the plain law.
+
+    Each cycle takes the closed-form inverse, which is the inverse Jacobian integrated exactly.
+    """
+
+    def _step(self, cycle: int) -> float:
+        return self._length / self._cycles
+
+
+class MinimumJerkPace(_PathPace):
+    """Minimum jerk along the path from rest to rest, with the closed-form inverse: the rival.
+
+    Near its end the path that is left shrinks with the third power of time, the knee with the
+    square root of that: it stops without a jump, too.
+    """
+
+    def _step(self, cycle: int) -> float:
+        return self._covered(cycle + 1) - self._covered(cycle)
 
     def _covered(self, cycle: int) -> float:
         return minimum_jerk(0.0, self._length, self._cycles, cycle)[0]
