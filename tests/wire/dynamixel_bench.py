@@ -1,5 +1,6 @@
 """A driver on an emulated chain in virtual time, for tests: joints that follow at once."""
 
+import math
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
@@ -12,6 +13,7 @@ from drivers.sim.dynamixel.wiring import emulate_dynamixel
 from drivers.sim.emulation import EmulatedRig
 
 PERIOD = 5e-3
+STEP = math.tau / 4096
 
 
 @dataclass
