@@ -120,17 +120,6 @@ class Rig:
             self.clock.sleep_until(now + PERIOD)
 
 
-def fresh_reading(rig, read):
-    """Return the readings' times over some cycles; each is a cycle or two old."""
-    times = []
-    for _ in range(20):
-        rig.run(1)
-        times.append(read().t)
-        assert 0.0 <= rig.clock.now() - times[-1] <= 2.5 * PERIOD
-    assert times == sorted(times)
-    assert len(set(times)) == 20
-
-
 # Pressure regulators ---------------------------------------------------------------------
 
 
@@ -207,11 +196,6 @@ class TestPressureRegulator:
         regulators.run(1, lambda: regulators.device.set_pressure((250e3, 250e3)))
         assert regulators.plant.setpoints == pytest.approx([250e3, 250e3], abs=20.0)
 
-    def test_readings_are_fresh_and_never_go_back(self, regulators):
-        command = (100e3, 100e3)
-        regulators.run(20, lambda: regulators.device.set_pressure(command))
-        fresh_reading(regulators, regulators.device.pressure)
-
     def test_make_safe_vents_shuts_the_supply_and_lasts(self, regulators):
         regulators.run(60, lambda: regulators.device.set_pressure((300e3, 300e3)))
         regulators.safe_cycles(5)
@@ -240,27 +224,6 @@ class TestPressureRegulator:
         regulators.inject("output_stuck", 1)
         with pytest.raises(DeviceFault, match=r"valves.*antagonist does not follow its setpoint"):
             regulators.run(200, lambda: regulators.device.set_pressure((300e3, 300e3)))
-
-    def test_silence_is_a_fault_or_the_reading_grows_old(self, regulators):
-        regulators.run(5)
-        regulators.inject("silent")
-        with pytest.raises(DeviceFault, match="valves"):
-            for _ in range(100):
-                regulators.run(1)
-                if regulators.clock.now() - regulators.device.pressure().t > 0.05:
-                    raise DeviceFault("valves", "grew old, which the mechanism refuses")
-
-    def test_it_can_be_made_safe_and_closed_in_any_state_and_again(self, make_regulators):
-        rig = make_regulators()
-        for _ in range(2):
-            rig.device.make_safe()
-            rig.device.close()
-        rig = make_regulators()
-        rig.start()
-        for _ in range(2):
-            rig.device.make_safe()
-            rig.device.close()
-            rig.bus.close()
 
     def test_a_second_start_after_a_stop(self, regulators):
         regulators.safe_cycles(5)
@@ -339,9 +302,6 @@ class TestLinearEncoder:
         assert extension == pytest.approx(expected, abs=1.2e-3)
         assert encoder.device.velocity().value[0] == pytest.approx(speed, abs=2e-3)
 
-    def test_readings_are_fresh_and_never_go_back(self, encoder):
-        fresh_reading(encoder, encoder.device.position)
-
     def test_a_jump_is_a_fault_that_names_the_rod(self, encoder):
         encoder.run(5)
         encoder.inject("jump", 0.01)
@@ -353,22 +313,61 @@ class TestLinearEncoder:
         with pytest.raises(DeviceFault, match=r"rod.*position error"):
             encoder.run(5)
 
-    def test_silence_is_a_fault_or_the_reading_grows_old(self, encoder):
-        encoder.inject("silent")
-        with pytest.raises(DeviceFault, match="rod"):
-            for _ in range(100):
-                encoder.run(1)
-                if encoder.clock.now() - encoder.device.position().t > 0.05:
-                    raise DeviceFault("rod", "grew old, which the mechanism refuses")
 
-    def test_it_can_be_made_safe_and_closed_in_any_state_and_again(self, make_encoder):
-        rig = make_encoder()
-        for _ in range(2):
-            rig.device.make_safe()
-            rig.device.close()
-        rig = make_encoder()
-        rig.start()
-        for _ in range(2):
-            rig.device.make_safe()
-            rig.device.close()
-            rig.bus.close()
+# All of them -----------------------------------------------------------------------------
+
+
+@pytest.fixture(
+    params=[
+        (emulated_regulators, "pressure"),
+        (simulated_regulators, "pressure"),
+        (emulated_encoder, "position"),
+        (simulated_encoder, "position"),
+    ],
+    ids=lambda made: made[0].__name__,
+)
+def make_any(request):
+    """Return a maker of rigs, and how the rig's device is read."""
+    make, method = request.param
+    return make, lambda rig: getattr(rig.device, method)()
+
+
+def test_readings_are_fresh_and_never_go_back(make_any):
+    make, read = make_any
+    rig = make()
+    rig.start()
+    times = []
+    for _ in range(20):
+        rig.run(1)
+        times.append(read(rig).t)
+        assert 0.0 <= rig.clock.now() - times[-1] <= 2.5 * PERIOD
+    assert times == sorted(times)
+    assert len(set(times)) == 20
+
+
+def test_silence_is_a_fault_or_the_reading_grows_old(make_any):
+    make, read = make_any
+    rig = make()
+    rig.start()
+    rig.run(5)
+    rig.inject("silent")
+    name = rig.device.name
+    with pytest.raises(DeviceFault, match=name):
+        for _ in range(100):
+            rig.run(1)
+            if rig.clock.now() - read(rig).t > 0.05:
+                raise DeviceFault(name, "grew old, which the mechanism refuses")
+
+
+def test_it_can_be_made_safe_and_closed_in_any_state_and_again(make_any):
+    make, _ = make_any
+    rig = make()
+    for _ in range(2):
+        rig.device.make_safe()
+        rig.device.close()
+    rig = make()
+    rig.start()
+    for _ in range(2):
+        rig.device.make_safe()
+        rig.device.close()
+        rig.bus.close()
