@@ -13,8 +13,18 @@ def procedures(profile: Profile) -> dict[str, Procedure]:
     from rig.calibration.procedures.response import Response
     from rig.calibration.procedures.wires import Wires
 
-    every: tuple[Procedure, ...] = (Regulators(), Encoders(), Wires(), Response(), Friction())
+    every: tuple[Procedure, ...] = (
+        Regulators(), Encoders(), Wires(), Response(), Friction(), *_of_servos()
+    )  # fmt: skip
+    # Two mechanisms may have procedures of one name, which do different things.
     return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}
+
+
+def _of_servos() -> tuple[Procedure, ...]:
+    from rig.calibration.procedures.arm_links import ArmLinks
+    from rig.calibration.procedures.arm_zeros import ArmZeros
+
+    return ArmZeros(), ArmLinks()
 
 
 def pick(profile: Profile, names: tuple[str, ...]) -> list[Procedure]:

@@ -54,7 +54,8 @@ def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path
             data.set_xlabel(panel.x_label)
             data.set_ylabel(panel.y_label)
             rest.axhline(0.0, color=INK, lw=0.5)
-            rest.plot(x, (panel.y - panel.fit)[order], color=BLUE, lw=0, **style)
+            left = panel.residual_scale * (panel.y - panel.fit)
+            rest.plot(x, left[order], color=BLUE, lw=0, **style)
             rest.set_xlabel(panel.x_label)
             rest.set_ylabel(panel.residual_label)
             if number == 0:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rig.calibration.excitation import OpenLoop
+from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
 from rig.config import Profile, format_quantity
 
@@ -28,7 +29,9 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         yield "  everything is recorded: nothing moves"
         return
     yield f"  {len(motion.segments)} stretches in {motion.duration:.0f} s"
-    if isinstance(motion, OpenLoop):
+    if isinstance(motion, JointMoves):
+        yield from _joints(motion)
+    elif isinstance(motion, OpenLoop):
         yield from _pressures(motion)
     else:
         yield from _positions(motion)
@@ -54,6 +57,23 @@ def _pressures(motion: OpenLoop[Any, Any]) -> Iterator[str]:
         yield f"  chamber {number}: set-points {low} … {high}"
     if all(column == columns[0] for column in columns):
         yield "  all chambers alike: their pulls cancel, and no rod is meant to move"
+
+
+def _joints(motion: JointMoves) -> Iterator[str]:
+    settings = motion.settings
+    if not motion.has_torque:
+        yield "  no torque: the joints are moved by hand, and nothing moves by itself"
+        return
+    fastest = [0.0] * len(settings.joints)
+    for k in range(int(motion.duration / _STEP)):
+        speeds = motion.at(k * _STEP).velocities
+        fastest = [max(a, abs(b)) for a, b in zip(fastest, speeds, strict=True)]
+    where = " from where it stands" if settings.relative else ""
+    for k, name in enumerate(settings.joints):
+        angles = [posture[k] for posture in settings.angles]
+        low, high = format_quantity(min(angles), "rad"), format_quantity(max(angles), "rad")
+        speed = format_quantity(fastest[k], "rad/s")
+        yield f"  {name} moves {low} … {high}{where}, up to {speed}"
 
 
 def _positions(motion: Any) -> Iterator[str]:

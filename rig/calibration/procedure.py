@@ -29,6 +29,8 @@ class Panel(NamedTuple):
         The data, in the printed units.
     fit, before : ndarray, shape (n,)
         What the new and the old calibration make of `x`.
+    residual_scale : float
+        From the unit of the data to that of the residuals, e.g. 1e3 from mm to µm.
     """
 
     title: str
@@ -39,6 +41,7 @@ class Panel(NamedTuple):
     y: "NDArray[np.float64]"
     fit: "NDArray[np.float64]"
     before: "NDArray[np.float64]"
+    residual_scale: float = 1.0
 
 
 class Finding(NamedTuple):
@@ -62,6 +65,8 @@ class Finding(NamedTuple):
         Independent repetitions that it rests on.
     panels : sequence of Panel
         For the page.
+    notes : sequence of str
+        What was not found and why, for people.
     """
 
     target: str
@@ -72,6 +77,7 @@ class Finding(NamedTuple):
     bound: float
     blocks: int
     panels: Sequence[Panel]
+    notes: Sequence[str] = ()
 
 
 class Excitation(NamedTuple):
@@ -93,6 +99,8 @@ class Excitation(NamedTuple):
         What is otherwise, for the preview.
     approach : float
         Time to go where it starts, s.
+    placing : str
+        What somebody has to do by hand before it; there may be more of it after.
     """
 
     settings: Any
@@ -102,6 +110,7 @@ class Excitation(NamedTuple):
     profile: Profile
     notes: Sequence[str] = ()
     approach: float = 2.0
+    placing: str = ""
 
 
 class Procedure(Protocol):

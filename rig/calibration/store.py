@@ -63,7 +63,13 @@ def compose(
     until = circumstances.now + timedelta(seconds=circumstances.valid_for)
     entry = profile.devices.get(finding.target)
     rms, largest = _size(finding.residuals)
-    kept = [] if old is None else [m for m in old["measured"] if m["procedure"] != procedure]
+    # A value that another procedure had found is replaced with the value itself.
+    found = {e.name for e in finding.estimates}
+    kept = [
+        m
+        for m in ([] if old is None else old["measured"])
+        if m["procedure"] != procedure and m["name"] not in found
+    ]
     provenance = {
         "procedure": procedure,
         "date": date,

@@ -177,6 +177,8 @@ def _show(procedure: Procedure, done: Calibrated) -> None:
             std = format_quantity(e.std, e.unit)
             rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
     print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
+    for note in dict.fromkeys(note for finding in done.findings for note in finding.notes):
+        click.echo(f"not found: {note}", err=True)
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)
 
