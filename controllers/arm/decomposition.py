@@ -8,9 +8,9 @@ says what b is and what ``b / S3`` is, and so may go through ``S3 = 0``.
 import math
 from typing import NamedTuple
 
-from controllers.arm.compiled import inlined
 from controllers.arm.kinematics import Dimensions, tool_axis_in_forearm
 from controllers.arm.types import Joints, Vector
+from controllers.compiled import inlined
 
 
 class Scale(NamedTuple):

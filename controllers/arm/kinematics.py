@@ -6,9 +6,9 @@ Plain functions of the dimensions and the joints, in Python floats.
 import math
 from typing import NamedTuple
 
-from controllers.arm.compiled import inlined
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.types import Joints, Pose, Vector
+from controllers.compiled import inlined
 
 
 class Dimensions(NamedTuple):

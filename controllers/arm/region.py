@@ -6,9 +6,9 @@ the elbow's rate stay finite: the elbow goes through, b changes sign, and the ha
 
 import math
 
-from controllers.arm.compiled import inlined
 from controllers.arm.decomposition import Scale
 from controllers.arm.geometry import ArmGeometry
+from controllers.compiled import inlined
 
 
 @inlined

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 
-from controllers.arm.compiled import compile_kernel
 from controllers.arm.decomposition import joint_rates
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward
 from controllers.arm.region import elbow_scale
 from controllers.arm.types import Joints, Pose, Rotation, Vector
 from controllers.arm.vectors import rotation_error
+from controllers.compiled import compile_kernel
 
 EscStep = Callable[[Joints, Vector, Rotation, Vector, Vector], Joints]
 """``(q, position, rotation, linear, angular) -> rates``: the joints that are commanded now (rad),

@@ -2,8 +2,8 @@
 
 import math
 
-from controllers.arm.compiled import inlined
 from controllers.arm.types import Rotation, Vector
+from controllers.compiled import inlined
 
 
 def dot(a: Vector, b: Vector) -> float:

@@ -13,10 +13,79 @@ which meet with equal slopes: r_c sin(psi) b / l at psi_w, where |A - B| = t_b, 
 
 import math
 
+from controllers.compiled import inlined
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Rotation, Vector, rotate
 
 Vectors = tuple[Vector, Vector, Vector, Vector]
+
+_LEAST = 1e-18
+"""Sine squared of the least angle between anchor and adjust point, over ratios near 1."""
+
+
+WireConstants = tuple[float, float, float, float, Vectors, Vectors]
+"""What lengths and Jacobian are computed with: r_c, m; psi_w, rad; t_b - r_c psi_w, m;
+r_c² + b², m²; anchors at home and adjust points, m."""
+
+
+@inlined
+def wire_lengths(wires: WireConstants, rotation: Rotation) -> Quadruple:
+    """Return the lengths from anchor to adjust point, m; see `ExactWires.lengths`."""
+    return (
+        _length(wires, rotation, 0),
+        _length(wires, rotation, 1),
+        _length(wires, rotation, 2),
+        _length(wires, rotation, 3),
+    )
+
+
+@inlined
+def _length(wires: WireConstants, rotation: Rotation, wire: int) -> float:
+    radius, wound_from, straight, _, anchors, adjusts = wires
+    x, y, z = rotate(rotation, anchors[wire])
+    a, b, c = adjusts[wire]
+    n_x = y * c - z * b
+    n_y = z * a - x * c
+    n_z = x * b - y * a
+    angle = math.atan2(math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z), x * a + y * b + z * c)
+    if angle > wound_from:
+        return straight + radius * angle
+    x -= a
+    y -= b
+    z -= c
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@inlined
+def wire_jacobian(wires: WireConstants, rotation: Rotation) -> Vectors:
+    """Return how each length grows with the ring's rotation, m/rad; see `ExactWires.jacobian`.
+
+    The row of a wire that may go either way round the ball is not a number.
+    """
+    return (
+        _row(wires, rotation, 0),
+        _row(wires, rotation, 1),
+        _row(wires, rotation, 2),
+        _row(wires, rotation, 3),
+    )
+
+
+@inlined
+def _row(wires: WireConstants, rotation: Rotation, wire: int) -> Vector:
+    radius, _, _, squares, anchors, adjusts = wires
+    x, y, z = rotate(rotation, anchors[wire])
+    a, b, c = adjusts[wire]
+    n_x = y * c - z * b
+    n_y = z * a - x * c
+    n_z = x * b - y * a
+    size = n_x * n_x + n_y * n_y + n_z * n_z
+    edge = radius * radius
+    if size < _LEAST * edge * edge:
+        return (math.nan, math.nan, math.nan)
+    # Wound where the angle is beyond psi_w, whose cosine is r_c / |B|.
+    along = x * a + y * b + z * c
+    share = -radius / math.sqrt(size) if along < edge else -1.0 / math.sqrt(squares - 2.0 * along)
+    return (share * n_x, share * n_y, share * n_z)
 
 
 class ExactWires:
@@ -30,37 +99,24 @@ class ExactWires:
 
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         radius, distance = geometry.ball_radius, geometry.adjust_distance
-        self._radius = radius
-        self._tangent = math.sqrt((distance - radius) * (distance + radius))
+        tangent = math.sqrt((distance - radius) * (distance + radius))
         # By acos(r/|B|) the angle would be noise of 1e-8 rad where B is close to the ball.
-        self.wound_from = math.atan2(self._tangent, radius)
+        self.wound_from = wound_from = math.atan2(tangent, radius)
         """psi_w, the angle at the centre beyond which a wire is wound, rad."""
-        self._squares = radius * radius + distance * distance
-        self._straight = self._tangent - radius * self.wound_from
+        self.constants: WireConstants = (
+            radius,
+            wound_from,
+            tangent - radius * wound_from,
+            radius * radius + distance * distance,
+            geometry.anchors,
+            geometry.adjust_points,
+        )
+        """For the functions of this file."""
         self._wires = tuple(zip(geometry.anchors, geometry.adjust_points, strict=True))
 
     def lengths(self, rotation: Rotation) -> Quadruple:
         """Return the lengths from anchor to adjust point, m."""
-        (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
-        radius, straight, wound_from = self._radius, self._straight, self.wound_from
-        lengths = []
-        for (home_x, home_y, home_z), (a, b, c) in self._wires:
-            x = r00 * home_x + r01 * home_y + r02 * home_z
-            y = r10 * home_x + r11 * home_y + r12 * home_z
-            z = r20 * home_x + r21 * home_y + r22 * home_z
-            n_x = y * c - z * b
-            n_y = z * a - x * c
-            n_z = x * b - y * a
-            angle = math.atan2(math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z), x * a + y * b + z * c)
-            if angle > wound_from:
-                lengths.append(straight + radius * angle)
-            else:
-                x -= a
-                y -= b
-                z -= c
-                lengths.append(math.sqrt(x * x + y * y + z * z))
-        first, second, third, fourth = lengths
-        return first, second, third, fourth
+        return wire_lengths(self.constants, rotation)
 
     def wound_angles(self, rotation: Rotation) -> Quadruple:
         """Return over which angle each wire lies on the ball, rad; negative: it is free of it."""
@@ -84,31 +140,11 @@ class ExactWires:
         ValueError
             An anchor is opposite its adjust point: the wire may go either way round the ball.
         """
-        (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
-        radius, edge, squares = self._radius, self._radius**2, self._squares
-        least = 1e-18 * edge * edge
-        rows: list[Vector] = []
-        for (home_x, home_y, home_z), (a, b, c) in self._wires:
-            x = r00 * home_x + r01 * home_y + r02 * home_z
-            y = r10 * home_x + r11 * home_y + r12 * home_z
-            z = r20 * home_x + r21 * home_y + r22 * home_z
-            n_x = y * c - z * b
-            n_y = z * a - x * c
-            n_z = x * b - y * a
-            size = n_x * n_x + n_y * n_y + n_z * n_z
-            if size < least:
-                raise ValueError(
-                    f"wire {len(rows) + 1}: its anchor is in line with ball and adjust point"
-                )
-            # Wound where the angle is beyond psi_w, whose cosine is r_c / |B|.
-            along = x * a + y * b + z * c
-            if along < edge:
-                share = -radius / math.sqrt(size)
-            else:
-                share = -1.0 / math.sqrt(squares - 2.0 * along)
-            rows.append((share * n_x, share * n_y, share * n_z))
-        first, second, third, fourth = rows
-        return first, second, third, fourth
+        rows = wire_jacobian(self.constants, rotation)
+        for number, row in enumerate(rows, start=1):
+            if math.isnan(row[0]):
+                raise ValueError(f"wire {number}: its anchor is in line with ball and adjust point")
+        return rows
 
     def directions(self, rotation: Rotation) -> Vectors:
         """Return the unit vectors in which the wires pull at their anchors, in the base."""

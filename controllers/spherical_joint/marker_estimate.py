@@ -102,6 +102,7 @@ class MarkerEstimator:
         self._settings = settings
         self._geometry = geometry
         self._forward = ForwardKinematics(geometry)
+        self._forward.compile()
         self._gains = bias_gains(
             settings.frame_period, settings.camera_noise, settings.bias_acceleration
         )

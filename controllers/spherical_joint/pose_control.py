@@ -162,7 +162,9 @@ class PoseController:
         self._height = model.geometry.marker_height
         self._compliance = settings.stretch / model.wire_stiffness
         self._inverse = InverseKinematics(model.geometry, settings.wire, settings.pose)
+        self._inverse.compile()
         self._distribution = TensionDistribution(model.geometry)
+        self._distribution.compile()
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
         self._camera = CameraLoop(settings.camera, period)
         wound = 0.5 * math.pi - model.geometry.ring_half_angle

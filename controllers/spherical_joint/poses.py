@@ -17,6 +17,8 @@ import math
 from collections.abc import Callable
 from typing import Literal
 
+from controllers.compiled import inlined
+
 Vector = tuple[float, float, float]
 Rotation = tuple[Vector, Vector, Vector]
 """Rows of a rotation matrix, base from ring."""
@@ -56,6 +58,7 @@ def paper_angles(axis: Vector) -> tuple[float, float]:
     return math.atan2(x, z), math.atan2(-y, math.hypot(x, z))
 
 
+@inlined
 def natural_rotation(axis: Vector) -> Rotation:
     """Return the rotation without spin that brings +Z to `axis`.
 
@@ -136,6 +139,7 @@ def twisted(rotation: Rotation, twist: float) -> Rotation:
     return first, second, third
 
 
+@inlined
 def move_axis(axis: Vector, velocity: Vector, acceleration: Vector, dt: float) -> Vector:
     """Return where an axis is after `dt` (s) at constant acceleration, as a unit vector."""
     half = 0.5 * dt * dt
@@ -146,6 +150,7 @@ def move_axis(axis: Vector, velocity: Vector, acceleration: Vector, dt: float) -
     return (scale * x, scale * y, scale * z)
 
 
+@inlined
 def rotate(rotation: Rotation, vector: Vector) -> Vector:
     """Return a vector of the ring in the base's frame."""
     x, y, z = vector

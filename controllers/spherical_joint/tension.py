@@ -6,9 +6,16 @@ can be held and any slack taken out by pulling harder.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
-from controllers.spherical_joint.exact_wire import ExactWires, Vectors
+from controllers.compiled import inlined, kernel_of
+from controllers.spherical_joint.exact_wire import (
+    ExactWires,
+    Vectors,
+    WireConstants,
+    wire_jacobian,
+)
 from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
 
@@ -18,6 +25,7 @@ _BESIDE = (4e-4, 9e-4)
 the anchors' azimuths, and away from home, where they are not unique either. They move by less
 than 1e-4 over this."""
 
+_Tensions = tuple[Quadruple, Quadruple, Quadruple]
 
 _MOST_LIFTS = 25
 _LIFTED = 1e-3
@@ -114,6 +122,105 @@ class PoseTensions(NamedTuple):
         return values[0], values[1], values[2], values[3]
 
 
+@inlined
+def pose_tensions(wires: WireConstants, vanishing: float, rotation: Rotation) -> _Tensions:
+    """Return what makes up the `PoseTensions` of a pose.
+
+    Parameters
+    ----------
+    wires : tuple
+        See `ExactWires`.
+    vanishing : float
+        Below which the wires hardly spin the ring together, m³.
+    rotation : Rotation
+        The pose.
+    """
+    rows = wire_jacobian(wires, rotation)
+    tilts = (
+        _tilt(rotation, rows[0]),
+        _tilt(rotation, rows[1]),
+        _tilt(rotation, rows[2]),
+        _tilt(rotation, rows[3]),
+    )
+    (one, other), (third, fourth) = PAIRS
+    a = 0.5 * (tilts[one][0] - tilts[other][0])
+    b = 0.5 * (tilts[one][1] - tilts[other][1])
+    c = 0.5 * (tilts[third][0] - tilts[fourth][0])
+    d = 0.5 * (tilts[third][1] - tilts[fourth][1])
+    scale = 1.0 / (a * d - b * c)
+    (u1, v1), (u2, v2), (u3, v3), (u4, v4) = tilts
+    first = (
+        scale * (u1 * d - v1 * c),
+        scale * (u2 * d - v2 * c),
+        scale * (u3 * d - v3 * c),
+        scale * (u4 * d - v4 * c),
+    )
+    second = (
+        scale * (v1 * a - u1 * b),
+        scale * (v2 * a - u2 * b),
+        scale * (v3 * a - u3 * b),
+        scale * (v4 * a - u4 * b),
+    )
+    unique, shares = _null_vector(rows, vanishing)
+    if not unique:
+        shares = _limit_of_shares(wires, vanishing, rotation, first, second)
+    return shares, first, second
+
+
+@inlined
+def pose_shares(wires: WireConstants, vanishing: float, rotation: Rotation) -> Quadruple:
+    """Return the tensions that turn the ring nowhere, of sum 1; see `pose_tensions`."""
+    unique, shares = _null_vector(wire_jacobian(wires, rotation), vanishing)
+    return shares if unique else pose_tensions(wires, vanishing, rotation)[0]
+
+
+@inlined
+def _tilt(rotation: Rotation, row: Vector) -> tuple[float, float]:
+    """Return by how much a newton in a wire tilts the ring, about its own X and Y."""
+    (x, p, _), (y, q, _), (z, r, _) = rotation
+    a, b, c = row
+    return x * a + y * b + z * c, p * a + q * b + r * c
+
+
+@inlined
+def _null_vector(rows: Vectors, vanishing: float) -> tuple[bool, Quadruple]:
+    """Return whether the Jacobian has one null vector, and it, of sum 1."""
+    first, second, third, fourth = rows
+    a = _triple(second, third, fourth)
+    b = -_triple(first, third, fourth)
+    c = _triple(first, second, fourth)
+    d = -_triple(first, second, third)
+    total = a + b + c + d
+    if abs(total) < vanishing:
+        return False, (0.0, 0.0, 0.0, 0.0)
+    scale = 1.0 / total
+    return True, (scale * a, scale * b, scale * c, scale * d)
+
+
+@inlined
+def _limit_of_shares(
+    wires: WireConstants, vanishing: float, rotation: Rotation, first: Quadruple, second: Quadruple
+) -> Quadruple:
+    """Return the shares where the ring tilts towards a wire.
+
+    No wire spins the ring there, and any two pairs are in balance. The shares beside such a
+    pose tend to a limit, the choice without a jump; corrected so that they tilt nothing.
+    """
+    x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
+    unique, beside = False, (0.0, 0.0, 0.0, 0.0)
+    reach = 1.0
+    while not unique:  # small rings need more before their wires spin them at all
+        off = (math.copysign(reach * _BESIDE[0], x), math.copysign(reach * _BESIDE[1], y), 0.0)
+        rows = wire_jacobian(wires, natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
+        unique, beside = _null_vector(rows, vanishing)
+        reach *= 2.0
+    # The pairs are (1, 3) and (4, 2), see `PAIRS`.
+    a, b, c, d = beside
+    one = 0.5 * (first[0] * a + first[1] * b + first[2] * c + first[3] * d)
+    other = 0.5 * (second[0] * a + second[1] * b + second[2] * c + second[3] * d)
+    return (a - one, b + other, c + one, d - other)
+
+
 class TensionDistribution:
     """The tensions of the four wires in a pose.
 
@@ -128,32 +235,27 @@ class TensionDistribution:
         self._half_angle = geometry.ring_half_angle
         # Nearer to such a pose, rounding would be more than what the limit of the shares is off.
         self._vanishing = 5e-8 * geometry.ball_radius**3
+        self._tensions_in: Callable[[WireConstants, float, Rotation], _Tensions] = pose_tensions
+        self._shares_in: Callable[[WireConstants, float, Rotation], Quadruple] = pose_shares
+
+    def compile(self) -> None:
+        """Have `at` and `shares` compiled, for what is called in every cycle."""
+        self._tensions_in = kernel_of(pose_tensions)
+        self._shares_in = kernel_of(pose_shares)
 
     def at(self, rotation: Rotation) -> PoseTensions:
         """Return what tensions do in a pose."""
-        rows = self._wires.jacobian(rotation)
-        # By how much a newton in each wire tilts the ring, about its own X and Y.
-        (x, _, _), (y, _, _), (z, _, _) = rotation
-        (_, p, _), (_, q, _), (_, r, _) = rotation
-        tilts = [(x * g[0] + y * g[1] + z * g[2], p * g[0] + q * g[1] + r * g[2]) for g in rows]
-        (one, other), (third, fourth) = PAIRS
-        a = 0.5 * (tilts[one][0] - tilts[other][0])
-        b = 0.5 * (tilts[one][1] - tilts[other][1])
-        c = 0.5 * (tilts[third][0] - tilts[fourth][0])
-        d = 0.5 * (tilts[third][1] - tilts[fourth][1])
-        scale = 1.0 / (a * d - b * c)
-        e, f, g, h = [scale * (u * d - v * c) for u, v in tilts]
-        k, m, n, o = [scale * (v * a - u * b) for u, v in tilts]
-        first, second = (e, f, g, h), (k, m, n, o)
-        shares = self._shares(rows)
-        if shares is None:
-            shares = self._limit_of_shares(rotation, first, second)
-        return PoseTensions(shares, first, second)
+        tensions = self._tensions_in(self._wires.constants, self._vanishing, rotation)
+        if math.isnan(tensions[0][0]):
+            self._wires.jacobian(rotation)  # says which wire it is
+        return PoseTensions(*tensions)
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum."""
-        shares = self._shares(self._wires.jacobian(rotation))
-        return self.at(rotation).shares if shares is None else shares
+        shares = self._shares_in(self._wires.constants, self._vanishing, rotation)
+        if math.isnan(shares[0]):
+            self._wires.jacobian(rotation)
+        return shares
 
     def hold(
         self,
@@ -207,43 +309,6 @@ class TensionDistribution:
         across = math.hypot(u_y * z - u_z * y, u_z * x - u_x * z, u_x * y - u_y * x)
         return self._half_angle - math.atan2(across, along)
 
-    def _shares(self, rows: Vectors) -> Quadruple | None:
-        """Return the null vector of the Jacobian, of sum 1; None where it is not unique."""
-        first, second, third, fourth = rows
-        a = _triple(second, third, fourth)
-        b = -_triple(first, third, fourth)
-        c = _triple(first, second, fourth)
-        d = -_triple(first, second, third)
-        total = a + b + c + d
-        if abs(total) < self._vanishing:
-            return None
-        scale = 1.0 / total
-        return (scale * a, scale * b, scale * c, scale * d)
-
-    def _limit_of_shares(
-        self, rotation: Rotation, first: Quadruple, second: Quadruple
-    ) -> Quadruple:
-        """Return the shares where the ring tilts towards a wire.
-
-        No wire spins the ring there, and any two pairs are in balance. The shares beside such a
-        pose tend to a limit, the choice without a jump; corrected so that they tilt nothing.
-        """
-        x, y, z = rotation[0][2], rotation[1][2], rotation[2][2]
-        beside = None
-        reach = 1.0
-        while beside is None:  # small rings need more before their wires spin them at all
-            off = (math.copysign(reach * _BESIDE[0], x), math.copysign(reach * _BESIDE[1], y), 0.0)
-            beside = self._shares(
-                self._wires.jacobian(natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
-            )
-            reach *= 2.0
-        shares = list(beside)
-        for (one, other), coefficients in zip(PAIRS, (first, second), strict=True):
-            half = 0.5 * sum(a * b for a, b in zip(coefficients, beside, strict=True))
-            shares[one] -= half
-            shares[other] += half
-        return shares[0], shares[1], shares[2], shares[3]
-
     def _balance(self, rotation: Rotation, load: Vector) -> Quadruple:
         """Return tensions of sum 0 that balance the tilting part of a load, N."""
         if load == _NO_LOAD:
@@ -296,6 +361,7 @@ def pair_pressures(
     return (a, b), (c, d)
 
 
+@inlined
 def _triple(a: Vector, b: Vector, c: Vector) -> float:
     """Return ``a . (b x c)``."""
     return (

@@ -1,8 +1,10 @@
 """What the two models of the wires have in common, and a pose's way to shortenings."""
 
-from typing import Literal, NamedTuple, Protocol
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple, Protocol
 
-from controllers.spherical_joint.exact_wire import ExactWires
+from controllers.compiled import inlined, kernel_of
+from controllers.spherical_joint.exact_wire import ExactWires, WireConstants, wire_lengths
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.paper_wire import PaperWires
 from controllers.spherical_joint.poses import (
@@ -11,6 +13,7 @@ from controllers.spherical_joint.poses import (
     Rotation,
     Vector,
     move_axis,
+    natural_rotation,
 )
 
 WireKind = Literal["exact", "paper"]
@@ -65,15 +68,16 @@ class InverseKinematics:
         wire: WireKind = "exact",
         pose: PoseConvention = "natural",
     ) -> None:
+        self._kind = (wire, pose)
+        self._kernel: Callable[..., Any] | None = None
+        self._constants = ExactWires(geometry).constants
         self._lengths = make_wires(wire, geometry).lengths
         self._rotation = ROTATIONS[pose]
         self._home = self._lengths(self._rotation((0.0, 0.0, 1.0)))
 
     def shortening(self, axis: Vector) -> Quadruple:
         """Return how much shorter than at home each wire is, m; eq. (6)."""
-        first, second, third, fourth = self._lengths(self._rotation(axis))
-        home = self._home
-        return (home[0] - first, home[1] - second, home[2] - third, home[3] - fourth)
+        return _shortened(self._home, self._lengths(self._rotation(axis)))
 
     def motion(self, axis: Vector, velocity: Vector, acceleration: Vector) -> WireMotion:
         """Return the wires' motion for that of the axis.
@@ -83,19 +87,62 @@ class InverseKinematics:
         axis, velocity, acceleration : tuple of float
             Unit vector, 1/s, 1/s².
         """
-        here = self.shortening(axis)
-        ahead = self.shortening(move_axis(axis, velocity, acceleration, _STEP))
-        back = self.shortening(move_axis(axis, velocity, acceleration, -_STEP))
-        rate = 0.5 / _STEP
-        curve = 1.0 / (_STEP * _STEP)
-        (a0, a1, a2, a3), (h0, h1, h2, h3), (b0, b1, b2, b3) = ahead, here, back
+        if self._kernel is not None:
+            return WireMotion(
+                *self._kernel(self._constants, self._home, axis, velocity, acceleration)
+            )
         return WireMotion(
-            here,
-            (rate * (a0 - b0), rate * (a1 - b1), rate * (a2 - b2), rate * (a3 - b3)),
-            (
-                curve * (a0 - h0 - h0 + b0),
-                curve * (a1 - h1 - h1 + b1),
-                curve * (a2 - h2 - h2 + b2),
-                curve * (a3 - h3 - h3 + b3),
-            ),
+            *_derivatives(
+                self.shortening(move_axis(axis, velocity, acceleration, -_STEP)),
+                self.shortening(axis),
+                self.shortening(move_axis(axis, velocity, acceleration, _STEP)),
+            )
         )
+
+    def compile(self) -> None:
+        """Have `motion` compiled, for what is called in every cycle.
+
+        Only exact wires under the natural pose are; the others are there to be compared.
+        """
+        if self._kind == ("exact", "natural"):
+            self._kernel = kernel_of(_natural_motion)
+
+
+@inlined
+def _natural_motion(
+    wires: WireConstants, home: Quadruple, axis: Vector, velocity: Vector, acceleration: Vector
+) -> tuple[Quadruple, Quadruple, Quadruple]:
+    """Return the motion of exact wires under the natural pose; see `InverseKinematics`."""
+    back = move_axis(axis, velocity, acceleration, -_STEP)
+    ahead = move_axis(axis, velocity, acceleration, _STEP)
+    return _derivatives(
+        _shortened(home, wire_lengths(wires, natural_rotation(back))),
+        _shortened(home, wire_lengths(wires, natural_rotation(axis))),
+        _shortened(home, wire_lengths(wires, natural_rotation(ahead))),
+    )
+
+
+@inlined
+def _shortened(home: Quadruple, lengths: Quadruple) -> Quadruple:
+    (a, b, c, d), (e, f, g, h) = home, lengths
+    return (a - e, b - f, c - g, d - h)
+
+
+@inlined
+def _derivatives(
+    back: Quadruple, here: Quadruple, ahead: Quadruple
+) -> tuple[Quadruple, Quadruple, Quadruple]:
+    """Return value, first and second derivative by central differences over `_STEP`."""
+    rate = 0.5 / _STEP
+    curve = 1.0 / (_STEP * _STEP)
+    (b0, b1, b2, b3), (h0, h1, h2, h3), (a0, a1, a2, a3) = back, here, ahead
+    return (
+        here,
+        (rate * (a0 - b0), rate * (a1 - b1), rate * (a2 - b2), rate * (a3 - b3)),
+        (
+            curve * (a0 - h0 - h0 + b0),
+            curve * (a1 - h1 - h1 + b1),
+            curve * (a2 - h2 - h2 + b2),
+            curve * (a3 - h3 - h3 + b3),
+        ),
+    )
