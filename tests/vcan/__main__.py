@@ -10,6 +10,7 @@ The exit code is pytest's, or 4 if there is neither kernel, and 124 if the time 
 """
 
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from vcan_links import LINKS, make_links, missing
 TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "900"))  # of the whole run, s
 _NEITHER = 4  # pytest's own code for a usage error
 _ROOT = Path(__file__).parents[2]
+_PATIENT_TIME = Path(__file__).parent / "patient_time"
 
 
 def main() -> int:
@@ -57,14 +59,27 @@ def say(text: str) -> None:
 
 
 def inside(command: list[str]) -> int:
-    """Run a command once the interfaces are up; what user-mode Linux's first process calls."""
-    import subprocess
+    """Run a command once the interfaces are up; what user-mode Linux's first process calls.
 
+    It and the programs that it starts share a time of their own, see `patient_time`.
+    """
     reason = make_links()
     if reason is not None:
         say(f"inside user-mode Linux: {reason}, {missing()}")
         return _NEITHER
-    return subprocess.call(command)
+    sys.path.append(str(_PATIENT_TIME))
+    from shared_time import create_time
+
+    folder = Path(SCRATCH, "time")
+    create_time(folder)
+    Path("/proc/sys/kernel/sched_rt_runtime_us").write_text("-1")  # all of the processor
+    keeper = [sys.executable, str(_PATIENT_TIME / "time_keeper.py"), str(folder)]
+    with subprocess.Popen(keeper) as keeping:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        try:
+            return subprocess.call(command, env={**os.environ, "SHARED_TIME": str(folder)})
+        finally:
+            keeping.kill()
 
 
 if __name__ == "__main__":

@@ -8,10 +8,9 @@ import socket
 import struct
 import subprocess
 import threading
-import time
 
 import pytest
-from two_processes import SLOW, Program, only_run, set_all, simulate
+from two_processes import Program, now, only_run, pause, set_all, simulate
 from vcan_links import ip
 
 pytestmark = pytest.mark.vcan
@@ -46,19 +45,19 @@ class Recorder:
             except OSError as error:
                 assert error.errno == errno.ENETDOWN
             else:
-                self.frames.append((time.monotonic(), can_id, data[:length]))
+                self.frames.append((now(), can_id, data[:length]))
 
     def since(self, start, *ids):
         return [(t, i, data) for t, i, data in list(self.frames) if t >= start and i in ids]
 
     def wait_for(self, start, can_id, beginning):
         """Return when such a frame first came after a time."""
-        deadline = time.monotonic() + 20.0 * SLOW
-        while time.monotonic() < deadline:
+        deadline = now() + 20.0
+        while now() < deadline:
             for t, _, data in self.since(start, can_id):
                 if data.startswith(beginning):
                     return t
-            time.sleep(0.02)
+            pause(0.02)
         raise AssertionError(
             f"no 0x{can_id:03X}#{beginning.hex()}: {self.since(start, can_id)[-9:]}"
         )
@@ -139,15 +138,15 @@ def test_nodes_vent_by_themselves_when_the_controlling_process_is_killed(
 ):
     with run(tmp_path, "--frames") as program:
         program.wait_for("run …")
-        time.sleep(0.5 * SLOW)
+        pause(0.5)
         program.send(signal.SIGKILL)
-        killed = time.monotonic()
+        killed = now()
         assert program.end() == -signal.SIGKILL
     lost = recorder.wait_for(killed, EMERGENCY, MASTER_LOST)
     recorder.wait_for(killed, HEARTBEAT, PRE_OPERATIONAL)
     last = max(t for t, *_ in recorder.since(0.0, 0x77F))
     # Slowed time, and two looks at the clock by busy programs: a tenth of a second.
-    assert lost - last <= (HEARTBEAT_TIMEOUT + 0.1) * SLOW
+    assert lost - last <= HEARTBEAT_TIMEOUT + 0.1
     assert recorder.since(killed + 0.1, SETPOINTS) == []
     _, folder = only_run(tmp_path)
     assert (folder / "log.mcap").stat().st_size > 10_000
@@ -162,13 +161,13 @@ def test_nodes_vent_by_themselves_when_the_controlling_process_is_killed(
 def test_an_outage_ends_the_run_and_nothing_old_is_sent_after_it(tmp_path, simulation, recorder):
     with run(tmp_path) as program:
         program.wait_for("run …")
-        time.sleep(0.5 * SLOW)
+        pause(0.5)
         ip("link", "set", LINK, "down")
-        down = time.monotonic()
+        down = now()
         assert program.end() == 4, program.talk
         assert "the interface went down while in use" in program.talk
     ip("link", "set", LINK, "up")
-    up = time.monotonic()
+    up = now()
     recorder.wait_for(up, HEARTBEAT, PRE_OPERATIONAL)
     assert recorder.since(down, SETPOINTS) == []
     manifest, _ = only_run(tmp_path)
@@ -178,9 +177,9 @@ def test_an_outage_ends_the_run_and_nothing_old_is_sent_after_it(tmp_path, simul
 def test_after_a_blink_of_the_link_only_safe_setpoints_are_sent(tmp_path, simulation, recorder):
     with run(tmp_path) as program:
         program.wait_for("run …")
-        time.sleep(0.5 * SLOW)
+        pause(0.5)
         subprocess.run(f"ip link set {LINK} down; ip link set {LINK} up", shell=True, check=True)
-        up = time.monotonic()
+        up = now()
         assert program.end() == 4, program.talk
     recorder.wait_for(up, 0x000, b"\x02\x00")  # all nodes stopped, last
     sent = recorder.since(up, SETPOINTS)
@@ -201,10 +200,10 @@ def test_a_frame_that_ends_a_run(tmp_path, simulation, recorder, frame, words):
     with run(tmp_path) as program:
         program.wait_for("run …")
         send(*frame)
-        told = time.monotonic()
+        told = now()
         assert program.end() == 4, program.talk
         assert words in program.talk
-    sent = recorder.since(told + 0.1 * SLOW, SETPOINTS)
+    sent = recorder.since(told + 0.1, SETPOINTS)
     assert safe_setpoints(sent), sent
 
 

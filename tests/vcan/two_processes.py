@@ -6,20 +6,28 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 HERE = Path(__file__).parent
 RIG = (sys.executable, "-m", "rig")
 IN_USER_MODE_LINUX = "hostfs" in Path("/proc/cmdline").read_text()
-SLOW = 4.0 if IN_USER_MODE_LINUX else 1.0
-"""How much more slowly time passes; see `slow_time`."""
-PATIENCE = 60.0 * SLOW
+SHARED_TIME = os.environ.get("SHARED_TIME")
+"""Where the programs' own time is, if they have one; see `patient_time`."""
+PATIENCE = 600.0 if IN_USER_MODE_LINUX else 60.0
 """For a program to start, or to end, s: it is only ever used up by one that hangs."""
 PROCESSES = {
     **os.environ,
-    "SLOW_TIME": f"{SLOW:g}",
-    "PYTHONPATH": os.pathsep.join([str(HERE / "slow_time"), str(HERE.parents[1])]),
+    "PYTHONPATH": os.pathsep.join([str(HERE / "patient_time"), str(HERE.parents[1])]),
 }
+if SHARED_TIME:
+    sys.path.append(str(HERE / "patient_time"))
+    from shared_time import SharedTime
+
+    _time = SharedTime(Path(SHARED_TIME))
+    now, pause = _time.now, _time.sleep
+else:
+    now, pause = time.monotonic, time.sleep
 
 
 class Program:
