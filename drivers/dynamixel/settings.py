@@ -88,11 +88,15 @@ class DynamixelJoint(JointSettings):
     model: ModelName | None = None
     homing_offset: int = 0
 
+    @property
+    def counts_per_radian(self) -> float:
+        """Signed counts for one radian of the joint."""
+        return self.turns_per_radian * COUNTS_PER_TURN
+
     def servo_range(self) -> tuple[float, float]:
         """Return the joint's limits on the servo, counts, the lower first."""
         low, high = sorted(
-            COUNT_AT_ZERO + (end - self.offset) * self.turns_per_radian * COUNTS_PER_TURN
-            for end in self.limits
+            COUNT_AT_ZERO + (end - self.offset) * self.counts_per_radian for end in self.limits
         )
         return low, high
 

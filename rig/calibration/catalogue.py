@@ -14,17 +14,26 @@ def procedures(profile: Profile) -> dict[str, Procedure]:
     from rig.calibration.procedures.wires import Wires
 
     every: tuple[Procedure, ...] = (
-        Regulators(), Encoders(), Wires(), Response(), Friction(), *_of_servos()
+        Regulators(), Encoders(), Wires(), Response(), Friction(), *_of_cameras(), *_of_servos()
     )  # fmt: skip
     # Two mechanisms may have procedures of one name, which do different things.
     return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}
 
 
+def _of_cameras() -> tuple[Procedure, ...]:
+    from rig.calibration.procedures.camera import Camera
+    from rig.calibration.procedures.geometry import Geometry
+
+    return Camera(), Geometry()
+
+
 def _of_servos() -> tuple[Procedure, ...]:
     from rig.calibration.procedures.arm_links import ArmLinks
     from rig.calibration.procedures.arm_zeros import ArmZeros
+    from rig.calibration.procedures.leg_scale import LegScale
+    from rig.calibration.procedures.leg_zeros import LegZeros
 
-    return ArmZeros(), ArmLinks()
+    return ArmZeros(), ArmLinks(), LegZeros(), LegScale()
 
 
 def pick(profile: Profile, names: tuple[str, ...]) -> list[Procedure]:

@@ -37,6 +37,8 @@ class Instrument(NamedTuple):
         When it is read.
     truth : str
         What it shows, by the name of the simulated plant's column.
+    expected : tuple of float
+        What it is made to, in each of the stretches: a jig is not read. Empty if it is.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Instrument(NamedTuple):
     accuracy: float
     stretches: tuple[str, ...]
     truth: str
+    expected: tuple[float, ...] = ()
 
 
 def simulate(instruments: Sequence[Instrument], folders: Sequence[Path], seed: int) -> Readings:
@@ -70,11 +73,20 @@ def simulate(instruments: Sequence[Instrument], folders: Sequence[Path], seed: i
     return readings
 
 
+def made_to(instruments: Sequence[Instrument]) -> dict[str, dict[str, float]]:
+    """Return what instruments show that are made to it."""
+    return {
+        instrument.name: dict(zip(instrument.stretches, instrument.expected, strict=True))
+        for instrument in instruments
+        if instrument.expected
+    }
+
+
 def ask(instruments: Sequence[Instrument], prompt: Callable[[str], str]) -> Readings:
     """Ask a person for every reading; what is no quantity is asked for once more."""
-    readings: dict[str, dict[str, float]] = {}
+    readings: dict[str, dict[str, float]] = made_to(instruments)
     for instrument in instruments:
-        for stretch in instrument.stretches:
+        for stretch in () if instrument.expected else instrument.stretches:
             while True:
                 text = prompt(f"{instrument.name} during {stretch!r} ({instrument.unit})")
                 try:
@@ -95,7 +107,7 @@ def read_file(instruments: Sequence[Instrument], path: Path) -> Readings:
         It cannot be read, or a line is no reading; with its number.
     """
     units = {instrument.name: instrument.unit for instrument in instruments}
-    readings: dict[str, dict[str, float]] = {}
+    readings = made_to(instruments)
     try:
         with path.open(encoding="utf-8", newline="") as stream:
             for number, row in enumerate(csv.reader(stream), 1):

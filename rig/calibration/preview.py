@@ -41,8 +41,12 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         if bound is not None:
             yield f"  in force: limits.{name} {_bound(bound, name)}"
     yield from (f"  but: {note}" for note in excitation.notes)
+    if excitation.placing:
+        yield f"  first of all: {excitation.placing}"
     for instrument in procedure.instruments(profile):
         accuracy = format_quantity(instrument.accuracy, instrument.unit)
+        if instrument.expected:
+            continue  # what holds it says it
         yield (
             f"  to be read: {instrument.name}, {len(instrument.stretches)} times, "
             f"to {accuracy} or better"

@@ -13,7 +13,7 @@ from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
 from rig.experiment.plan import Plan
 from rig.experiment.run import Result, Watcher, run_experiment
-from rig.run_folder import FIGURES
+from rig.run_folder import FIGURES, RunStatus
 
 
 class Calibrated(NamedTuple):
@@ -60,6 +60,7 @@ def record(
     on: str | None = None,
     earlier: Sequence[Path] = (),
     watcher: Watcher | None = None,
+    place: Callable[[str], bool] | None = None,
 ) -> tuple[Result | None, list[Path]]:
     """Record what is not recorded yet.
 
@@ -69,28 +70,41 @@ def record(
         See `rig.experiment.run.run_experiment`.
     earlier : sequence of Path
         Runs of the same procedure that were ended before their time: what they hold is kept.
+    place : callable, optional
+        Told before each run what somebody has to put where by hand; returns whether it is there.
+        Without it everything is taken to be in its place.
 
     Returns
     -------
     result : Result or None
         How it ended; None if nothing was left to record.
     folders : list of Path
-        All run folders, the new one last.
+        All run folders, the new ones last.
     """
+    result, folders = None, list(earlier)
     done = Recording.of(earlier).names if earlier else ()
-    excitation = procedure.excite(profile, done)
-    if not excitation.motion.segments:
-        return None, list(earlier)
-    result = run_experiment(
-        plan_of(procedure, excitation),
-        backend,
-        out,
-        on=on,
-        watcher=watcher,
-        report=False,
-        heed_calibrations=False,
-    )
-    return result, [*earlier, result.path]
+    while True:
+        excitation = procedure.excite(profile, done)
+        if not excitation.motion.segments:
+            return result, folders
+        if excitation.placing and place is not None and not place(excitation.placing):
+            return result, folders
+        result = run_experiment(
+            plan_of(procedure, excitation),
+            backend,
+            out,
+            on=on,
+            watcher=watcher,
+            report=False,
+            heed_calibrations=False,
+        )
+        folders.append(result.path)
+        # What is placed by hand comes run by run, as long as each one gets somewhere.
+        if not excitation.placing or result.status is not RunStatus.OK:
+            return result, folders
+        before, done = done, Recording.of(folders).names
+        if len(done) == len(before):
+            return result, folders
 
 
 def read_instruments(
@@ -116,8 +130,11 @@ def read_instruments(
         return instruments.read_file(wanted, readings)
     if simulated:
         return instruments.simulate(wanted, folders, profile.simulation.seed)
+    read = [instrument for instrument in wanted if not instrument.expected]
+    if not read:
+        return instruments.made_to(wanted)
     if prompt is None:
-        names = ", ".join(instrument.name for instrument in wanted)
+        names = ", ".join(instrument.name for instrument in read)
         runs = " ".join(f"--from {path}" for path in folders)
         raise CalibrationRefused(
             f"nobody is there to read {names}; write quantity,stretch,value lines to a file and "

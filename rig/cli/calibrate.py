@@ -109,6 +109,7 @@ def _calibrate(
         result, folders = record(
             procedure, profile, backend, options["out"],
             on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
+            place=None if backend.is_simulated else _Placing(asks=not options["yes"]),
         )  # fmt: skip
     if result is not None and result.status is not RunStatus.OK:
         again = " ".join(f"--from {path}" for path in folders)
@@ -130,8 +131,15 @@ def _calibrate(
             replace=options["replace"],
         )  # fmt: skip
     except CalibrationRefused as refusal:
+        again = " ".join(f"--from {path}" for path in folders)
         click.echo(f"{procedure.name}: {refusal}", err=True)
         click.echo("nothing was changed: the calibration before stays in force", err=True)
+        if again:
+            click.echo(
+                "what was recorded is kept; if something is missing, go on with: "
+                f"rig calibrate {profile.name} {procedure.name} {again}",
+                err=True,
+            )
         return 1
     _show(procedure, done)
     return 0
@@ -147,6 +155,21 @@ def _circumstances(options: dict[str, Any]) -> Circumstances:
         {key: value for key, value in said.items() if value is not None},
         datetime.now(UTC),
     )
+
+
+class _Placing:
+    """Has somebody put by hand what is to be measured; without anybody, the first is in place."""
+
+    def __init__(self, *, asks: bool) -> None:
+        self._asks = asks and sys.stdin.isatty()
+        self._count = 0
+
+    def __call__(self, what: str) -> bool:
+        self._count += 1
+        click.echo(what, err=True)
+        if self._asks:
+            return click.confirm("Is it there?", default=False, err=True)
+        return self._count == 1
 
 
 def _agreed() -> bool:

@@ -1,0 +1,1 @@
+"""What is peculiar to calibrating legs: their jig, and the lines through what it shows."""
