@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import truth_of_servos
 
 from drivers.sim.perturbation import draw
 from rig.assembly import REGISTRY, Backend
@@ -38,14 +39,17 @@ DRAWN = {
     "wires": ("simulation.perturbation.wire_offset=2 mm", "loop.rate=100"),
     "response": (),
     "friction": ("simulation.perturbation.friction=0.3",),
+    **truth_of_servos.DRAWN,
 }
+"""By procedure, with the rig's name before it if it is not the cylinder's."""
 
 
 def calibrate(procedure, seed, out):
     """Calibrate one simulated rig; return (name, estimate, true value) of each quantity."""
     options = [*DRAWN[procedure], f"simulation.seed={seed}"]
-    profile = load_profile("cylinder", REGISTRY, options, find_configs())
-    chosen = procedures(profile)[procedure]
+    rig, _, name = procedure.rpartition(" ")
+    profile = load_profile(rig or "cylinder", REGISTRY, options, find_configs())
+    chosen = procedures(profile)[name]
     result, folders = record(chosen, profile, Backend.SIM, out)
     assert result.exit_code == 0, result.message
     readings = read_instruments(chosen, profile, folders, simulated=True)
@@ -57,7 +61,8 @@ def calibrate(procedure, seed, out):
         for e in finding.estimates
         if (finding.target, e.name) in true
     ]
-    shutil.rmtree(folders[-1])
+    for folder in folders:
+        shutil.rmtree(folder)
     return rows
 
 
@@ -124,6 +129,7 @@ TRUE = {
     "wires": true_of_wires,
     "response": true_of_response,
     "friction": true_of_friction,
+    **truth_of_servos.TRUE,
 }
 
 
