@@ -9,6 +9,7 @@ from annotated_types import Ge, Gt, Interval, Le, Unit
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from rig.mechanisms.cylinder_settings import RegulatorModel
 from rig.mechanisms.joint_alarms.settings import JointAlarmSettings
+from rig.mechanisms.joint_tolerances import JointTolerances
 
 Four = tuple[str, str, str, str]
 
@@ -120,6 +121,8 @@ class JointSettings:
         Of one wire, N/m.
     regulator_response : RegulatorModel
         Response of the regulators as the controllers believe it.
+    tolerance : JointTolerances
+        How far the joint may be off its drawing: what its calibration starts from.
     camera : str, optional
         The device that sees the marker.
     emergency_stop : str, optional
@@ -140,6 +143,7 @@ class JointSettings:
     wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
     alarms: JointAlarmSettings = field(default_factory=JointAlarmSettings)
     regulator_response: RegulatorModel = field(default_factory=RegulatorModel)
+    tolerance: JointTolerances = field(default_factory=JointTolerances)
     camera: str | None = None
     emergency_stop: str | None = None
 

@@ -1,0 +1,102 @@
+"""What is estimated of a joint and its camera, and what is known of it beforehand.
+
+Every dimension has a place in the drawing and a tolerance in the profile. Where motion says less
+than the drawing, the drawing stays: its tolerance is a prior. Two directions no motion shows at
+all. To turn all anchors and the camera together about the vertical turns nothing: angles count
+from the anchors' mean. To make marker and camera farther away in proportion changes no ray: the
+marker's height is read off a gauge.
+"""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from controllers.spherical_joint.geometry import SphericalJointGeometry
+from rig.config import Profile
+
+Values = Mapping[str, float]
+
+WIRES = (1, 2, 3, 4)
+PARTS = ("turned", "raised", "shift_x", "shift_y", "shift_z")
+"""How far an anchor is off its place along and across its circle, an adjust point in x, y, z."""
+
+LENGTHS = ("ball_radius", "ring_radius", "adjust_radius", "adjust_depth", "marker_height")
+ANGLES = tuple(f"anchor_angle_{k}" for k in WIRES)
+CAMERA = tuple(f"camera_{axis}" for axis in "xyz")
+CAMERA_ANGLES = tuple(f"camera_angle_{axis}" for axis in "xyz")
+
+_FLAT = 1.0 / math.sqrt(3.0)
+"""Standard deviation over the bound of what lies anywhere within a tolerance."""
+
+_MOUNTED = 20e-3
+_TURNED = 0.15
+_LATE = 20e-3
+"""How well a camera is known that nobody has measured: place, orientation, latency; m, rad, s."""
+
+_HOMED = 5e-3
+"""How well it is known where the wires are taut, m."""
+
+_LOADED = 0.03
+"""What friction of the seals may grow with the chamber's pull, as a share of it. E."""
+
+
+class Prior(NamedTuple):
+    """What is known of a parameter beforehand.
+
+    Parameters
+    ----------
+    name, unit : str
+        SI.
+    mean, std : float
+        In `unit`.
+    """
+
+    name: str
+    unit: str
+    mean: float
+    std: float
+
+
+def drawing_of(profile: Profile) -> SphericalJointGeometry:
+    """Return the geometry that the profile has without any calibration."""
+    geometry: SphericalJointGeometry = profile.nominal_settings.geometry
+    return geometry
+
+
+def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...]:
+    """Return every parameter with what drawing, tolerances and the friction's model say.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig.
+    height : float, optional
+        How well the marker's height is known if the geometry was calibrated, m; else it is the
+        drawing's.
+    """
+    settings, drawing = profile.mechanism_settings, drawing_of(profile)
+    tolerance = settings.tolerance
+    camera = profile.devices[settings.camera].nominal
+    part, length = _FLAT * tolerance.part, _FLAT * tolerance.length
+    rows = [Prior(name, "m", v, length * v) for name in LENGTHS for v in [getattr(drawing, name)]]
+    if height is not None and settings.geometry != drawing:
+        rows[-1] = Prior("marker_height", "m", settings.geometry.marker_height, height)
+    rows += _each(ANGLES, "rad", drawing.anchor_angles, _FLAT * tolerance.angle)
+    rows += _each(CAMERA, "m", camera.position_camera_in_base, _MOUNTED)
+    rows += _each(CAMERA_ANGLES, "rad", (0.0,) * 3, _TURNED)
+    rows += [Prior("lateness", "s", 0.0, _LATE), Prior("home", "m", settings.home, _HOMED)]
+    rows += _each((f"offset_{k}" for k in WIRES), "m", (0.0,) * 4, tolerance.zero)
+    compliance = 1.0 / settings.wire_stiffness
+    rows += [Prior("compliance", "m/N", compliance, tolerance.stiffness * compliance)]
+    seal = 0.5 * settings.friction.coulomb
+    rows += _each((f"friction_{k}" for k in WIRES), "N", (seal,) * 4, 0.5 * seal)
+    # Seals that are shaken by the dither damp less than seals that slide.
+    damping = 0.25 * settings.friction.viscous
+    rows += [Prior("viscous", "N s/m", damping, damping), Prior("load", "1", 0.0, _LOADED)]
+    names = [f"{name}_{k}" for k in WIRES for name in PARTS]
+    rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part)
+    return tuple(rows)
+
+
+def _each(names: Iterable[str], unit: str, means: Sequence[float], std: float) -> list[Prior]:
+    return [Prior(name, unit, mean, std) for name, mean in zip(names, means, strict=True)]

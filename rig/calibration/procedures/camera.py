@@ -1,0 +1,90 @@
+"""Place, orientation and latency of a joint's camera, from encoders and marker in motion.
+
+The geometry is estimated alongside, with the drawing's tolerances as what is known of it: a
+camera that explains a wrong geometry would be wrong itself. Only the camera is written. How far
+it is away counts in heights of the marker (no ray tells it): `geometry` measures that height.
+"""
+
+from collections.abc import Sequence
+from typing import Final
+
+from rig.calibration.estimates import Estimate
+from rig.calibration.instruments import Instrument
+from rig.calibration.joint.model import camera_pose
+from rig.calibration.joint.rosette import Rosette
+from rig.calibration.joint.solving import RESIDUAL_BOUND, Solved, solve, swing
+from rig.calibration.procedure import Excitation, Finding, Readings, quantity
+from rig.calibration.recording import Recording
+from rig.config import Profile
+
+ROSETTE: Final = Rosette(tilt=0.6, petals=8, period=1.3)
+
+_HEIGHT: Final = 30e-6
+"""How well a calibrated height of the marker is known, m: to the height gauge and a part."""
+
+
+class Camera:
+    """Pose and latency of the camera."""
+
+    name = "camera"
+    title = "place, orientation and latency of the camera"
+    mechanisms = ("joint",)
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the camera's file, if there is a camera."""
+        camera = profile.mechanism_settings.camera
+        return () if camera is None else (camera,)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return none: encoders and camera measure each other."""
+        return ()
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the rosette; one that was broken off is begun anew."""
+        return swing(profile, ROSETTE, done)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Fit joint and camera, and keep the camera."""
+        solved = solve(profile, recording, ROSETTE, height=_HEIGHT)
+        return (camera_finding(profile, solved),)
+
+
+def camera_finding(profile: Profile, solved: Solved, *, sphere: bool = False) -> Finding:
+    """Return what was found of the camera.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig.
+    solved : Solved
+        Joint and camera.
+    sphere : bool
+        Write the marker's distance from the centre as well: the rays end there.
+    """
+    from scipy.spatial.transform import Rotation
+
+    device = profile.mechanism_settings.camera
+    posterior, believed = solved.posterior, profile.devices[device].settings.latency
+    values = posterior.by_name
+    turn, place = camera_pose(values, solved.mounted)
+    vector = Rotation.from_matrix(turn).as_rotvec()
+    estimates: list[Estimate] = [
+        *(posterior.estimate(f"camera_{axis}", f"position.{axis}") for axis in "xyz"),
+        # The rotation vector that is written is no place for intervals: these turn the camera of
+        # the drawing about its own axes.
+        *(posterior.estimate(f"camera_angle_{axis}", f"angle.{axis}") for axis in "xyz"),
+        posterior.estimate("lateness", "latency", believed),
+    ]
+    written = {
+        "position_camera_in_base": [quantity(x, "m") for x in place.tolist()],
+        "rotation_base_from_camera": [quantity(x, "rad") for x in vector.tolist()],
+        "latency": quantity(max(believed + values["lateness"], 0.0), "s"),
+    }
+    if sphere:
+        written["marker"] = {"sphere_radius": quantity(values["marker_height"], "m")}  # type: ignore[assignment]
+    return Finding(
+        device, written, estimates, solved.residuals.ravel(), "m", RESIDUAL_BOUND,
+        len(set(solved.seen.blocks.tolist())), solved.panels,
+    )  # fmt: skip

@@ -1,0 +1,43 @@
+"""Calibrations of simulated joints and cameras as drawn, and what is true of each of them."""
+
+from rig.assembly.simulated import make_plant, reality_of
+from rig.calibration.joint.parameters import LENGTHS
+
+JOINT = (
+    "simulation.perturbation.geometry=0.02",
+    "simulation.perturbation.camera_position=2 mm",
+    "simulation.perturbation.camera_angle=2 deg",
+    "simulation.perturbation.camera_latency=5 ms",
+)
+DRAWN = {
+    "camera": JOINT,
+    "geometry": (*JOINT, "simulation.perturbation.wire_offset=2 mm"),
+}
+
+
+def true_of_camera(profile, seed, procedure, folders):
+    """Return where the camera is and how late, in the frame of the simulated joint."""
+    real = reality_of(profile, "camera", make_plant(profile))
+    scene, optics = real["scene"], real["optics"]
+    true = {("camera", "latency"): scene.latency}
+    for k, axis in enumerate("xyz"):
+        place = scene.position_camera_in_base[k] + optics.position_error[k]
+        true["camera", f"position.{axis}"] = place
+        true["camera", f"angle.{axis}"] = optics.rotation_error[k]
+    return true
+
+
+def true_of_geometry(profile, seed, procedure, folders):
+    """Return what the simulated joint was made to, beside its camera."""
+    from drivers.sim.perturbation import draw, perturb_geometry
+
+    draws = draw(profile.simulation.perturbation, seed)
+    made = perturb_geometry(profile.nominal_settings.geometry, draws)
+    true = {("joint", name): getattr(made, name) for name in LENGTHS}
+    for k, angle in enumerate(made.anchor_angles, 1):
+        true["joint", f"anchor_angle_{k}"] = angle
+    true["joint", "home"] = profile.plant.settings.home + draws.wire_offset
+    return true | true_of_camera(profile, seed, procedure, folders)
+
+
+TRUE = {"camera": true_of_camera, "geometry": true_of_geometry}
