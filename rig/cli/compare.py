@@ -195,13 +195,15 @@ def _permitted(jobs: Sequence[_Job]) -> tuple[list[_Job], dict[str, str]]:
 
 
 def _run_all(jobs: Sequence[_Job], backend: str) -> list[Result]:
-    if backend not in ("sim", "virtual"):
-        return [_run(job, watched=True) for job in jobs]
     import os
+
+    simulated = backend in ("sim", "virtual")
+    workers = min(len(jobs), os.cpu_count() or 1) if simulated else 1
+    if workers == 1:
+        return [_run(job, watched=True) for job in jobs]
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import get_context
 
-    workers = min(len(jobs), os.cpu_count() or 1)
     results: list[Result] = []
     with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(_run, job) for job in jobs]

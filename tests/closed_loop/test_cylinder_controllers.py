@@ -190,7 +190,9 @@ def measured(name, seals, reference, seed=0, friction_scale=1.0):
 
 
 both_seals = pytest.mark.parametrize("seals", ["standard", "low-speed"])
-three_units = pytest.mark.parametrize("seed", [0, 1, 2])
+# Units 1 and 2 are those of the shipped experiments, by which the default tests judge them too.
+SHIPPED = [pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2)]
+three_units = pytest.mark.parametrize("seed", [0, *SHIPPED])
 
 # Bounds in m, of the cascade. Those at 0.2 Hz and of the hold are the figures that the rig is
 # accepted by; 0.109 and 0.046 mm at 0.2 Hz, 0.029 and 0.0048 mm are known to be possible.
@@ -205,7 +207,7 @@ def test_cascade_tracks_at_02_hz(seals, seed):
 
 
 @both_seals
-@pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 7])
+@pytest.mark.parametrize("seed", [0, *SHIPPED, 3, 5, 7])
 def test_cascade_holds(seals, seed):
     assert measured("cascade", seals, STAIRCASE, seed).rms < HOLD[seals]
 

@@ -310,7 +310,8 @@ def test_compare_runs_controllers_side_by_side(tmp_path, capsys):
     assert figure.stat().st_size > 10_000
 
 
-def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsys):
+def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)  # so that this process does it all
     amplitudes = "reference.amplitude=5 mm,8 mm,25 mm"
     code, out, err = compare(capsys, tmp_path, "--vary", amplitudes)
     assert code == 0
