@@ -47,15 +47,36 @@ class Fit(NamedTuple):
     covariance : ndarray, shape (p, p)
         Of the parameters.
     freedom : float
-        Degrees of freedom that the covariance rests on.
+        Degrees of freedom that the covariance rests on as a whole.
     residuals : ndarray, shape (n,)
         Measured less fitted.
+    blocks : sequence of ndarray, shape (n, p)
+        How independent residuals would come into each block's part of the covariance; empty
+        without blocks.
     """
 
     values: "NDArray[np.float64]"
     covariance: "NDArray[np.float64]"
     freedom: float
     residuals: "NDArray[np.float64]"
+    blocks: "Sequence[NDArray[np.float64]]" = ()
+
+    def freedom_of(self, gradient: Sequence[float]) -> float:
+        """Return the degrees of freedom of a function of the parameters.
+
+        With blocks it depends on the function: a parameter that two of ten blocks determine has
+        little more than one, whatever the others do (Satterthwaite's approximation).
+
+        Parameters
+        ----------
+        gradient : sequence of float, length p
+            Of the function.
+        """
+        if not self.blocks:
+            return self.freedom
+        columns = np.column_stack([block @ np.asarray(gradient) for block in self.blocks])
+        gram = columns.T @ columns
+        return max(float(np.trace(gram) ** 2 / np.sum(gram**2)), 1.0)
 
     def estimate(self, name: str, unit: str, gradient: Sequence[float], value: float) -> Estimate:
         """Return an estimate of a function of the parameters.
@@ -70,7 +91,8 @@ class Fit(NamedTuple):
             Its value.
         """
         g = np.asarray(gradient)
-        return interval(name, value, unit, float(np.sqrt(g @ self.covariance @ g)), self.freedom)
+        std = float(np.sqrt(g @ self.covariance @ g))
+        return interval(name, value, unit, std, self.freedom_of(gradient))
 
     def parameter(self, index: int, name: str, unit: str) -> Estimate:
         """Return the estimate of one parameter."""
@@ -104,7 +126,8 @@ def fit(
     groups : ndarray, shape (n,), optional
         Which block each residual belongs to. Residuals of one block may depend on each other:
         the covariance is then the one that is robust against that, and its degrees of freedom
-        are those of the blocks. Without blocks the residuals are taken as independent.
+        follow from how much of a parameter each block determines. Without blocks the residuals
+        are taken as independent.
 
     Raises
     ------
@@ -115,8 +138,8 @@ def fit(
     ----------
     R. M. Bell and D. F. McCaffrey, "Bias reduction in standard errors for linear regression with
     multi-stage samples", Survey Methodology 28(2), 2002: the blocks' residuals are enlarged by
-    what the fit has taken from them (CR2's simpler relative, CR3, is used here: it errs on the
-    safe side with few blocks).
+    what the fit has taken from them (CR2: right for independent residuals, however unlike the
+    blocks are), and the degrees of freedom of each parameter.
     """
     from scipy.optimize import least_squares
 
@@ -133,14 +156,28 @@ def fit(
     names = np.unique(groups)
     if len(names) < 3:
         raise ValueError(f"{len(names)} blocks are too few to tell how well they repeat")
+    projector = np.eye(n) - jacobian @ inverse @ jacobian.T
     meat = np.zeros((p, p))
+    blocks = []
     for name in names:
-        part = jacobian[groups == name]
-        leverage = np.eye(len(part)) - part @ inverse @ part.T
-        score = part.T @ np.linalg.solve(leverage, r[groups == name])
+        mine = groups == name
+        part = _inverse_root(projector[np.ix_(mine, mine)]) @ jacobian[mine]
+        score = part.T @ r[mine]
         meat += np.outer(score, score)
-    covariance = inverse @ meat @ inverse * (len(names) - 1) / len(names)
-    return Fit(found.x, covariance, float(len(names) - 1), r)
+        blocks.append(projector[:, mine] @ part @ inverse)
+    covariance = inverse @ meat @ inverse
+    return Fit(found.x, covariance, float(len(names) - 1), r, blocks)
+
+
+def _inverse_root(matrix: "NDArray[np.float64]") -> "NDArray[np.float64]":
+    """Return the inverse of a symmetric matrix's root; directions that the fit took whole are out.
+
+    A block of which the fit has taken a direction altogether says nothing about it.
+    """
+    values, vectors = np.linalg.eigh(matrix)
+    keep = values > 1e-9
+    root = vectors[:, keep] / np.sqrt(values[keep])
+    return np.asarray(root @ vectors[:, keep].T)
 
 
 def mean_of(name: str, unit: str, repetitions: Sequence[float]) -> Estimate:

@@ -1,5 +1,6 @@
 """Excitations: pressures without a loop around them, and what they look like to the runtime."""
 
+import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -172,3 +173,37 @@ class Strokes:
     def at(self, t: float) -> Any:
         """Return the desired motion at `t`."""
         return self._ramp.at(t)
+
+
+class Leaning:
+    """A motion of a pair as one of the joint's ring: upright and to and fro along one azimuth.
+
+    Parameters
+    ----------
+    motion : object
+        Of a pair, m: what wires are pulled in by where they lie on the ball.
+    azimuth : float
+        Of the plane that the axis moves in, rad.
+    radius : float
+        Of the ball, m.
+    """
+
+    def __init__(self, motion: Any, azimuth: float, radius: float) -> None:
+        self._motion = motion
+        self._across = (math.cos(azimuth), math.sin(azimuth))
+        self._share = 1.0 / radius
+        self.duration = float(motion.duration)
+        self.segments: tuple[Segment, ...] = tuple(motion.segments)
+
+    def at(self, t: float) -> Any:
+        """Return the desired motion at `t`."""
+        from controllers.spherical_joint.types import JointReference
+
+        along, (x, y) = self._motion.at(t), self._across
+        tilt, rate = self._share * along.position, self._share * along.velocity
+        rise, square = self._share * along.acceleration, rate * rate
+        s, c = math.sin(tilt), math.cos(tilt)
+        out, down = rise * c - square * s, -rise * s - square * c
+        return JointReference(
+            (s * x, s * y, c), (rate * c * x, rate * c * y, -rate * s), (out * x, out * y, down)
+        )

@@ -1,9 +1,20 @@
 """What procedures need to know of a mechanism: its channels, devices and types."""
 
+import dataclasses
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rig.calibration.recording import Stretch
 from rig.config import Profile
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+_RESIDUAL = 8e-3
+_DISAGREEMENT = 40e-3
+"""Of a joint's rods, and of its camera and rods, before they have been calibrated, m."""
 
 
 class Pneumatics(NamedTuple):
@@ -19,6 +30,12 @@ class Pneumatics(NamedTuple):
         The rods' encoders, in the order of the channels.
     lowest, highest : float
         Pressures that every chamber may have at once, Pa gauge.
+    rods : str
+        Start of the names of the log's columns of the rods.
+    inwards : bool
+        Whether these say how far a rod is pulled in from home, or how far it stands out.
+    home : float
+        Extension of the rods at home as it is believed, m.
     """
 
     regulators: str
@@ -26,23 +43,108 @@ class Pneumatics(NamedTuple):
     encoders: tuple[str, ...]
     lowest: float
     highest: float
+    rods: str
+    inwards: bool
+    home: float
+
+    def extension(self, stretch: Stretch, channel: str) -> "NDArray[np.float64]":
+        """Return how far a rod stands out by its encoder, m, shape (n,)."""
+        shown = stretch[f"{self.rods}_{channel}"]
+        return self.home - shown if self.inwards else shown
 
 
 def pneumatics_of(profile: Profile) -> Pneumatics:
     """Return the pneumatic side of a ``cylinder`` or ``joint`` profile."""
     settings = profile.mechanism_settings
     low, high = settings.limits.pressure
-    if profile.mechanism == "cylinder":
+    pair = profile.mechanism == "cylinder"
+    if pair:
         encoders = (settings.encoder_agonist, settings.encoder_antagonist)
     else:
         encoders = tuple(settings.encoders)
         least, most = settings.limits.tension
         low, high = max(low, least / settings.area), min(high, most / settings.area)
-    channels = tuple(profile.devices[settings.regulators].settings.channels)
     span = high - low
     return Pneumatics(
-        settings.regulators, channels, encoders, low + 0.06 * span, high - 0.08 * span
+        settings.regulators,
+        tuple(profile.devices[settings.regulators].settings.channels),
+        encoders,
+        low + 0.06 * span,
+        high - 0.08 * span,
+        rods="reading.position" if pair else "reading.rod",
+        inwards=not pair,
+        home=settings.home,
     )
+
+
+def relaxed(profile: Profile, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
+    """Return the profile without the bounds that rest on what is looked for, and notes on them.
+
+    A joint's rods and camera agree on its pose only after all of them have been calibrated.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    pair : float
+        By how much more than usual the two rods of a pair may disagree, m.
+    """
+    settings = profile.mechanism_settings
+    usual = settings.limits
+    if profile.mechanism == "cylinder":
+        wanted = {"mismatch": usual.mismatch + pair}
+    else:
+        wanted = {
+            "residual": max(usual.residual, _RESIDUAL),
+            "disagreement": max(usual.disagreement, _DISAGREEMENT),
+        }
+    changed = {name: value for name, value in wanted.items() if value != getattr(usual, name)}
+    if not changed:
+        return profile, ()
+    limits = dataclasses.replace(usual, **changed)
+    notes = tuple(
+        f"limits.{name} is {1e3 * value:g} mm instead of {1e3 * getattr(usual, name):g} mm: "
+        "it rests on what is looked for"
+        for name, value in changed.items()
+    )
+    mechanism = dataclasses.replace(settings, limits=limits)
+    return dataclasses.replace(profile, mechanism_settings=mechanism), notes
+
+
+def reach(profile: Profile, share: float) -> float:
+    """Return how far a pair, or a joint's ring along the ball, may go from home, m.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    share : float
+        Of what is permitted; of a joint's tilt three quarters, since its rods may not know it yet.
+    """
+    settings = profile.mechanism_settings
+    if profile.mechanism == "cylinder":
+        low, high = settings.limits.position
+        return float(share * min(-low, high))
+    return 0.75 * share * float(settings.limits.tilt * settings.geometry.ball_radius)
+
+
+def leaning(profile: Profile, motion: Any, azimuth: float) -> Any:
+    """Return a motion along a line as one of the mechanism.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    motion : object
+        Settings of a reference of a pair: positions of wires, m.
+    azimuth : float
+        Of the line, rad; a pair has but one.
+    """
+    if profile.mechanism == "cylinder":
+        return motion
+    from rig.calibration.excitation import Leaning
+
+    return Leaning(motion, azimuth, profile.mechanism_settings.geometry.ball_radius)
 
 
 def open_loop(

@@ -1,10 +1,11 @@
 """Encoders of the rods: zero, direction and scale against a caliper.
 
-The pair goes to one level after the other and stays; at each one somebody measures how far every
-rod stands out. The extension is a straight line through what the encoder counted.
+The pair goes to one level after the other and stays, and a joint's ring leans so that all four
+rods move; at each level somebody measures how far every rod stands out. The extension is a
+straight line through what the encoder counted.
 """
 
-import dataclasses
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
@@ -14,7 +15,7 @@ import numpy as np
 from rig.assembly import make_controller
 from rig.calibration.estimates import Fit, fit
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import pneumatics_of
+from rig.calibration.mechanism import leaning, pneumatics_of, reach, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -29,6 +30,9 @@ CALIPER_ACCURACY: Final = 10e-6
 _SHARE: Final = 0.6
 """Of the permitted positions that is used."""
 
+_BETWEEN: Final = 0.25 * math.pi
+"""Azimuth between a joint's pairs, rad: leaning there moves both."""
+
 _LEVELS: Final = 15
 _ROOM: Final = 5e-3
 """By how much the two rods may disagree more than usual: their zeros are what is looked for, m."""
@@ -38,11 +42,11 @@ _BOUND: Final = 50e-6
 
 
 class Encoders:
-    """Zero, direction and scale of both rods' encoders."""
+    """Zero, direction and scale of the rods' encoders."""
 
     name = "encoders"
     title = "zero, direction and scale of the rods' encoders against a caliper"
-    mechanisms = ("cylinder",)
+    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the encoders' files."""
@@ -59,18 +63,11 @@ class Encoders:
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the levels; a staircase that was broken off is climbed again from its foot."""
         stairs = _stairs(profile)
-        settings = profile.mechanism_settings
-        limits = settings.limits
-        wider = dataclasses.replace(limits, mismatch=limits.mismatch + _ROOM)
-        relaxed = dataclasses.replace(
-            profile, mechanism_settings=dataclasses.replace(settings, limits=wider)
-        )
-        note = (
-            f"limits.mismatch is {1e3 * wider.mismatch:g} mm instead of "
-            f"{1e3 * limits.mismatch:g} mm: it rests on the zeros that are looked for"
-        )
-        controller = make_controller(relaxed, "pid")
-        return Excitation(stairs, stairs, controller, "pid", relaxed, (note,), approach=3.0)
+        wider, notes = relaxed(profile, _ROOM)
+        # It knows nothing of wires that rods are calibrated against.
+        controller = make_controller(wider, "pid")
+        motion = leaning(wider, stairs, _BETWEEN)
+        return Excitation(stairs, motion, controller, "pid", wider, notes, approach=3.0)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings
@@ -89,7 +86,7 @@ class Encoders:
                     f"stretches, first in {lacking[0]!r}"
                 )
             extension = np.array([shown[name] for name in names])
-            read = np.array([recording[n].mean(f"reading.position_{channel}") for n in names])
+            read = np.array([pneumatics.extension(recording[n], channel).mean() for n in names])
             settings, nominal = (
                 profile.devices[device].settings,
                 profile.devices[device].nominal,
@@ -102,8 +99,7 @@ class Encoders:
 
 
 def _stairs(profile: Profile) -> Staircase:
-    low, high = profile.mechanism_settings.limits.position
-    half = _SHARE * min(-low, high)
+    half = reach(profile, _SHARE)
     count = _LEVELS // 2 + 1
     up = [half * (-1.0 + 2.0 * k / (count - 1)) for k in range(count)]
     down = [0.5 * (a + b) for a, b in pairwise(up)][::-1]

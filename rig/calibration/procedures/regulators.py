@@ -18,7 +18,7 @@ import numpy as np
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import open_loop, pneumatics_of
+from rig.calibration.mechanism import open_loop, pneumatics_of, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -79,7 +79,8 @@ class Regulators:
         times, pressures = steps_of.knots(base)
         count = len(pneumatics.channels)
         motion = open_loop(profile, times, [(p,) * count for p in pressures], steps_of.segments)
-        return Excitation(steps_of, motion, motion, "open-loop", profile, approach=0.5)
+        wider, notes = relaxed(profile)
+        return Excitation(steps_of, motion, motion, "open-loop", wider, notes, approach=0.5)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings

@@ -5,8 +5,11 @@ second order with a dead time is fitted,
 
     p(t) = p_0 + (p_1 - p_0) h(t - dead time),    h of  w^2 / (s^2 + 2 z w s + w^2),
 
-and the repetitions tell how well it is known. Air fills faster than it leaves: the mean of both
-directions is what a controller can use, and each direction has its own scatter.
+and the repetitions tell how well it is known. Time counts from the cycle that sent the new
+set-point, not from the plan: where in a cycle a plan has its step would else pass for scatter.
+A first step up and down is not judged: it comes from wherever the regulator's hysteresis was left,
+and those that follow come from where the one before has left it. Air fills faster than it leaves:
+the mean of both directions is what a controller can use, and each direction has its own scatter.
 """
 
 import math
@@ -18,7 +21,7 @@ import numpy as np
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import open_loop, pneumatics_of
+from rig.calibration.mechanism import open_loop, pneumatics_of, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -62,19 +65,21 @@ class Response:
                 names += pair
                 levels += [base + _HEIGHT, base]
         plan = PressureSteps(
-            tuple(names or [""]), tuple(levels or [base]), ramp=_RAMP, dwell=_DWELL,
+            ("", "", *names), (base + _HEIGHT, base, *levels), ramp=_RAMP, dwell=_DWELL,
             judged=_DWELL + _RAMP,
         )  # fmt: skip
         times, pressures = plan.knots(base)
         count = len(pneumatics_of(profile).channels)
         motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
-        return Excitation(plan, motion, motion, "open-loop", profile, approach=1.0)
+        wider, notes = relaxed(profile)
+        return Excitation(plan, motion, motion, "open-loop", wider, notes, approach=1.0)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings
     ) -> Sequence[Finding]:
         """Fit every step of every channel."""
         channels = pneumatics_of(profile).channels
+        base = profile.mechanism_settings.base_pressure
         sides = {side: [f"{side} {k + 1}" for k in range(REPEATS)] for side in ("up", "down")}
         recording.require(name for names in sides.values() for name in names)
         estimates: list[Estimate] = []
@@ -88,14 +93,15 @@ class Response:
                 rows = []
                 for number, name in enumerate(names):
                     part = recording[name]
-                    t = part["t"] - part["t"][0]
+                    before = base if side == "up" else base + _HEIGHT
+                    t = part["t"] - _sent(part["t"], part[f"applied.{channel}"], before)
                     pressure = part[f"reading.pressure_{channel}"]
                     q, fitted = _fit_step(channel, t, pressure)
                     rows.append(q[:3])
                     rests.append(pressure - fitted)
                     if number == 0:
-                        before = _step(t, (model.bandwidth, model.damping, 1e-3, *q[3:]))
-                        panels.append(_panel(f"{channel}, {side}", t, pressure, fitted, before))
+                        known = _step(t, (model.bandwidth, model.damping, 1e-3, *q[3:]))
+                        panels.append(_panel(f"{channel}, {side}", t, pressure, fitted, known))
                 found[side] = np.array(rows)
             mean = 0.5 * (found["up"].mean(axis=0) + found["down"].mean(axis=0))
             variance = 0.25 * sum(rows.var(axis=0, ddof=1) / REPEATS for rows in found.values())
@@ -120,6 +126,13 @@ class Response:
                 profile.mechanism, values, estimates, residuals, "Pa", _BOUND, 2 * REPEATS, panels
             ),
         )
+
+
+def _sent(t: "Array", setpoint: "Array", before: float) -> float:
+    """Return when a step of the set-point was sent, s: the mean of its parts if it has several."""
+    parts = np.diff(setpoint, prepend=before)
+    whole = setpoint[-1] - before
+    return float(t @ parts / whole) if whole else float(t[0])
 
 
 def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Array"]:

@@ -1,46 +1,59 @@
-"""Wires of a pair: how far the rods stand out when the wires are just taut, and how they give.
+"""Wires: how far the rods stand out when the wires are just taut, and how they give.
 
 All chambers rise and fall together. The mean of the rods' extensions is what the wires leave of
 their free length,
 
-    (x_a + x_b) / 2 = home - (A p - side (f_0 + f_1 p)) / k,
+    x = home - (A p - side (f_0 + f_1 A p)) / k,
 
 side +1 on the way up: the seals' friction then keeps a part of the pull from the wire. The
-extrapolation to no pull is `home`. As the pressure changes, the friction follows only after the
-rod has gone the seals' presliding distance, behind on both ways, which makes the mean of both
-ways too short by f_1 / A times that distance: the intercept is corrected for it.
+extrapolation to no pull is `home`. While the friction grows with the pressure it follows only
+after the bristles between seal and barrel have bent over, a length l = c f of the rod's way behind
+on both ways, which puts the mean of both off by f_1 l; the intercept is corrected for it. How
+soft the bristles are, c, is seen where the pressure turns round: there the friction changes from
+f to -f as 2 f exp(-way / l) over the first steps, which are small.
+
+References
+----------
+P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
 """
 
-import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rig.calibration.estimates import fit, interval
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import open_loop, pneumatics_of
+from rig.calibration.mechanism import open_loop, pneumatics_of, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
 SWEEPS: Final = 3
 LEVELS: Final = 6
-_BOUND: Final = 20e-6
-_PRESLIDING: Final = (30e-6, 10e-6)
-"""Distance in which the bristles of a seal follow a change, and its standard uncertainty, m."""
+_TURN: Final = (0.3, 0.6, 1.0, 1.5, 2.2)
+"""Steps after the upper turn, in spacings of the levels: while the bristles bend over."""
 
+_ROOM: Final = 3e-3
+"""By how much more than usual the rods may disagree, m: it is the wires that are looked for."""
+
+_BOUND: Final = 20e-6
 _LEAST_GIVE: Final = 50e-6
 
 
 class Wires:
-    """Wire offset, stiffness and pretension of a pair."""
+    """Wire offset, stiffness and pretension."""
 
     name = "wires"
     title = "wire offset, stiffness and pretension"
-    mechanisms = ("cylinder",)
+    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""
@@ -64,30 +77,23 @@ class Wires:
             ramp=0.5, dwell=0.6, judged=0.3,
         ) if steps else PressureSteps(("",), (pneumatics.lowest,))  # fmt: skip
         times, pressures = plan.knots(profile.mechanism_settings.base_pressure)
-        motion = open_loop(profile, times, [(p, p) for p in pressures], plan.segments)
-        settings = profile.mechanism_settings
-        wider = dataclasses.replace(settings.limits, mismatch=settings.limits.mismatch + 3e-3)
-        relaxed = dataclasses.replace(
-            profile, mechanism_settings=dataclasses.replace(settings, limits=wider)
-        )
-        note = f"limits.mismatch is {1e3 * wider.mismatch:g} mm: it rests on the home looked for"
-        return Excitation(plan, motion, motion, "open-loop", relaxed, (note,), approach=0.5)
+        count = len(pneumatics.channels)
+        motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
+        wider, notes = relaxed(profile, _ROOM)
+        return Excitation(plan, motion, motion, "open-loop", wider, notes, approach=0.5)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings
     ) -> Sequence[Finding]:
         """Fit free length, compliance and friction."""
-        steps = [
-            (sweep, *step) for sweep in range(SWEEPS) for step in _sweep(profile, sweep) if step[0]
-        ]
-        recording.require(name for _, name, _, _ in steps)
+        every = [step for sweep in range(SWEEPS) for step in _sweep(profile, sweep) if step[0]]
+        recording.require(name for name, _, _ in every)
+        steps = [(sweep, *s) for sweep in range(SWEEPS) for s in _sweep(profile, sweep) if s[2]]
         settings = profile.mechanism_settings
         sides = np.array([side for *_, side in steps], float)
         groups = np.array([2 * sweep + (side > 0) for sweep, _, _, side in steps])
-        extension = np.array([_mean(recording, name, "reading.position") for _, name, *_ in steps])
-        pull = settings.area * np.array(
-            [_mean(recording, name, "reading.pressure") for _, name, _, _ in steps]
-        )
+        extension, pressure = _means(profile, recording, [name for _, name, *_ in steps])
+        pull = settings.area * pressure
         if np.ptp(extension) < _LEAST_GIVE:
             raise CalibrationRefused(
                 f"the rods moved by {1e6 * np.ptp(extension):.3g} µm while the pull went through "
@@ -101,13 +107,18 @@ class Wires:
             )  # fmt: skip
         except ValueError as error:
             raise CalibrationRefused(f"the wires: {error}") from error
-        give, growth = 1e-3 * found.values[1], found.values[3] / found.values[1]
-        home = 1e-3 * found.values[0] + growth * _PRESLIDING[0]
+        give = 1e-3 * float(found.values[1])
         if give <= 0.0:
             raise CalibrationRefused("the rods come out as the pull grows: an encoder is reversed")
-        residuals = 1e-3 * found.residuals
+        # f_1 l for the friction at no pull, where the lines are extrapolated to, m.
+        lag = [
+            1e-3 * found.values[3] / give * soft * found.values[2] / found.values[1]
+            for soft in _softness(profile, recording, found.values, settings.area)
+        ]
+        home = 1e-3 * float(found.values[0]) + float(np.mean(lag))
+        spread = float(np.std(lag, ddof=1)) / math.sqrt(SWEEPS)
         base = settings.area * settings.base_pressure
-        stretch = 1e-3 * (found.values[1] * base)
+        residuals = 1e-3 * found.residuals
         panel = Panel(
             "mean extension of the rods", "pull of a chamber (N)", "extension (mm)",
             "residual (µm)", pull, 1e3 * extension, 1e3 * (extension - residuals),
@@ -116,39 +127,75 @@ class Wires:
         return (
             Finding(
                 profile.mechanism,
-                {"home": quantity(float(home), "m")},
+                {"home": quantity(home, "m")},
                 (
                     interval(
-                        "home", float(home), "m",
-                        math.hypot(1e-3 * found.covariance[0, 0] ** 0.5, growth * _PRESLIDING[1]),
-                        found.freedom,
+                        "home", home, "m",
+                        math.hypot(1e-3 * found.covariance[0, 0] ** 0.5, spread), found.freedom,
                     ),
                     found.estimate("wire.stiffness", "N/m", (0, 1e-3 / give**2, 0, 0), 1.0 / give),
-                    found.estimate("wire.stretch", "m", (0, 1e-3 * base, 0, 0), float(stretch)),
+                    found.estimate("wire.stretch", "m", (0, 1e-3 * base, 0, 0), give * base),
                 ),
-                residuals, "m", _BOUND, len(set(groups)), (panel,),
+                residuals, "m", _BOUND, len(set(groups.tolist())), (panel,),
             ),
         )  # fmt: skip
 
 
+def _softness(
+    profile: Profile, recording: Recording, lines: "Array", area: float
+) -> "Iterator[float]":
+    """Yield how far a bristle bends per newton, m/N, as each sweep's turn shows it.
+
+    Parameters
+    ----------
+    profile, recording
+        What was recorded.
+    lines : ndarray, shape (4,)
+        Of the ways up and down: mm, mm/N, mm and mm/N.
+    area : float
+        Of a piston, m².
+    """
+    from scipy.optimize import least_squares
+
+    for sweep in range(SWEEPS):
+        names = [name for name, _, side in _sweep(profile, sweep) if name and not side]
+        x, pressure = _means(profile, recording, names)
+        pull, way = area * pressure, x - x[0]
+        loop = lines[2] + lines[3] * pull
+        # What is left of the turn's friction, over all of it; 1 at the turn itself.
+        left = (1e3 * x - (lines[0] - lines[1] * pull - loop)) / (2.0 * loop)
+        bend = least_squares(lambda q: left - q[0] * np.exp(-way / q[1]), (1.0, 3e-5),  # noqa: B023
+                             x_scale=(0.1, 1e-5), bounds=((0.5, 1e-7), (2.0, 1e-3)))  # fmt: skip
+        yield float(bend.x[1] * lines[1] / loop[:3].mean())
+
+
 def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
-    """Yield name (empty: not judged), pressure and side of the steps of one sweep."""
+    """Yield name (empty: not recorded), pressure and side (0: not on a line) of a sweep's steps."""
     pneumatics = pneumatics_of(profile)
     low, high = pneumatics.lowest, 0.9 * pneumatics.highest
     spacing = (high - low) / (LEVELS + 5)
     shift = 0.3 * spacing * sweep
     # After each turn the seals' bristles bend over before the seals slide the other way: what
-    # lies between is passed and not judged.
+    # lies between is on neither line.
     for passed in (0.0, 2.0, 4.0):
         yield "", low + passed * spacing, 0
     for k in range(LEVELS):
         yield f"sweep {sweep + 1} up {k + 1}", low + shift + (k + 5.0) * spacing, 1
-    for passed in (0.0, 2.0, 4.0):
-        yield "", high + 0.5 * spacing - passed * spacing, 0
+    for k, passed in enumerate((0.0, *_TURN)):
+        yield f"sweep {sweep + 1} turn {k}", high + (0.5 - passed) * spacing, 0
+    yield "", high - 3.0 * spacing, 0
     for k in reversed(range(LEVELS)):
-        yield f"sweep {sweep + 1} down {k + 1}", low + shift + (k + 0.8) * spacing, -1
+        yield f"sweep {sweep + 1} down {k + 1}", low + shift + (k + 0.2) * spacing, -1
 
 
-def _mean(recording: Recording, name: str, column: str) -> float:
-    part = recording[name]
-    return 0.5 * (part.mean(f"{column}_agonist") + part.mean(f"{column}_antagonist"))
+def _means(profile: Profile, recording: Recording, names: Sequence[str]) -> tuple["Array", "Array"]:
+    """Return mean extension (m) and pressure (Pa) of all rods in each stretch."""
+    pneumatics = pneumatics_of(profile)
+    count = len(pneumatics.channels)
+    parts = [recording[name] for name in names]
+    return (
+        np.array([sum(pneumatics.extension(p, c).mean() for c in pneumatics.channels) / count
+                  for p in parts]),
+        np.array([sum(p.mean(f"reading.pressure_{c}") for c in pneumatics.channels) / count
+                  for p in parts]),
+    )  # fmt: skip
