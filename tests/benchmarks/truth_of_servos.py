@@ -9,7 +9,8 @@ _ARM = (
     "simulation.perturbation.joint_reversed=0.2",
     "simulation.perturbation.link_length=2 mm",
     "simulation.perturbation.marker=20 um",
-    "loop.rate=50", "plant.timestep=2 ms",
+    "loop.rate=25", "plant.timestep=2 ms", "arm.limits.reading_age=100 ms",
+    "arm.geometry.rate_limits=[1.6, 1.6, 1.6, 2.4, 2.4, 2.4]",
 )  # fmt: skip
 _LEGS = ("simulation.perturbation.joint_zero=3 deg", "loop.rate=50", "legs.jig.dwell=0.3 s")
 
