@@ -5,6 +5,14 @@ import os
 APART = ("benchmark", "slow")
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Do not even import the benchmarks where nobody asks for one: they take seconds to start."""
+    asked = config.option.markexpr
+    if collection_path.name == "benchmarks" and not any(marker in asked for marker in APART):
+        return True
+    return None
+
+
 def pytest_collection_modifyitems(config, items):
     """Deselect marked tests whose marker the ``-m`` expression does not speak of."""
     asked = config.option.markexpr
