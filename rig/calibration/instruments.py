@@ -5,7 +5,7 @@ instrument does it: it looks at the plant through the truth that the log of a si
 with an error of its own, and the identification is given its readings and nothing else.
 """
 
-import csv
+import math
 import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,7 +17,6 @@ from rig.calibration.procedure import Readings
 from rig.calibration.recording import TRUTH
 from rig.config.quantities import UnitError, parse_quantity
 from rig.experiment.metrics import evaluation_from_json
-from rig.hal import ConfigurationError
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import read_log
 
@@ -90,7 +89,7 @@ def ask(instruments: Sequence[Instrument], prompt: Callable[[str], str]) -> Read
             while True:
                 text = prompt(f"{instrument.name} during {stretch!r} ({instrument.unit})")
                 try:
-                    value = _parse(text, instrument.unit)
+                    value = parse_reading(text, instrument.unit)
                 except UnitError:
                     continue
                 readings.setdefault(instrument.name, {})[stretch] = value
@@ -98,36 +97,18 @@ def ask(instruments: Sequence[Instrument], prompt: Callable[[str], str]) -> Read
     return readings
 
 
-def read_file(instruments: Sequence[Instrument], path: Path) -> Readings:
-    """Read a table of ``quantity,stretch,value`` lines, values with or without a unit.
+def parse_reading(text: str, unit: str) -> float:
+    """Return a reading in SI, from a number or a quantity with its unit.
 
     Raises
     ------
-    ConfigurationError
-        It cannot be read, or a line is no reading; with its number.
+    UnitError
+        It is neither, or the unit measures something else.
     """
-    units = {instrument.name: instrument.unit for instrument in instruments}
-    readings = made_to(instruments)
     try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            for number, row in enumerate(csv.reader(stream), 1):
-                if not row or row[0].startswith("#"):
-                    continue
-                if len(row) != 3 or row[0] not in units:
-                    raise ConfigurationError(
-                        f"{path}:{number}:1: expected quantity,stretch,value with one of "
-                        f"{', '.join(units)}"
-                    )
-                readings.setdefault(row[0], {})[row[1]] = _parse(row[2], units[row[0]])
-    except (OSError, UnicodeError) as error:
-        raise ConfigurationError(f"cannot read the readings {path}: {error}") from error
-    except UnitError as error:
-        raise ConfigurationError(f"{path}:{number}: {error}") from error
-    return readings
-
-
-def _parse(text: str, unit: str) -> float:
-    try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        return parse_quantity(text.strip(), unit)
+        value = parse_quantity(text.strip(), unit)
+    if not math.isfinite(value):
+        raise UnitError(f"{text.strip()} is no reading")
+    return value

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from rig.assembly import Backend, check_profile
 from rig.calibration import instruments, store
+from rig.calibration.instrument_files import read_file
 from rig.calibration.page import draw_page
 from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
@@ -127,7 +128,7 @@ def read_instruments(
     if not wanted:
         return {}
     if readings is not None:
-        return instruments.read_file(wanted, readings)
+        return read_file(wanted, readings)
     if simulated:
         return instruments.simulate(wanted, folders, profile.simulation.seed)
     read = [instrument for instrument in wanted if not instrument.expected]
@@ -168,8 +169,32 @@ def conclude(
     # What is true of a simulated rig, and how it is drawn, is no business of an identification.
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
     findings = procedure.identify(seen, recording, readings)
-    page = folders[-1] / FIGURES
-    figures = draw_page(page, f"calibration-{procedure.name}", findings)
+    return keep(
+        procedure.name, findings, profile, recording, folders[-1], circumstances, configs, search,
+        replace=replace,
+    )  # fmt: skip
+
+
+def keep(
+    name: str,
+    findings: Sequence[Finding],
+    profile: Profile,
+    source: store.RawData,
+    folder: Path,
+    circumstances: store.Circumstances,
+    configs: Path,
+    search: Sequence[Path],
+    *,
+    replace: bool = False,
+) -> Calibrated:
+    """Draw the page and write the files of what a procedure found.
+
+    Raises
+    ------
+    CalibrationRefused
+        The fit is worse than the one in force, or bad in itself; the page is drawn.
+    """
+    figures = draw_page(folder / FIGURES, f"calibration-{name}", findings)
     files = []
     contents = []
     for finding in findings:
@@ -180,13 +205,11 @@ def conclude(
                 raise
             old = None  # what nobody can trust is replaced; its history stays
         if not replace:
-            store.check_not_worse(finding, procedure.name, old)
-        contents.append(
-            store.compose(finding, procedure.name, profile, recording, circumstances, old)
-        )
+            store.check_not_worse(finding, name, old)
+        contents.append(store.compose(finding, name, profile, source, circumstances, old))
     for finding, content in zip(findings, contents, strict=True):
         files.append(store.write(configs, profile.name, finding.target, content))
     return Calibrated(findings, files, figures)
 
 
-__all__ = ["Calibrated", "conclude", "plan_of", "read_instruments", "record"]
+__all__ = ["Calibrated", "conclude", "keep", "plan_of", "read_instruments", "record"]

@@ -76,7 +76,10 @@ class LegScale:
             fitted[:, k] = line
         residuals = said - fitted
         bound = _BOUND * math.hypot(tolerance, float(steps.max()))
-        panels = _panels(profile, read, said, fitted)
+        # Beside a joint that turns the other way nothing else would show.
+        zeros = np.array([joint.offset for _, joint in settings_of(profile)])
+        turns = np.sign(((read - read.mean(axis=0)) * (said - said.mean(axis=0))).sum(axis=0))
+        panels = _panels(zeros + turns * (read - zeros), said, fitted)
         return findings(profile, values, estimates, residuals, bound, panels)
 
 
@@ -114,7 +117,8 @@ def _line(
     return value, estimates, design @ (gain, offset)
 
 
-def _panels(profile: Profile, read: "Array", said: "Array", fitted: "Array") -> list[Panel]:
+def _panels(read: "Array", said: "Array", fitted: "Array") -> list[Panel]:
+    """Return a panel per leg; `read` with the directions corrected."""
     panels = []
     for leg, mine in (("right leg", slice(0, 6)), ("left leg", slice(6, 12))):
         was = read[:, mine].ravel()

@@ -6,6 +6,7 @@ makes of the joints, to its tolerance.
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +26,11 @@ from rig.calibration.legs.jig import (
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import Recording
 from rig.config import Profile
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 _SAMPLES = 5
 """Of each stretch that are shown."""
@@ -73,7 +79,7 @@ class LegZeros:
         return findings(profile, values, estimates, scatter, bound, (_panel(said, read, scatter),))
 
 
-def _panel(said: "np.ndarray", read: "np.ndarray", scatter: "np.ndarray") -> Panel:
+def _panel(said: "Array", read: "Array", scatter: "Array") -> Panel:
     shown = scatter[:: max(len(scatter) // _SAMPLES, 1)][:_SAMPLES]
     joint = np.broadcast_to(np.arange(1.0, 13.0), shown.shape)
     fit = np.broadcast_to(1e3 * (said - read), shown.shape)
