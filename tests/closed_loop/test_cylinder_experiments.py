@@ -25,7 +25,7 @@ BOUND = {
     ("staircase", "-low-speed"): 0.005e-3,
 }
 OVER_FRAMES = {("sine", "", 0), ("staircase", "-low-speed", 0)}
-"""Frames add a twentieth to the error and take four times as long: one run of each kind has them."""
+"""Frames add a twentieth to the error and take four times as long: one run of each kind."""
 METRIC = {"sine": "tracking_rms", "staircase": "hold_rms"}
 
 
