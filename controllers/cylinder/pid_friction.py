@@ -77,10 +77,6 @@ class PidFriction:
         Pressures, area, friction, regulators.
     period : float
         The loop's period, s.
-
-    References
-    ----------
-    PAPER-joint, section 4, controller b.
     """
 
     Settings = PidFrictionSettings

@@ -368,17 +368,13 @@ class PoseController:
         return (scale * x, scale * y, scale * z), (scale * dx, scale * dy, scale * dz)
 
     def _learn(self, tick: int, reference: JointReference, squared: float) -> None:
-        """Take what this cycle's errors teach; readings are those of a period ago."""
+        """Take what this cycle's errors teach."""
         learning = self.learning
         assert learning is not None
         if self._axis_memory is not None:
-            (x, y, z), (dx, dy, dz) = reference.axis, reference.velocity
-            marker, share, period = self.marker.marker, 1.0 / self._height, self._period
-            error = (
-                x - period * dx - share * marker[0],
-                y - period * dy - share * marker[1],
-                z - period * dz - share * marker[2],
-            )
+            # The marker is where it is now: the camera's bias holds what the encoders are late.
+            (x, y, z), marker, share = reference.axis, self.marker.marker, 1.0 / self._height
+            error = (x - share * marker[0], y - share * marker[1], z - share * marker[2])
             self._axis_memory.learn(tick, error)
             squared = error[0] ** 2 + error[1] ** 2 + error[2] ** 2
         if self._force_memory is not None:

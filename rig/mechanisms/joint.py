@@ -287,6 +287,7 @@ class SphericalJoint:
             self._age,
             *(_ZERO if camera is None else camera.marker),
             -1.0 if camera is None else state.t - camera.t,
+            0.0 if camera is None or camera.twist is None else camera.twist,
             *reference.axis,
             *marker(reference.axis),
             *estimate.rods,

@@ -10,6 +10,7 @@ JOINT_COLUMNS = (
     Column("reading.age", "s", "age of the oldest reading when it was used"),
     *(Column(f"reading.marker_{axis}", "m", "marker as the camera saw it") for axis in "xyz"),
     Column("reading.marker_age", "s", "age of that sample; -1 before the first"),
+    Column("reading.twist", "rad", "of the ring in that sample; 0 if the marker does not show it"),
     *(Column(f"reference.axis_{axis}", "1", "desired axis of the ring") for axis in "xyz"),
     *(Column(f"reference.marker_{axis}", "m", "desired marker") for axis in "xyz"),
     *(Column(f"reference.rod_{name}", "m", "where control wants the rod") for name in CHANNELS),

@@ -9,6 +9,8 @@ from rig.mechanisms.joint_reach import JointReach, PoseFacts, bounds_of
 from rig.mechanisms.joint_settings import JointSettings
 from rig.runtime.motion import Fact, Segment
 
+ALL = "all"
+"""Name of the segment that is the whole motion."""
 _PLAN_STEP = 0.01
 """Poses of a motion are checked at this distance, s."""
 _TELL_EVERY = 5
@@ -47,7 +49,7 @@ class JointMotion:
     @property
     def segments(self) -> tuple[Segment, ...]:
         """The whole of it, ``"all"``, and those of the motion."""
-        return (Segment("all", 0.0, self.duration), *self._motion.segments)
+        return (Segment(ALL, 0.0, self.duration), *self._motion.segments)
 
     def at(self, t: float) -> JointReference:
         """Return the reference at `t`, with its lap if it is in one."""

@@ -70,7 +70,7 @@ class JointWatch:
         self._camera = (
             None
             if camera is None
-            else MarkerWatch(camera, limits.disagreement, limits.grace, alarms.twist)
+            else MarkerWatch(camera, limits.disagreement, limits.grace, alarms.twist, encoders)
         )
         self._cycle = 0
         self._speed_from: tuple[float, Quadruple] | None = None

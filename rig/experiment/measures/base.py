@@ -46,6 +46,26 @@ class Samples:
         self.t = log.column("reference.time")[self._run]
         self.period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
+    def controlled(self, name: str, energised: float) -> "Array":
+        """Return a column of every cycle that was controlled, shape (n,).
+
+        Parameters
+        ----------
+        name : str
+            Of the column.
+        energised : float
+            When control took over, s since the first cycle: the approach begins.
+        """
+        since = self._log.column("reference.time")
+        part = (since - since[:1] >= energised) & (self._log.column("phase") <= PHASE_RUN)
+        values: Array = self._log.column(name)[part]
+        return values
+
+    def recorded(self, name: str) -> "Array":
+        """Return a column of every cycle, energising and release included, shape (n,)."""
+        values: Array = self._log.column(name)
+        return values
+
     def column(self, name: str) -> "Array":
         """Return one column, shape (n,); LogError if there is none."""
         values: Array = self._log.column(name)[self._run]
@@ -86,6 +106,11 @@ class Window:
         self.segment = segment
         self._samples = samples
         self._part = part
+
+    @property
+    def samples(self) -> Samples:
+        """Everything that was recorded."""
+        return self._samples
 
     @property
     def t(self) -> "Array":

@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measures.base import Measure, Window, Windows, pooled, rms
+from rig.experiment.measures.base import Measure, Samples, Window, Windows, pooled, rms
+from rig.mechanisms.joint_motion import ALL
+from rig.runtime.loop import Timings
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -91,13 +95,22 @@ def fused_rms(windows: Windows) -> float:
 
 
 def tension_min(windows: Windows) -> float:
-    """Return the least tension of any wire, N."""
-    return min(float(_tensions(window).min()) for window in windows)
+    """Return the least tension of any wire, N.
+
+    Over the segment ``all`` that is from the cycle in which control takes over to the last one
+    before the release: approach, motion, and every dwell. Energising and release are left out,
+    because there is no pull to keep: a wire has none before its chamber has pressure, and it is
+    the release that takes the pressure off.
+    """
+    return min(float(_tensions(window, _controlled).min()) for window in windows)
 
 
 def tension_max(windows: Windows) -> float:
-    """Return the greatest tension of any wire, N."""
-    return max(float(_tensions(window).max()) for window in windows)
+    """Return the greatest tension of any wire, N.
+
+    Over the segment ``all`` that is in every recorded cycle, energising and release included.
+    """
+    return max(float(_tensions(window, Samples.recorded).max()) for window in windows)
 
 
 def twist_max(windows: Windows) -> float:
@@ -142,6 +155,14 @@ def _marker(window: Window) -> "Array":
     return window.columns(f"{source}.marker_")
 
 
-def _tensions(window: Window) -> "Array":
+def _controlled(samples: Samples, name: str) -> "Array":
+    return samples.controlled(name, Timings().energise)
+
+
+def _tensions(window: Window, whole: "Callable[[Samples, str], Array]") -> "Array":
+    """Return the four tensions, N, shape (n, 4); of the segment ``all`` as `whole` takes them."""
     source = "truth" if window.has("truth.tension_ch1") else "estimate"
-    return window.columns(f"{source}.tension_")
+    if window.segment.name != ALL:
+        return window.columns(f"{source}.tension_")
+    names = [f"{source}.tension_{name}" for name in CHANNELS]
+    return np.column_stack([whole(window.samples, name) for name in names])

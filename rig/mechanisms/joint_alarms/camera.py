@@ -1,7 +1,13 @@
-"""Tell what is wrong when camera and encoders do not agree on the marker."""
+"""Tell what is wrong when camera and encoders do not agree on the marker.
+
+Wires cannot tell opposite encoders that are swapped from right ones: the mirrored pose fits them as
+well. A camera can, before anything has moved, unless the ring is so near to upright that its
+mirrored place is within the permitted distance.
+"""
 
 import math
 from collections import deque
+from collections.abc import Sequence
 
 from controllers.spherical_joint.poses import Vector
 from controllers.spherical_joint.types import CameraSample
@@ -27,10 +33,21 @@ class MarkerWatch:
         For how long they may differ more, s.
     twist : TwistAlarm
         How far the ring may be turned about its axis.
+    encoders : sequence of str
+        Names of those of ch1 … ch4, for messages: ch1 and ch3 move the marker along y, ch2 and
+        ch4 along x.
     """
 
-    def __init__(self, device: str, limit: float, grace: float, twist: TwistAlarm) -> None:
+    def __init__(
+        self,
+        device: str,
+        limit: float,
+        grace: float,
+        twist: TwistAlarm,
+        encoders: Sequence[str],
+    ) -> None:
         self._device = device
+        self._encoders = tuple(encoders)
         self._limit = limit
         self._grace = grace
         self._twist = twist
@@ -123,12 +140,13 @@ class MarkerWatch:
 
     def _explain(self, encoders: Vector, camera: Vector) -> str:
         if self._travelled <= _MOVED * self._limit:
-            return (
+            swapped = self._swapped(encoders, camera)
+            return swapped or (
                 "it is not where the joint is calibrated to be before anything has moved: another "
                 "rig's calibration, a moved camera or another marker"
             )
         x, y, z = camera
-        for seen, what in (
+        for seen, what in (  # encoders that were swapped would have been found by their work
             ((-x, y, z), "the image is mirrored left to right"),
             ((x, -y, z), "the image is mirrored top to bottom"),
             ((-x, -y, z), "the image is upside down"),
@@ -138,3 +156,16 @@ class MarkerWatch:
             if math.dist(encoders, seen) < self._limit:
                 return what
         return "another marker is followed, the camera was moved, or an anchor has slipped"
+
+    def _swapped(self, encoders: Vector, camera: Vector) -> str | None:
+        """Return which opposite encoders would explain it that nothing agrees from the start."""
+        first, second, third, fourth = self._encoders
+        x, y, z = encoders
+        for mirrored, names in (
+            ((x, -y, z), f"{first} and {third} are"),
+            ((-x, y, z), f"{second} and {fourth} are"),
+            ((-x, -y, z), f"{first} and {third}, and {second} and {fourth}, are"),
+        ):
+            if math.dist(mirrored, camera) < self._limit:
+                return f"{names} swapped, or the image is mirrored, before anything has moved"
+        return None

@@ -8,6 +8,7 @@ from rig.report.figures.arm import ARM_FIGURES
 from rig.report.figures.base import FigureKind
 from rig.report.figures.joint import JOINT_FIGURES
 from rig.report.figures.joint_camera import CAMERA_FIGURES
+from rig.report.figures.joint_health import HEALTH_FIGURES
 from rig.report.figures.joint_maps import MAP_FIGURES
 from rig.report.figures.legs import LEGS_FIGURES
 from rig.report.figures.pair import PAIR_FIGURES
@@ -19,6 +20,7 @@ FIGURES: dict[str, FigureKind] = {
     **PAIR_FIGURES,
     **JOINT_FIGURES,
     **CAMERA_FIGURES,
+    **HEALTH_FIGURES,
     **MAP_FIGURES,
     **LEGS_FIGURES,
     **ARM_FIGURES,

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rig.experiment.measures.base import Window
+from rig.experiment.measures.base import Samples, Window
+from rig.experiment.measures.joint import tension_max, tension_min
 from rig.experiment.measures.joint_camera import (
     camera_latency,
     camera_latency_error,
@@ -13,6 +14,8 @@ from rig.experiment.measures.joint_camera import (
 )
 from rig.experiment.measures.joint_laps import lap_errors, laps_learnt, learning_gain
 from rig.experiment.measures.joint_stiffness import pose_stiffness_gain, push_slip, yielding
+from rig.runtime.columns import Column
+from rig.runtime.log import Log
 from rig.runtime.motion import Segment
 
 PERIOD = 1e-3
@@ -119,3 +122,29 @@ def test_laps_are_judged_one_by_one():
     assert learning_gain([repeated([4e-5, 1e-5], ended=9)]) == pytest.approx(0.25)
     assert laps_learnt([repeated([4e-5, 1e-5], ended=9)]) == math.inf
     assert laps_learnt([repeated([4e-5, 1e-5, 1e-5], ended=2)]) == 2.0
+
+
+def tense(segment):
+    """Return a window of a run that energises for 1 s, approaches for 1 s, moves, is released."""
+    t = np.arange(0.0, 5.0, 0.01)
+    tension = np.full_like(t, 20.0)
+    tension[t < 1.0] = 0.5  # no pressure yet
+    tension[(t > 0.5) & (t < 0.6)] = 70.0
+    tension[(t > 1.5) & (t < 1.6)] = 7.0  # while it approaches
+    tension[t > 4.5] = 1.0  # released
+    phase = np.select([t < 2.0, t < 4.0], [0.0, 1.0], 2.0)
+    names = ("phase", "reference.time", *(f"truth.tension_{name}" for name in CHANNELS))
+    columns = tuple(Column(name, "", "") for name in names)
+    values = np.column_stack([phase, t - 2.0, *[tension] * 4])
+    log = Log(columns, np.arange(len(t)), t, values, np.arange(len(t)), True)
+    return [Window(Segment(segment, 0.0, 2.0), Samples(log), slice(0, 200))]
+
+
+def test_wires_are_judged_from_the_moment_that_control_takes_over():
+    assert tension_min(tense("all")) == 7.0
+    assert tension_min(tense("0.5 Hz")) == 20.0
+
+
+def test_no_wire_may_be_torn_even_while_it_is_energised():
+    assert tension_max(tense("all")) == 70.0
+    assert tension_max(tense("0.5 Hz")) == 20.0
