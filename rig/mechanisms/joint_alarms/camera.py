@@ -16,6 +16,8 @@ from rig.mechanisms.joint_alarms.settings import TwistAlarm
 
 _HISTORY = 256
 """So many poses are remembered: a second at 1 kHz; older samples are not compared."""
+_MIRRORED = 0.5
+"""A mirrored pose explains the camera if it leaves less than this share of the distance."""
 _MOVED = 3.0
 """The joint has moved once the marker went further than this many permitted distances."""
 
@@ -160,12 +162,13 @@ class MarkerWatch:
     def _swapped(self, encoders: Vector, camera: Vector) -> str | None:
         """Return which opposite encoders would explain it that nothing agrees from the start."""
         first, second, third, fourth = self._encoders
+        bound = min(self._limit, _MIRRORED * math.dist(encoders, camera))
         x, y, z = encoders
         for mirrored, names in (
             ((x, -y, z), f"{first} and {third} are"),
             ((-x, y, z), f"{second} and {fourth} are"),
             ((-x, -y, z), f"{first} and {third}, and {second} and {fourth}, are"),
         ):
-            if math.dist(mirrored, camera) < self._limit:
+            if math.dist(mirrored, camera) < bound:
                 return f"{names} swapped, or the image is mirrored, before anything has moved"
         return None
