@@ -5,9 +5,14 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
 
+from drivers.can.fast_path import Drain, Send, drain_of, send_of
+from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.sim.frame_faults import FrameFaults
 from drivers.sim.nodes.bus_node import BusNode
-from rig.hal.bus import CanBus, Frame
+from rig.hal.bus import CanBus
+
+_BATCH = 256
+"""Frames that are taken from the bus at a time."""
 
 
 class EmulatedBus:
@@ -38,8 +43,6 @@ class EmulatedBus:
     """
 
     def __init__(self, name: str, bus: CanBus, nodes: Sequence[BusNode]) -> None:
-        from drivers.can.message import Message
-
         for attribute in ("node_id", "name"):
             values = [getattr(node, attribute) for node in nodes]
             if len(set(values)) != len(values):
@@ -50,11 +53,12 @@ class EmulatedBus:
         self.frame_loss = 0.0
         self.faults = FrameFaults()
         self.monitor: Callable[[float, int, bytes], None] | None = None
-        self._message = Message
         for node in nodes:
             node.send = self._sender(node)
             self.faults.offer(node)
         self._post: Callable[[float, Callable[[float], None]], None]
+        self._take: Drain
+        self._send: Send
         self._random = random.Random(0)
         self._now = 0.0
 
@@ -66,13 +70,16 @@ class EmulatedBus:
         """Join a world: `post(delay, action)` has an action done later, at its time."""
         self._post = post
         self._random = generator
+        self._take, self._send = drain_of(self.bus), send_of(self.bus)
 
     def drain(self, latency: float) -> None:
         """Take what the master sent; it arrives `latency` (s) later."""
-        recv = self.bus.recv
-        while (frame := recv(0.0)) is not None:
-            if not frame.is_error_frame:
-                self._accept(frame, latency)
+        while frames := self._take(_BATCH):
+            for can_id, data in frames:
+                if not can_id & ERROR_FLAG:
+                    self._accept(can_id, data, latency)
+            if len(frames) < _BATCH:
+                break
 
     @property
     def known_faults(self) -> tuple[str, ...]:
@@ -124,9 +131,9 @@ class EmulatedBus:
         """When the first node has something to do, s."""
         return min([node.due for node in self.nodes], default=inf)
 
-    def _accept(self, frame: Frame, latency: float) -> None:
-        can_id, data = frame.arbitration_id, bytes(frame.data)
-        extended, remote = frame.is_extended_id, frame.is_remote_frame
+    def _accept(self, flagged_id: int, data: bytes, latency: float) -> None:
+        can_id = flagged_id & EXTENDED_MASK
+        extended, remote = bool(flagged_id & EXTENDED_FLAG), bool(flagged_id & REMOTE_FLAG)
         if self._lost():
             return
         for delay, changed in self.faults.apply(can_id, data):
@@ -162,9 +169,7 @@ class EmulatedBus:
     def _to_master(self, can_id: int, data: bytes, now: float, *, extended: bool = False) -> None:
         if self.monitor is not None:
             self.monitor(now, can_id, data)
-        self.bus.send(
-            self._message(arbitration_id=can_id, data=data, is_extended_id=extended, timestamp=now)
-        )
+        self._send(can_id | EXTENDED_FLAG if extended else can_id, data)
 
     def _lost(self) -> bool:
         return self.frame_loss > 0.0 and self._random.random() < self.frame_loss

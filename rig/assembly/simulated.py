@@ -1,8 +1,6 @@
 """Rigs without hardware: the only place outside of `drivers.sim` that knows the simulation."""
 
 import contextlib
-import itertools
-import os
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -72,6 +70,29 @@ def reality_of(profile: Profile, name: str, plant: Any) -> dict[str, Any]:
     )
 
 
+def board_renderer(
+    profile: Profile, name: str, columns: int, rows: int, square: float
+) -> Callable[..., Any]:
+    """Return what makes images of a chessboard as a simulated camera sees it.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig.
+    name : str
+        The camera.
+    columns, rows : int
+        Squares of the board.
+    square : float
+        Side of one, m.
+    """
+    from drivers.sim.camera.board import BoardRenderer
+
+    real = reality_of(profile, name, make_plant(profile))
+    seed = profile.simulation.seed
+    return BoardRenderer(real["scene"], real["optics"], columns, rows, square, seed).render
+
+
 def build_sim(profile: Profile) -> Rig:
     """Build a rig whose devices stand straight on the plant."""
     from drivers.sim.clock import SimClock
@@ -122,9 +143,6 @@ def emulate_nodes(profile: Profile, plant: Any, bus: str) -> list[Any]:
     return nodes
 
 
-_virtual_channels = itertools.count()
-
-
 def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     """Build a rig with production drivers against emulated nodes, in virtual time.
 
@@ -135,8 +153,7 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     frames : FrameLog, optional
         Records the CAN buses.
     """
-    import can
-
+    from drivers.sim.can_line import CanLine
     from drivers.sim.clock import SimClock
     from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
@@ -144,19 +161,14 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     from drivers.sim.wiring import LINKS
 
     plant = make_plant(profile)
-    run = f"rig-{os.getpid()}-{next(_virtual_channels)}"
-    ends = []
     emulated: list[Any] = []
-    on: dict[str, dict[str, str]] = {}
     ports: dict[str, Callable[[], Any]] = {}
     for bus, spoken in profile.buses.items():
         nodes = emulate_nodes(profile, plant, bus)
         if is_can(spoken):
-            channel = f"{run}-{bus}"
-            end = can.Bus(interface="virtual", channel=channel, ignore_config=True)
-            ends.append(end)
-            emulated.append(EmulatedBus(bus, end, nodes))  # type: ignore[arg-type]
-            on[bus] = {"interface": "virtual", "channel": channel}
+            wire = CanLine(bus)
+            emulated.append(EmulatedBus(bus, wire.nodes_end, nodes))
+            ports[bus] = wire.open
         else:
             line = EmulatedSerialBus(bus, spoken.settings.baudrate, nodes)
             emulated.append(line)
@@ -184,14 +196,10 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     clock = SimClock(world)
     period = profile.loop.period
     buses = {
-        name: make_bus(name, bus, clock, period, on.get(name), ports.get(name), frames)
+        name: make_bus(name, bus, clock, period, None, ports[name], frames)
         for name, bus in profile.buses.items()
     }
     devices = make_devices(profile, buses, clock, links)
-
-    def release() -> None:
-        for end in ends:
-            end.shutdown()
 
     return Rig(
         profile,
@@ -202,7 +210,6 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
         mechanism=make_mechanism(profile, devices),
         truth_columns=_truth_columns(plant),
         truth=plant.truth,
-        release=release,
     )
 
 

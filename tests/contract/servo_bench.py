@@ -81,6 +81,7 @@ class Wire:
         self.to_nodes = []
         self.to_master = []
         self.log = []
+        self.nodes_end = SimpleNamespace(recv=self.recv, send=self.send)
 
     # the master's interface
     def send_data(self, can_id, data):
@@ -113,7 +114,7 @@ class ServoRig:
     def __init__(self, plant, make_bus, make_driver, nodes, *, faults=(), latency=3e-4, loss=0.0):
         self.plant = plant
         self.wire = Wire()
-        self.side = EmulatedBus("can0", self.wire, nodes)
+        self.side = EmulatedBus("can0", self.wire.nodes_end, nodes)
         self.frames = []
         self.side.monitor = lambda t, can_id, data: self.frames.append((t, can_id, data))
         settings = SimpleNamespace(seed=1, bus_latency=latency, frame_loss=loss, faults=faults)

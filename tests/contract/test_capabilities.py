@@ -77,7 +77,7 @@ class Rig:
         if simulate is None:
             self.wire = Wire()
             self.target = node
-            side = EmulatedBus("can0", self.wire, [node])
+            side = EmulatedBus("can0", self.wire.nodes_end, [node])
             settings = SimpleNamespace(seed=1, bus_latency=3e-4, frame_loss=0.0, faults=())
             world = EmulatedRig(plant, [side], settings)
             self.clock = SimClock(world)

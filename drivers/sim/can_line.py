@@ -1,0 +1,108 @@
+"""A CAN bus between a master and its emulated nodes in one process.
+
+What python-can's ``virtual`` interface does, for two ends and in virtual time: it copies every
+frame attribute by attribute, for every receiver, under locks, which took a fifth of a run.
+"""
+
+from collections import deque
+
+from drivers.can.fast_path import flagged_id
+from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, CanFrame
+from rig.hal import Frame
+
+
+class CanLineEnd:
+    """One end of a `CanLine`; satisfies `rig.hal.CanBus`."""
+
+    def __init__(self, name: str) -> None:
+        self.channel_info = name
+        self._waiting: deque[tuple[int, bytes]] = deque()
+        self._other: CanLineEnd | None = None
+        self._open = True
+
+    def send_data(self, can_id: int, data: bytes) -> None:
+        """Send a frame given by identifier (with flags of `drivers.can.frame`) and data.
+
+        One that nobody receives, because the other end is not open, is gone.
+
+        Raises
+        ------
+        OSError
+            This end is closed.
+        """
+        if not self._open:
+            raise OSError(f"{self.channel_info}: the bus is closed")
+        other = self._other
+        if other is not None:
+            other._waiting.append((can_id, bytes(data)))
+
+    def drain(self, limit: int = 256) -> list[tuple[int, bytes]]:
+        """Return the waiting frames, at most `limit`, as (identifier with flags, data).
+
+        Raises
+        ------
+        OSError
+            This end is closed.
+        """
+        if not self._open:
+            raise OSError(f"{self.channel_info}: the bus is closed")
+        waiting = self._waiting
+        if len(waiting) > limit:
+            return [waiting.popleft() for _ in range(limit)]
+        frames = list(waiting)
+        waiting.clear()
+        return frames
+
+    def send(self, msg: Frame, timeout: float | None = None) -> None:
+        """Send a frame; see `send_data`."""
+        self.send_data(flagged_id(msg), bytes(msg.data))
+
+    def recv(self, timeout: float | None = None) -> CanFrame | None:
+        """Return the next frame or None, at once: virtual time does not pass here."""
+        frames = self.drain(1)
+        if not frames:
+            return None
+        can_id, data = frames[0]
+        return CanFrame(
+            can_id & EXTENDED_MASK,
+            data,
+            is_error_frame=bool(can_id & ERROR_FLAG),
+            is_remote_frame=bool(can_id & REMOTE_FLAG),
+            is_extended_id=bool(can_id & EXTENDED_FLAG),
+        )
+
+    def shutdown(self) -> None:
+        """Close this end: what it sent still arrives, what waits for it is lost. Idempotent."""
+        self._open = False
+        self._waiting.clear()
+        other, self._other = self._other, None
+        if other is not None:
+            other._other = None
+
+    def join(self, other: "CanLineEnd") -> None:
+        """Pass frames between this end and another from now on."""
+        self._other, other._other = other, self
+
+
+class CanLine:
+    """A bus whose nodes are emulated: their end is always there, the master's when it is opened.
+
+    Parameters
+    ----------
+    name : str
+        The bus's name in the profile.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.nodes_end = CanLineEnd(name)
+        """For an `EmulatedBus`."""
+        self._master: CanLineEnd | None = None
+
+    def open(self) -> CanLineEnd:
+        """Open the master's end, which there is one of: an earlier one is closed."""
+        if self._master is not None:
+            self._master.shutdown()
+        self._master = end = CanLineEnd(self.name)
+        end.join(self.nodes_end)
+        return end
