@@ -1,11 +1,12 @@
 """The procedures that there are."""
 
 from rig.calibration.procedure import Procedure
+from rig.calibration.procedures.lens import Lens
 from rig.config import Profile
 from rig.hal import ConfigurationError
 
 
-def procedures(profile: Profile) -> dict[str, Procedure]:
+def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
     from rig.calibration.procedures.encoders import Encoders
     from rig.calibration.procedures.friction import Friction
@@ -13,18 +14,18 @@ def procedures(profile: Profile) -> dict[str, Procedure]:
     from rig.calibration.procedures.response import Response
     from rig.calibration.procedures.wires import Wires
 
-    every: tuple[Procedure, ...] = (
+    every: tuple[Procedure | Lens, ...] = (
         Regulators(), Encoders(), Wires(), Response(), Friction(), *_of_cameras(), *_of_servos()
     )  # fmt: skip
     # Two mechanisms may have procedures of one name, which do different things.
     return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}
 
 
-def _of_cameras() -> tuple[Procedure, ...]:
+def _of_cameras() -> tuple[Procedure | Lens, ...]:
     from rig.calibration.procedures.camera import Camera
     from rig.calibration.procedures.geometry import Geometry
 
-    return Camera(), Geometry()
+    return Lens(), Camera(), Geometry()
 
 
 def _of_servos() -> tuple[Procedure, ...]:
@@ -36,7 +37,7 @@ def _of_servos() -> tuple[Procedure, ...]:
     return ArmZeros(), ArmLinks(), LegZeros(), LegScale()
 
 
-def pick(profile: Profile, names: tuple[str, ...]) -> list[Procedure]:
+def pick(profile: Profile, names: tuple[str, ...]) -> list[Procedure | Lens]:
     """Return procedures by name, in their own order.
 
     Raises

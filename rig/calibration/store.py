@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import yaml
 
 from rig.calibration.procedure import Finding
-from rig.calibration.recording import CalibrationRefused, Recording
+from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
 from rig.config.calibration import HISTORY, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
@@ -47,11 +47,29 @@ class Circumstances(NamedTuple):
     now: datetime
 
 
+class RawData(Protocol):
+    """What a calibration rests on: a recording, or images."""
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files."""
+        ...
+
+    @property
+    def samples(self) -> int:
+        """How much is in them."""
+        ...
+
+    def sha256(self) -> str:
+        """Return the digest of the files."""
+        ...
+
+
 def compose(
     finding: Finding,
     procedure: str,
     profile: Profile,
-    recording: Recording,
+    recording: RawData,
     circumstances: Circumstances,
     old: Mapping[str, Any] | None,
 ) -> dict[str, Any]:

@@ -17,6 +17,7 @@ from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
     from rig.calibration.procedure import Procedure
+    from rig.calibration.procedures.lens import Lens
     from rig.calibration.session import Calibrated
     from rig.calibration.store import Circumstances
     from rig.config import Profile
@@ -42,6 +43,14 @@ _DAY = 86_400.0
 @click.option(
     "--readings", type=click.Path(path_type=Path, dir_okay=False),
     help="File of what the reference instruments showed: quantity,stretch,value lines.",
+)  # fmt: skip
+@click.option(
+    "--views", type=click.Path(path_type=Path, exists=True),
+    help="Folder of images, or a video, of a board that was shown to the camera, for the lens.",
+)  # fmt: skip
+@click.option(
+    "--board", default="10x7x8mm", show_default=True,
+    help="That chessboard: squares across and down, and the side of one.",
 )  # fmt: skip
 @click.option("--replace", is_flag=True, help="Replace a better or an unreadable calibration.")
 @click.option("--operator", default=None, help="Who calibrates; default: the user's name.")
@@ -71,6 +80,7 @@ def calibrate(rig: str, **options: Any) -> int:
         return _history(search, rig, options["history_of"])
     from rig.assembly import REGISTRY
     from rig.calibration.catalogue import pick, procedures
+    from rig.calibration.procedures.lens import Lens
     from rig.config import load_profile
 
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
@@ -83,7 +93,10 @@ def calibrate(rig: str, **options: Any) -> int:
     for procedure in chosen:
         # Each builds on what the one before has found.
         profile = load_profile(rig, REGISTRY, options["overrides"], search)
-        code = _calibrate(procedure, profile, search, options)
+        if isinstance(procedure, Lens):
+            code = _calibrate_lens(procedure, profile, search, options)
+        else:
+            code = _calibrate(procedure, profile, search, options)
         if code:
             return code
     return 0
@@ -145,6 +158,34 @@ def _calibrate(
     return 0
 
 
+def _calibrate_lens(
+    lens: Lens, profile: Profile, search: Sequence[Path], options: dict[str, Any]
+) -> int:
+    """Find the lens from images: nothing moves, so nobody is asked."""
+    from rig.assembly import backend_of
+    from rig.calibration.lens import Board
+    from rig.calibration.recording import CalibrationRefused
+    from rig.cli.calibrate_lens import calibrate_lens, preview_lens
+
+    simulated, source = backend_of(options["on"]).is_simulated, options["views"]
+    try:
+        board = Board.parse(options["board"])
+        preview_lens(lens, board, source, simulated=simulated)
+        if options["dry_run"]:
+            return 0
+        done = calibrate_lens(
+            lens, profile, board, source, _circumstances(options), search, options["out"],
+            simulated=simulated, replace=options["replace"],
+        )  # fmt: skip
+    except CalibrationRefused as refusal:
+        click.echo(f"{lens.name}: {refusal}", err=True)
+        click.echo("nothing was changed: the calibration before stays in force", err=True)
+        return 1
+    if done is not None:
+        _show(lens, done)
+    return 0
+
+
 def _circumstances(options: dict[str, Any]) -> Circumstances:
     from rig.calibration.store import Circumstances
 
@@ -189,7 +230,7 @@ def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) ->
         click.echo(sentence, err=True)
 
 
-def _show(procedure: Procedure, done: Calibrated) -> None:
+def _show(procedure: Procedure | Lens, done: Calibrated) -> None:
     from rig.config import format_against, format_quantity
 
     rows = []

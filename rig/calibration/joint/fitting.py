@@ -130,7 +130,7 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
             rows = weight * data.misfit(values)[used].ravel()
             return np.concatenate([rows, data.extra(values), q])
 
-        found = least_squares(rest, q, x_scale=1.0, max_nfev=60)
+        found = least_squares(rest, q, ftol=1e-6, xtol=1e-6, gtol=1e-6, max_nfev=60)
         if not found.success:
             raise CalibrationRefused(f"no joint explains what was recorded: {found.message}")
         q = found.x

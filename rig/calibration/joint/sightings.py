@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from drivers.cameras.projection import View
-from rig.calibration.joint.model import Sightings
+from rig.calibration.joint.model import Sightings, rotation
+from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
-from rig.mechanisms.joint_columns import CHANNELS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -60,7 +59,7 @@ def sightings_of(
     return Sightings(rays, rods, speeds, pulls, senses, blocks, t, late)
 
 
-def check_travel(seen: Sightings) -> None:
+def check_travel(profile: Profile, seen: Sightings) -> None:
     """Refuse what moved too little to tell anything.
 
     Raises
@@ -68,7 +67,8 @@ def check_travel(seen: Sightings) -> None:
     CalibrationRefused
         A rod hardly moved; which one, and by how much.
     """
-    for channel, travel in zip(CHANNELS, np.ptp(seen.rods, axis=0), strict=True):
+    channels = pneumatics_of(profile).channels
+    for channel, travel in zip(channels, np.ptp(seen.rods, axis=0), strict=True):
         if travel < _LEAST_TRAVEL:
             raise CalibrationRefused(
                 f"the rod of {channel} moved by {1e3 * travel:.3g} mm, at least "
@@ -91,12 +91,13 @@ def _frames(profile: Profile, rows: Stretch, name: str, block: int, late: float)
             f"{_SEEN * expected:.0f} of {expected:.0f} are needed: is it lit, and in view?"
         )
     marker = np.column_stack([rows[f"reading.marker_{axis}"][fresh] for axis in "xyz"])
-    view = View(camera)
-    rays = np.array([view.to_camera((x, y, z)) for x, y, z in marker.tolist()])
+    # Whatever lens and pose its driver believes in: back from there, the ray is what was seen.
+    turn = rotation(np.array(camera.rotation_base_from_camera))
+    rays = (marker - camera.position_camera_in_base) @ turn
     rays /= rays[:, 2:]
     at, sampled = stamp[fresh] - late, t - rows["reading.age"]
     columns = []
-    for channel in CHANNELS:
+    for channel in pneumatics_of(profile).channels:
         rod = rows[f"reading.rod_{channel}"]  # its shortening from home
         later, before = (np.interp(at + step, sampled, rod) for step in (_HALF, -_HALF))
         pull = settings.area * np.interp(at, sampled, rows[f"reading.pressure_{channel}"])

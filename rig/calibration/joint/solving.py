@@ -16,10 +16,10 @@ from rig.calibration.joint.model import Sightings, axes_seen, extensions_seen, r
 from rig.calibration.joint.parameters import ANGLES, WIRES, Values, drawing_of, priors_of
 from rig.calibration.joint.rosette import UPRIGHT, Rosette
 from rig.calibration.joint.sightings import check_travel, sightings_of
+from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.procedure import Excitation, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.joint_columns import CHANNELS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -32,7 +32,7 @@ RESIDUAL_BOUND: Final = 0.1e-3
 GAUGE_ACCURACY: Final = 20e-6
 """Standard uncertainty of a reading of the height gauge, m."""
 
-_FRAMES: Final = 1200
+_FRAMES: Final = 700
 """So many are enough: what limits the fit is slower than a frame."""
 
 _ROD_NOISE: Final = 5e-6
@@ -65,12 +65,15 @@ class Solved(NamedTuple):
         Rotation vector of the camera in the drawing, rad.
     before : Values
         What was believed.
+    channels : tuple of str
+        Of the rods.
     """
 
     posterior: Posterior
     seen: Sightings
     mounted: "Array"
     before: Values
+    channels: tuple[str, ...]
 
     @property
     def residuals(self) -> "Array":
@@ -90,7 +93,7 @@ class Solved(NamedTuple):
                 "residual (µm)", 1e3 * self.seen.rods[:, k], measured[:, k],
                 measured[:, k] - rest[:, k], zero,
             )
-            for k, channel in enumerate(CHANNELS)
+            for k, channel in enumerate(self.channels)
         ]  # fmt: skip
         return [
             *panels,
@@ -199,7 +202,7 @@ def solve(
     late, settled, rounds = 0.0, False, 0
     while not settled:
         seen = _thinned(sightings_of(profile, recording, petals, late))
-        check_travel(seen)
+        check_travel(profile, seen)
         whitening = _whitening(values, seen, mounted)
 
         def misfit(
@@ -213,7 +216,8 @@ def solve(
         settled = abs(values["lateness"] - late) < _SETTLED or rounds == _ROUNDS
         late = values["lateness"]
     _check_zeros(profile, posterior)
-    return Solved(posterior, seen, mounted, _before(profile, posterior))
+    channels = pneumatics_of(profile).channels
+    return Solved(posterior, seen, mounted, _before(profile, posterior), channels)
 
 
 def _whitening(values: Values, seen: Sightings, mounted: "Array") -> "Array":
@@ -260,7 +264,7 @@ def _before(profile: Profile, posterior: Posterior) -> dict[str, float]:
 
 def _check_zeros(profile: Profile, posterior: Posterior) -> None:
     zero = profile.mechanism_settings.tolerance.zero
-    for k, channel in zip(WIRES, CHANNELS, strict=True):
+    for k, channel in zip(WIRES, pneumatics_of(profile).channels, strict=True):
         off = posterior.by_name[f"offset_{k}"]
         if abs(off) > _WRONG_ZERO * zero:
             raise CalibrationRefused(

@@ -74,7 +74,7 @@ class Geometry:
         }
         estimates = [posterior.estimate(name) for name in (*LENGTHS, *ANGLES, "home")]
         known = [name for name in posterior.dominated if name in (*LENGTHS, *ANGLES)]
-        notes = (f"the drawing says more than the motion of {', '.join(known)}",) if known else ()
+        notes = (f"{', '.join(known)}, better than the drawing says them",) if known else ()
         joint = Finding(
             profile.mechanism, written, estimates, solved.residuals.ravel(), "m", RESIDUAL_BOUND,
             len(np.unique(solved.seen.blocks)), solved.panels,
