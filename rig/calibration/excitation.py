@@ -186,10 +186,15 @@ class Leaning:
         Of the plane that the axis moves in, rad.
     radius : float
         Of the ball, m.
+    bases : sequence of tuple of float
+        From when on (s) which co-contraction (Pa gauge) instead of the usual one.
     """
 
-    def __init__(self, motion: Any, azimuth: float, radius: float) -> None:
+    def __init__(
+        self, motion: Any, azimuth: float, radius: float, bases: Sequence[tuple[float, float]] = ()
+    ) -> None:
         self._motion = motion
+        self._bases = tuple(bases)
         self._across = (math.cos(azimuth), math.sin(azimuth))
         self._share = 1.0 / radius
         self.duration = float(motion.duration)
@@ -204,6 +209,10 @@ class Leaning:
         rise, square = self._share * along.acceleration, rate * rate
         s, c = math.sin(tilt), math.cos(tilt)
         out, down = rise * c - square * s, -rise * s - square * c
+        base = None
+        for start, pressure in self._bases:
+            base = pressure if t >= start else base
         return JointReference(
-            (s * x, s * y, c), (rate * c * x, rate * c * y, -rate * s), (out * x, out * y, down)
-        )
+            (s * x, s * y, c), (rate * c * x, rate * c * y, -rate * s), (out * x, out * y, down),
+            base_pressure=base,
+        )  # fmt: skip

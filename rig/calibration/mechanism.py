@@ -128,7 +128,13 @@ def reach(profile: Profile, share: float) -> float:
     return 0.75 * share * float(settings.limits.tilt * settings.geometry.ball_radius)
 
 
-def leaning(profile: Profile, motion: Any, azimuth: float) -> Any:
+def leaning(
+    profile: Profile,
+    motion: Any,
+    azimuth: float,
+    controller: Any,
+    bases: Sequence[tuple[float, float]] = (),
+) -> Any:
     """Return a motion along a line as one of the mechanism.
 
     Parameters
@@ -139,12 +145,23 @@ def leaning(profile: Profile, motion: Any, azimuth: float) -> Any:
         Settings of a reference of a pair: positions of wires, m.
     azimuth : float
         Of the line, rad; a pair has but one.
+    controller : object
+        Who is to follow it.
+    bases : sequence of tuple of float
+        See `rig.calibration.excitation.Leaning`; a pair keeps its own.
+
+    Raises
+    ------
+    MotionRefused
+        The joint cannot be or may not be in one of its poses.
     """
     if profile.mechanism == "cylinder":
         return motion
+    from rig.assembly import plan_motion
     from rig.calibration.excitation import Leaning
 
-    return Leaning(motion, azimuth, profile.mechanism_settings.geometry.ball_radius)
+    radius = profile.mechanism_settings.geometry.ball_radius
+    return plan_motion(profile, Leaning(motion, azimuth, radius, bases), controller)
 
 
 def open_loop(

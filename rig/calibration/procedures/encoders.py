@@ -66,7 +66,7 @@ class Encoders:
         wider, notes = relaxed(profile, _ROOM)
         # It knows nothing of wires that rods are calibrated against.
         controller = make_controller(wider, "pid")
-        motion = leaning(wider, stairs, _BETWEEN)
+        motion = leaning(wider, stairs, _BETWEEN, controller)
         return Excitation(stairs, motion, controller, "pid", wider, notes, approach=3.0)
 
     def identify(

@@ -1,35 +1,33 @@
-"""Friction of a pair: Coulomb, viscous and breakaway, from strokes under a position controller.
+"""Friction of pairs: Coulomb, viscous and breakaway, from strokes under a position controller.
 
-While both seals slide faster than the Stribeck effect reaches, the pull of the chambers is
+While both seals slide faster than the Stribeck effect reaches, the force of the chambers is
 
-    A (p_a - p_b) = c_0 + (F_c + D (p_a + p_b - 2 p_0)) sgn v + B v + M a.
+    f = c_0 + c_1 x + (F_c + D (T - T_0)) sgn v + B v + M a,
 
-A controller on such seals never moves evenly, so velocity and acceleration are not taken by
-differences: every term is weighed with one smooth bump of 20 ms, and the derivatives are moved to
-the bump by parts, where they are exact. Only bumps in which the pair slides all the time count.
+T being the sum of the pair's tensions, T_0 at base pressure; c_1 is the weight of what a joint
+carries. A joint's strokes lean between its pairs, so that both move, and are done at two base
+pressures: what of the friction grows with the tensions is that on the ball.
 
-Breakaway is the greatest pull between rest and a slip, over the slips of a stroke so slow that
+Breakaway is the greatest force between rest and a slip, over the slips of a stroke so slow that
 the pair sticks and slips. It is what a controller has to overcome; the force at which
 the bristles of a seal would yield at no speed at all is a little higher.
-
-References
-----------
-M. Shinbrot, "On the analysis of linear and nonlinear systems", Trans. ASME 79, 1957, pp. 547-552:
-the modulating functions.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
-from rig.calibration.estimates import fit, interval, mean_of
+from rig.calibration.estimates import Estimate, Fit, fit, mean_of
 from rig.calibration.excitation import Strokes
 from rig.calibration.instruments import Instrument
+from rig.calibration.mechanism import leaning, reach, relaxed
+from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
+from rig.calibration.sliding import bump_of, sliding, slips, smooth
 from rig.config import Profile
 
 if TYPE_CHECKING:
@@ -39,38 +37,33 @@ if TYPE_CHECKING:
 
 SPEEDS: Final = (0.03, 0.04) * 4
 CREEP: Final = 0.002
-BUMP: Final = 0.021
+_RAISED: Final = 1.6
+"""Base pressure of a joint's second half of the strokes, over the usual one."""
+
+_BETWEEN: Final = 0.25 * math.pi
 _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
 
-_MODEL: Final = 3e-3
-"""What the model leaves out, over the Coulomb friction: bristles bend over within 1 ms of sliding
-and the seat's load swings. Found on simulated rigs without noise."""
-
-_REST: Final = 15
-"""So many samples of rest make the next motion a slip."""
-
-_THIN: Final = 5
 _LEAST_ROWS: Final = 50
 _LEAST_SLIPS: Final = 5
-_BOUND: Final = 0.5
+_BOUND: Final = {"cylinder": 0.5, "joint": 1.5}
+"""rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
 
 
-class _Smooth(NamedTuple):
-    """A stretch, weighed with the bump."""
+class _Rows(NamedTuple):
+    """Where a pair slides, and the slips of its slow strokes by direction."""
 
-    pull: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    sum: "Array"
+    name: str
+    sliding: "Array"
+    slips: tuple[list[float], ...]
 
 
 class Friction:
-    """Coulomb, viscous and breakaway friction of a pair."""
+    """Coulomb, viscous and breakaway friction of pairs."""
 
     name = "friction"
-    title = "friction of the pair: Coulomb, viscous, breakaway"
-    mechanisms = ("cylinder",)
+    title = "friction of the pairs: Coulomb, viscous, breakaway"
+    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""
@@ -83,155 +76,181 @@ class Friction:
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the strokes; those of a run that was broken off are done again."""
         strokes = _strokes(profile)
+        wider, notes = relaxed(profile)
         # It knows nothing of friction: a wrong belief would shake the pair.
-        controller = make_controller(profile, "pid")
-        return Excitation(strokes, strokes, controller, "pid", profile, approach=2.0)
+        controller = make_controller(wider, "pid")
+        fast = strokes.segments[: 2 * len(SPEEDS)]
+        base = profile.mechanism_settings.base_pressure
+        bases = ((fast[len(SPEEDS) - 1].end, _RAISED * base), (fast[-1].end, base))
+        motion = leaning(wider, strokes, _BETWEEN, controller, bases)
+        return Excitation(strokes, motion, controller, "pid", wider, notes, approach=2.0)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings
     ) -> Sequence[Finding]:
         """Fit sliding, and find the slips."""
-        settings = profile.mechanism_settings
-        names = [segment.name for segment in _strokes(profile).segments]
-        recording.require(names)
-        travel = max(float(np.ptp(recording[name]["reading.position"])) for name in names)
-        if travel < 0.5 * _strokes(profile).travel:
-            raise CalibrationRefused(
-                f"the pair moved by {1e3 * travel:.3g} mm at most where "
-                f"{2e3 * _strokes(profile).travel:.3g} mm were asked for: a rod is stuck, or the "
-                "supply is shut"
-            )
-        base = 2.0 * settings.base_pressure
-        least = _SLIDING * settings.friction.stribeck_velocity
-        rows, slips = [], []
-        for group, name in enumerate(names):
-            smooth = _smooth(recording, name, settings.area, profile.loop.period)
-            if name.endswith((f" {1e3 * CREEP:+g} mm/s", f" {-1e3 * CREEP:+g} mm/s")):
-                slips.append(np.array(list(_slips(smooth, 1.0 if "+" in name else -1.0))))
+        strokes = _strokes(profile)
+        recording.require(segment.name for segment in strokes.segments)
+        least = _SLIDING * profile.mechanism_settings.friction.stribeck_velocity
+        pairs = _pairs(profile, recording, strokes, least)
+        fits = [_fit_sliding(profile, pair) for pair in pairs]
+        estimates: list[Estimate] = []
+        panels: list[Panel] = []
+        notes: list[str] = []
+        broken: list[float] = []
+        for pair, found in zip(pairs, fits, strict=True):
+            prefix = f"friction.{pair.name}." if pair.name else "friction."
+            estimates += [
+                found.parameter(1, f"{prefix}coulomb", "N"),
+                found.parameter(2, f"{prefix}viscous", "N s/m"),
+            ]
+            if profile.mechanism == "joint":  # a pair's tensions are alike in all of its strokes
+                estimates.append(found.parameter(4, f"{prefix}load", "1"))
+            panels.append(_panel_of_sliding(profile, pair, found))
+            count = min(map(len, pair.slips))
+            if count < _LEAST_SLIPS:
+                notes.append(
+                    f"{pair.name or 'the pair'} slipped {count} times on its slow strokes, "
+                    f"{_LEAST_SLIPS} are needed: its breakaway is not told"
+                )
                 continue
-            width = len(_bump(profile.loop.period)[0])
-            for k in _sliding(smooth.velocity, least, width):
-                rows.append((group, *(column[k] for column in smooth)))
-        if len(rows) < _LEAST_ROWS:
-            raise CalibrationRefused(
-                f"the pair slid faster than {1e3 * least:.3g} mm/s in {len(rows)} places, "
-                f"{_LEAST_ROWS} are needed: too little motion to tell friction"
-            )
-        if min(map(len, slips)) < _LEAST_SLIPS:
-            raise CalibrationRefused(
-                f"{min(map(len, slips))} slips in a slow stroke, {_LEAST_SLIPS} are needed to tell "
-                "breakaway; seals that do not stick have none to speak of"
-            )
-        group, pull, velocity, acceleration, total = np.array(rows).T
-        sign = np.sign(velocity)
-        regressors = np.column_stack(
-            (np.ones_like(pull), sign, velocity, acceleration, sign * (total - base) * 1e-5)
-        )
-        believed = settings.friction
-        try:
-            found = fit(
-                lambda q: pull - regressors @ q,
-                (0.0, believed.coulomb, believed.viscous, settings.moving_mass, 1.0),
-                (1.0, 1.0, 10.0, 0.1, 1.0),
-                groups=group,
-            )
-        except ValueError as error:
-            raise CalibrationRefused(f"the friction: {error}") from error
-        zero, coulomb, viscous, mass, _ = (float(x) for x in found.values)
-        # Both directions, so that a zero of the monitors does not count; a slip is one repetition.
-        count = min(map(len, slips))
-        forward, backward = (part[:count] for part in slips)
-        breakaway = mean_of("friction.breakaway", "N", (0.5 * (forward + backward)).tolist())
-        dry = pull - zero - viscous * velocity - mass * acceleration
-        panels = (
-            Panel(
-                "sliding, without inertia", "velocity (mm/s)", "friction (N)", "residual (N)",
-                1e3 * velocity, dry + viscous * velocity,
-                dry + viscous * velocity - found.residuals,
-                sign * believed.coulomb + believed.viscous * velocity,
-            ),
-            Panel(
-                "slips of the slow strokes", "number", "pull (N)", "residual (N)",
-                np.arange(2.0 * count), np.concatenate((forward, backward)),
-                np.full(2 * count, breakaway.value), np.full(2 * count, believed.breakaway),
-            ),
-        )  # fmt: skip
-        values = {
-            "friction": {
-                "coulomb": quantity(coulomb, "N"),
-                "breakaway": quantity(max(breakaway.value, coulomb), "N"),
-                "viscous": quantity(max(viscous, 0.0), "N s/m"),
-            }
-        }
+            # Both directions, so that a zero of the monitors does not count.
+            forward, backward = (np.array(part[:count]) for part in pair.slips)
+            breakaway = mean_of(f"{prefix}breakaway", "N", (0.5 * (forward + backward)).tolist())
+            estimates.append(breakaway)
+            broken.append(breakaway.value)
+            panels.append(_panel_of_slips(profile, forward, backward, breakaway.value))
+        residuals = np.concatenate([found.residuals for found in fits])
+        mean = np.mean([found.values for found in fits], axis=0)
+        blocks = len(strokes.segments) - 2
+        values = _values(profile, mean, float(np.mean(broken)) if broken else None)
+        bound = _BOUND[profile.mechanism]
         return (
             Finding(
-                profile.mechanism,
-                values,
-                (
-                    interval(
-                        "friction.coulomb", coulomb, "N",
-                        math.hypot(found.covariance[1, 1] ** 0.5, _MODEL * coulomb),
-                        found.freedom,
-                    ),
-                    found.parameter(2, "friction.viscous", "N s/m"),
-                    breakaway,
-                ),
-                found.residuals, "N", _BOUND, len(set(group.tolist())), panels,
+                profile.mechanism, {"friction": values}, estimates, residuals, "N", bound, blocks,
+                panels, notes=notes,
             ),
         )  # fmt: skip
 
 
 def _strokes(profile: Profile) -> Strokes:
-    low, high = profile.mechanism_settings.limits.position
-    return Strokes(0.6 * min(-low, high), (*SPEEDS, CREEP))
+    return Strokes(reach(profile, 0.6), (*SPEEDS, CREEP))
 
 
-def _bump(period: float) -> tuple["Array", "Array", "Array"]:
-    """Return the bump and its two derivatives, for sums over samples."""
-    width = max(2 * round(0.5 * BUMP / period) + 1, 7)
-    omega = 2.0 * math.pi / ((width + 1) * period)
-    u = omega * period * (np.arange(width) - 0.5 * (width - 1))
-    rise = 1.0 + np.cos(u)
-    weight = float((rise**2).sum())
-    first = -2.0 * omega * rise * np.sin(u)
-    second = 2.0 * omega**2 * (np.sin(u) ** 2 - rise * np.cos(u))
-    return rise**2 / weight, first / weight, second / weight
+def _pairs(profile: Profile, recording: Recording, strokes: Strokes, least: float) -> list[_Rows]:
+    """Return what each pair did.
+
+    Raises
+    ------
+    CalibrationRefused
+        One hardly moved, or did not slide long enough.
+    """
+    period = profile.loop.period
+    width = len(bump_of(period)[0])
+    names = [segment.name for segment in strokes.segments]
+    rows: dict[str, list[tuple[float, ...]]] = {}
+    slow: dict[str, tuple[list[float], ...]] = {}
+    travel: dict[str, float] = {}
+    for group, name in enumerate(names):
+        for pair in pairs_of(profile, recording[name]):
+            went = float(np.ptp(pair.position))
+            travel[pair.name] = max(travel.get(pair.name, 0.0), went)
+            signals = smooth(pair.force, pair.position, pair.load, period)
+            if group >= len(names) - 2:
+                forth = "+" in name
+                told = slow.setdefault(pair.name, ([], []))
+                told[0 if forth else 1].extend(slips(signals, 1.0 if forth else -1.0))
+                continue
+            start = float(pair.position[0])
+            mine = rows.setdefault(pair.name, [])
+            for k in sliding(signals.velocity, least, width):
+                force, x, *rest = (float(column[k]) for column in signals)
+                mine.append((float(group), force, start + x, *rest))
+    wanted = 2.0 * strokes.travel * (1.0 if profile.mechanism == "cylinder" else 0.7)
+    for name, went in travel.items():
+        who = name or "the pair"
+        if went < 0.5 * wanted:
+            raise CalibrationRefused(
+                f"{who} moved by {1e3 * went:.3g} mm at most where {1e3 * wanted:.3g} mm were "
+                "asked for: a rod is stuck, or the supply is shut"
+            )
+        if len(rows[name]) < _LEAST_ROWS:
+            raise CalibrationRefused(
+                f"{who} slid faster than {1e3 * least:.3g} mm/s in {len(rows[name])} places, "
+                f"{_LEAST_ROWS} are needed: too little motion to tell friction"
+            )
+    return [_Rows(name, np.array(found), slow[name]) for name, found in rows.items()]
 
 
-def _smooth(recording: Recording, name: str, area: float, period: float) -> _Smooth:
-    part = recording[name]
-    bump, first, second = _bump(period)
-    a, b = part["reading.pressure_agonist"], part["reading.pressure_antagonist"]
-    x = part["reading.position"] - part["reading.position"][0]
-    return _Smooth(
-        np.correlate(area * (a - b), bump, "valid"),
-        -np.correlate(x, first, "valid"),
-        np.correlate(x, second, "valid"),
-        np.correlate(a + b, bump, "valid"),
-    )
+def _fit_sliding(profile: Profile, pair: _Rows) -> Fit:
+    """Fit c_0, F_c, B, M, D and, for a joint, c_1."""
+    settings = profile.mechanism_settings
+    group, force, position, velocity, acceleration, load = pair.sliding.T
+    sign = np.sign(velocity)
+    base = 2.0 * settings.area * settings.base_pressure
+    columns = [np.ones_like(force), sign, velocity, acceleration, sign * (load - base)]
+    start = [0.0, settings.friction.coulomb, settings.friction.viscous, settings.moving_mass, 0.1]
+    scale = [1.0, 1.0, 10.0, 0.1, 0.1]
+    if profile.mechanism == "joint":
+        columns.append(position)
+        start.append(0.0)
+        scale.append(10.0)
+    regressors = np.column_stack(columns)
+    try:
+        return fit(lambda q: force - regressors @ q, start, scale, groups=group)
+    except ValueError as error:
+        raise CalibrationRefused(f"the friction: {error}") from error
 
 
-def _sliding(velocity: "Array", least: float, width: int) -> "NDArray[np.int_]":
-    """Return where the pair slides one way during the whole bump, thinned out."""
-    from numpy.lib.stride_tricks import sliding_window_view
+def _values(profile: Profile, mean: "Array", breakaway: float | None) -> Mapping[str, Any]:
+    """Return what to lay over the believed friction; breakaway is never below Coulomb friction.
 
-    half = width // 2
-    if len(velocity) <= width:
-        return np.zeros(0, int)
-    around = sliding_window_view(velocity, width)
-    inside = (around.min(axis=1) > least) | (around.max(axis=1) < -least)
-    return np.flatnonzero(inside)[::_THIN] + half
+    A joint's model has seals whose friction does not grow and a ball's that is in proportion to
+    the tensions: ring and wires share what does grow as they were believed to.
+    """
+    believed = profile.mechanism_settings.friction
+    coulomb, viscous, growth = float(mean[1]), max(float(mean[2]), 0.0), float(mean[4])
+    ratio = believed.breakaway / max(believed.coulomb, 1e-9)
+    ball: dict[str, float] = {}
+    if profile.mechanism == "joint":
+        settings = profile.mechanism_settings
+        wound = 0.5 * math.pi - settings.geometry.ring_half_angle
+        # Leaning between the pairs, the ring's friction is shared by both.
+        known = math.sqrt(2.0) * believed.ring + wound * believed.wire
+        share = max(growth, 0.0) / known
+        ball = {"ring": share * believed.ring, "wire": share * believed.wire}
+        on_ball = share * known * 2.0 * settings.area * settings.base_pressure
+        coulomb = max(coulomb - on_ball, 0.0)
+        breakaway = None if breakaway is None else max(breakaway - on_ball, 0.0)
+    if breakaway is None:
+        breakaway = ratio * coulomb
+    return {
+        "coulomb": quantity(coulomb, "N"),
+        "breakaway": quantity(max(breakaway, coulomb), "N"),
+        "viscous": quantity(viscous, "N s/m"),
+        **{name: float(f"{value:.6g}") for name, value in ball.items()},
+    }
 
 
-def _slips(smooth: _Smooth, direction: float) -> Iterator[float]:
-    """Yield the greatest pull before each slip, N."""
-    still = np.abs(smooth.velocity) < 5e-4
-    fast = direction * smooth.velocity > 4e-3
-    rested, last = 0, 0
-    for k in range(len(still)):
-        if still[k]:
-            rested, last = rested + 1, k
-        elif fast[k] or direction * smooth.velocity[k] < -4e-3:
-            if rested >= _REST and fast[k]:
-                yield float((direction * smooth.pull[max(last - 20, 0) : k]).max())
-            rested = 0
+def _panel_of_sliding(profile: Profile, pair: _Rows, found: Fit) -> Panel:
+    believed = profile.mechanism_settings.friction
+    _, force, position, velocity, acceleration, _ = pair.sliding.T
+    sign = np.sign(velocity)
+    zero, _, _, mass, *_ = found.values
+    friction = force - zero - mass * acceleration
+    if len(found.values) > 5:
+        friction = friction - found.values[5] * position
+    return Panel(
+        f"{pair.name} sliding, without inertia".strip(), "velocity (mm/s)", "friction (N)",
+        "residual (N)", 1e3 * velocity, friction, friction - found.residuals,
+        sign * believed.coulomb + believed.viscous * velocity,
+    )  # fmt: skip
+
+
+def _panel_of_slips(profile: Profile, forward: "Array", backward: "Array", mean: float) -> Panel:
+    count = 2 * len(forward)
+    return Panel(
+        "slips of the slow strokes", "number", "force (N)", "residual (N)",
+        np.arange(float(count)), np.concatenate((forward, backward)), np.full(count, mean),
+        np.full(count, profile.mechanism_settings.friction.breakaway),
+    )  # fmt: skip
