@@ -1,0 +1,132 @@
+"""Wires, leaning motions and uneven blocks, on made-up data whose truth is known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rig.assembly import REGISTRY
+from rig.calibration.catalogue import procedures
+from rig.calibration.estimates import fit
+from rig.calibration.excitation import Leaning, Strokes
+from rig.calibration.mechanism import pneumatics_of, reach, relaxed
+from rig.calibration.recording import CalibrationRefused, Stretch
+from rig.calibration.sliding import slips, smooth
+from rig.config import find_configs, load_profile
+
+
+@pytest.fixture(scope="module", params=["cylinder", "joint"])
+def profile(request):
+    return load_profile(request.param, REGISTRY, (), find_configs())
+
+
+class Made:
+    """A recording of stretches that stand still."""
+
+    paths, samples = (), 0
+
+    def __init__(self, rows):
+        self._rows = rows
+
+    def require(self, names):
+        missing = [name for name in names if name not in self._rows]
+        if missing:
+            raise CalibrationRefused(f"missing: {missing}")
+
+    def __getitem__(self, name):
+        return Stretch({key: np.full(4, value) for key, value in self._rows[name].items()})
+
+
+class TestWires:
+    HOME, STIFFNESS, DRY, GROWTH, SOFT = 29.1e-3, 70e3, 5.0, 0.03, 7e-6
+
+    def recording(self, profile, give=1.0):
+        """Pull and let go with friction that follows the rods' way after Dahl."""
+        pneumatics, settings = pneumatics_of(profile), profile.mechanism_settings
+        motion = procedures(profile)["wires"].excite(profile, ()).motion
+        ends = {round(s.end, 6): s.name for s in motion.segments}
+        friction, before, x_before, rows = 0.0, 0.0, self.HOME, {}
+        for t in np.arange(0.0, motion.duration + 0.01, 0.01):
+            pull = settings.area * motion.at_time(t)[0]
+            # The rod's way and its friction depend on each other: solved together.
+            limit = self.DRY + self.GROWTH * pull
+            side = math.copysign(1.0, pull - before)
+            stiff = (1.0 - side * friction / limit) / self.SOFT
+            way = (pull - before) / (self.STIFFNESS + stiff)
+            friction += stiff * way
+            x_before, before = x_before - way, pull
+            name = ends.get(round(float(t), 6))
+            if name:
+                x = self.HOME - give * (self.HOME - x_before)
+                shown = pneumatics.home - x if pneumatics.inwards else x
+                rows[name] = {f"{pneumatics.rods}_{c}": shown for c in pneumatics.channels} | {
+                    f"reading.pressure_{c}": pull / settings.area for c in pneumatics.channels
+                }
+        return Made(rows)
+
+    def test_finds_home_and_stiffness_whatever_the_bristles(self, profile):
+        (finding,) = procedures(profile)["wires"].identify(profile, self.recording(profile), {})
+        found = {e.name: e.value for e in finding.estimates}
+        assert found["home"] == pytest.approx(self.HOME, abs=0.5e-6)
+        assert found["wire.stiffness"] == pytest.approx(self.STIFFNESS, rel=2e-3)
+
+    def test_tells_rods_that_do_not_give(self, profile):
+        with pytest.raises(CalibrationRefused, match="too little to tell where the wires are"):
+            procedures(profile)["wires"].identify(profile, self.recording(profile, 0.01), {})
+
+    def test_tells_a_reversed_encoder(self, profile):
+        with pytest.raises(CalibrationRefused, match="an encoder is reversed"):
+            procedures(profile)["wires"].identify(profile, self.recording(profile, -1.0), {})
+
+
+def test_a_ring_leans_as_far_as_its_wires_are_to_go():
+    strokes = Strokes(8e-3, (0.03,))
+    leaning = Leaning(strokes, 0.7, 25e-3, ((0.2, 1.5e5),))
+    h = 1e-4
+    for t in (0.0, 0.1, 0.3, 0.41, 0.7):
+        here, before, after = leaning.at(t), leaning.at(t - h), leaning.at(t + h)
+        assert math.dist((0, 0, 0), here.axis) == pytest.approx(1.0)
+        assert math.acos(here.axis[2]) == pytest.approx(abs(strokes.at(t).position) / 25e-3)
+        for now, rate, rise, a, b in zip(
+            here.axis, here.velocity, here.acceleration, before.axis, after.axis, strict=True
+        ):
+            assert rate == pytest.approx((b - a) / (2 * h), abs=1e-3)
+            assert rise == pytest.approx((b - 2 * now + a) / h**2, abs=0.5)
+        assert here.base_pressure == (1.5e5 if t >= 0.2 else None)
+
+
+def test_an_uneven_design_has_honest_intervals():
+    """Two of eight blocks decide the slope: as many degrees of freedom as that leaves it."""
+    rng = np.random.default_rng(3)
+    groups = np.repeat(np.arange(8), 6)
+    x = np.where(groups < 2, 1.0, 0.0) * np.sign(groups - 0.5) + 0.05 * rng.standard_normal(48)
+    held = []
+    for _ in range(300):
+        y = 2.0 + 3.0 * x + 0.1 * rng.standard_normal(48)
+        found = fit(lambda q: y - q[0] - q[1] * x, (0.0, 0.0), (1.0, 1.0), groups=groups)  # noqa: B023
+        slope = found.parameter(1, "slope", "1")
+        held.append(slope.low <= 3.0 <= slope.high)
+    assert found.freedom_of((0.0, 1.0)) < 4.0 < found.freedom_of((1.0, 0.0))
+    assert 0.92 <= np.mean(held) <= 0.985
+
+
+def test_a_slip_is_told_by_the_pull_that_made_it():
+    t = np.arange(3000) * 1e-3
+    stuck = (t % 0.5) < 0.4
+    x = np.cumsum(np.where(stuck, 0.0, 1e-2)) * 1e-3
+    force = 5.0 + 10.0 * np.minimum(t % 0.5, 0.4)
+    signals = smooth(force, x, np.zeros_like(t), 1e-3)
+    found = list(slips(signals, 1.0))
+    assert len(found) == 6
+    assert found == pytest.approx([9.0] * 6, abs=0.1)
+    assert list(slips(signals, -1.0)) == []
+
+
+def test_only_what_is_looked_for_is_relaxed(profile):
+    wider, notes = relaxed(profile, 3e-3)
+    usual, now = (p.mechanism_settings.limits for p in (profile, wider))
+    names = ["mismatch"] if profile.mechanism == "cylinder" else ["residual", "disagreement"]
+    assert [note.split()[0] for note in notes] == [f"limits.{name}" for name in names]
+    for field in type(usual).__dataclass_fields__:
+        assert (getattr(usual, field) == getattr(now, field)) is (field not in names)
+    assert reach(profile, 0.6) < 15e-3
