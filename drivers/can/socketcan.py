@@ -40,6 +40,8 @@ _CAN_RAW_JOIN_FILTERS: Final = 6  # linux/can/raw.h: a frame must pass all filte
 _INVERTED: Final = 0x2000_0000  # CAN_INV_FILTER, of a filter's identifier
 _SO_MEMINFO: Final = 55  # asm-generic/socket.h: memory that a socket holds
 _MEMORY: Final = struct.Struct("=9I")  # linux/sock_diag.h
+_SO_RCVBUFFORCE: Final = 33  # asm-generic/socket.h: SO_RCVBUF beyond what the system allows
+_ROOM: Final = 1 << 22  # for frames that wait, bytes: five thousand, half a second of a full bus
 _WAITS, _DROPS = 2, 8  # in it: bytes to be sent, packets that did not fit
 _ARPHRD_CAN: Final = 280  # linux/if_arp.h
 _IFF_UP: Final = 0x1
@@ -194,6 +196,7 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
     try:
         sock.bind((channel,))
         sock.setsockopt(socket.SOL_CAN_RAW, _CAN_RAW_ERR_FILTER, struct.pack("=I", _ERROR_MASK))
+        _make_room(sock)
     except OSError as error:
         sock.close()
         kind = _read_number(channel, "type")
@@ -212,6 +215,14 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
             channel, f"the interface is down; set it up with: {link_command(channel, bitrate)}"
         )
     return SocketCanBus(sock, channel)
+
+
+def _make_room(sock: socket.socket) -> None:
+    """Have frames wait for a program that is held up, as far as the system allows."""
+    try:
+        sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, _ROOM)
+    except PermissionError:
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _ROOM)
 
 
 def _open_others(channel: str, ids: Iterable[int], mask: int) -> socket.socket:

@@ -10,38 +10,44 @@ import time
 from pathlib import Path
 
 HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
 RIG = (sys.executable, "-m", "rig")
 IN_USER_MODE_LINUX = "hostfs" in Path("/proc/cmdline").read_text()
 SHARED_TIME = os.environ.get("SHARED_TIME")
 """Where the programs' own time is, if they have one; see `patient_time`."""
 PATIENCE = 600.0 if IN_USER_MODE_LINUX else 60.0
 """For a program to start, or to end, s: it is only ever used up by one that hangs."""
-PROCESSES = {
-    **os.environ,
-    "PYTHONPATH": os.pathsep.join([str(HERE / "patient_time"), str(HERE.parents[1])]),
-}
 if SHARED_TIME:
     sys.path.append(str(HERE / "patient_time"))
     from shared_time import SharedTime
+    from warm_programs import WarmProcess
 
+    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, (HERE / "patient_time", HERE, ROOT)))
     _time = SharedTime(Path(SHARED_TIME))
     now, pause = _time.now, _time.sleep
 else:
     now, pause = time.monotonic, time.sleep
 
 
+def start(arguments):
+    """Start a `rig` command."""
+    if SHARED_TIME:
+        return WarmProcess(arguments)
+    return subprocess.Popen(
+        [*RIG, *arguments],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
 class Program:
     """A `rig` command in a process of its own."""
 
     def __init__(self, *arguments):
-        self.process = subprocess.Popen(
-            [*RIG, *map(str, arguments)],
-            env=PROCESSES,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+        self.process = start([*map(str, arguments)])
         self.said, self.printed = [], []
         self._more = threading.Condition()
         self._readers = [
@@ -113,11 +119,8 @@ def simulate(rig, on, *more):
 
 def set_all(**values):
     """Return the options for settings; a double underscore stands for a dot."""
-    return [
-        word
-        for key, value in values.items()
-        for word in ("--set", f"{key.replace('__', '.')}={value}")
-    ]
+    options = (f"{key.replace('__', '.')}={value}" for key, value in values.items())
+    return tuple(word for option in options for word in ("--set", option))
 
 
 def only_run(out):

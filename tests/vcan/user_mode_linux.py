@@ -1,15 +1,19 @@
 """Debian's user-mode Linux as a place to run one command in."""
 
 import contextlib
+import ctypes
 import os
 import shlex
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
+from time import monotonic, sleep
 
 _MEMORY = "2048M"  # a file of the host, of which it takes what it needs
+_PR_SET_PDEATHSIG = 1
 SCRATCH = "/dev/shm"
 """A folder in the guest's own memory: what is written there need not wait for the host."""
 _MODULES = (
@@ -36,8 +40,7 @@ cd {folder}
 {environment}
 {command} </dev/null >{out} 2>&1
 echo $? >{code}
-echo o >/proc/sysrq-trigger
-sleep 60
+sleep 60  # the kernel is ended from outside
 """
 # A kernel that has no more to do with the host's hardware than its files must not look for it.
 _KEPT = ("HOME", "PATH", "LANG", "VIRTUAL_ENV", "PYTHONPATH", "NUMBA_CACHE_DIR", "MPLBACKEND")
@@ -77,6 +80,7 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
         raise NotInstalled(
             "user-mode Linux is not installed: apt-get install user-mode-linux kmod iproute2"
         )
+    _round_times(folder)
     starter = [command[0], str(Path(__file__).parent), "--inside"]
     with tempfile.TemporaryDirectory(prefix="vcan-") as name:
         place = Path(name)
@@ -100,17 +104,18 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
             encoding="utf-8",
         )
         first.chmod(0o755)
+        signal.signal(signal.SIGTERM, _end_with)
         booted = subprocess.Popen(
             [
                 kernel, f"mem={_MEMORY}", "rootfstype=hostfs", "rootflags=/", "rw", "quiet",
                 f"init={first}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
             ],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True,
+            start_new_session=True, preexec_fn=_die_with_parent,
         )  # fmt: skip
         _come_first(booted.pid)
         try:
-            _follow(booted, out, time_limit)
+            _follow(booted, out, code, time_limit)
         finally:
             # All of its processes are in a session of their own, the guest's programs too.
             with contextlib.suppress(ProcessLookupError):
@@ -120,6 +125,18 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
             return int(code.read_text())
         except (OSError, ValueError):
             return None
+
+
+def _round_times(folder: Path) -> None:
+    """Have the kernel inside tell the same times of our sources as the one outside.
+
+    It knows whole seconds only, and compiled functions are kept with the time of their source:
+    each kernel would compile all of them again after the other.
+    """
+    for package in ("controllers", "drivers", "rig"):
+        for path in (folder / package).rglob("*.py"):
+            seconds = int(path.stat().st_mtime)
+            os.utime(path, (seconds, seconds))
 
 
 def _come_first(pid: int) -> None:
@@ -132,15 +149,12 @@ def _come_first(pid: int) -> None:
         os.sched_setscheduler(pid, os.SCHED_FIFO, os.sched_param(1))
 
 
-def _follow(booted: "subprocess.Popen[bytes]", out: Path, time_limit: float) -> None:
-    """Show what is written until the kernel has ended or the time is up."""
-    import sys
-    from time import monotonic, sleep
-
+def _follow(booted: "subprocess.Popen[bytes]", out: Path, code: Path, time_limit: float) -> None:
+    """Show what is written until the command or the kernel has ended, or the time is up."""
     deadline = monotonic() + time_limit
     with out.open("rb") as written:
         while True:
-            ended = booted.poll() is not None
+            ended = booted.poll() is not None or (code.exists() and code.stat().st_size > 0)
             text = written.read()
             if text:
                 sys.stdout.buffer.write(text)
@@ -148,3 +162,13 @@ def _follow(booted: "subprocess.Popen[bytes]", out: Path, time_limit: float) -> 
             if ended or monotonic() > deadline:
                 return
             sleep(0.1)
+
+
+def _end_with(signal_number: int, _frame: object) -> None:
+    """Leave by way of all the ``finally`` when this program is asked to end."""
+    sys.exit(128 + signal_number)
+
+
+def _die_with_parent() -> None:
+    """Have the kernel end even if this program is killed."""
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)

@@ -49,6 +49,7 @@ class SharedTime:
             self._map = mmap.mmap(file.fileno(), _SIZE)
         self.values = memoryview(self._map).cast("d")
         self._own = threading.local()
+        os.register_at_fork(after_in_child=self._forget_seat)
         self._looks = 0  # at the time, since somebody of this program waited
 
     def now(self) -> float:
@@ -77,6 +78,9 @@ class SharedTime:
                 ready.remove(pipe)
             if ready or values[0] >= until:
                 return ready
+
+    def _forget_seat(self) -> None:
+        self._own = threading.local()
 
     def _seat(self) -> tuple[int, int]:
         """Return this thread's place among the values, and the pipe on which it is woken."""
