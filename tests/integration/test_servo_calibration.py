@@ -58,3 +58,24 @@ def test_a_file_of_readings_in_wrong_units_changes_nothing(configs, tmp_path, ca
     assert calibrate(configs, "legs", "zeros", "--readings", str(file)) == 2
     assert "inclinometer.csv:1:26: " in capsys.readouterr().err
     assert not (configs / "calibration").exists()
+
+
+@pytest.mark.slow
+def test_an_arm_that_was_stopped_goes_on_with_the_poses_that_are_left(configs, capsys):
+    few = ("--set", "arm.metrology.poses=10", "--set", "loop.rate=50")
+    fault = "simulation.faults=[{at: 40, device: drives, fault: q3.drive_fault}]"
+    assert calibrate(configs, "arm", "links", *few, *PERTURBED, "--set", fault) == 4
+    assert "drives joint q3: the drive reports a fault" in capsys.readouterr().err
+    assert not (configs / "calibration").exists()
+    (first,) = (configs.parent / "runs").iterdir()
+
+    assert calibrate(configs, "arm", "links", *few, *PERTURBED, "--from", str(first)) == 0
+    told = capsys.readouterr().err
+    left = int(told.split(" stretches in ")[0].split()[-1])
+    assert 0 < left < 10
+    written = sorted(path.name for path in (configs / "calibration" / "arm").glob("*.yaml"))
+    assert written == ["arm.yaml", "drives.yaml"]
+    # A worse fit: another instrument, twenty times as rough.
+    rough = ("--set", "arm.metrology.accuracy=1 mm", *few, *PERTURBED)
+    assert calibrate(configs, "arm", "links", *rough) == 1
+    assert "a worse fit does not replace a better one" in capsys.readouterr().err

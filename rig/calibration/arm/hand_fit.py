@@ -4,12 +4,20 @@ What no pose tells apart is found from the singular directions of the fit before
 in words, and left as the profile has it.
 """
 
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.arm.model import FRAME, LENGTHS, Parameter, align, angles_of, marker_positions
+from rig.calibration.arm.model import (
+    FRAME,
+    JOINTS,
+    Parameter,
+    align,
+    angles_of,
+    marker_positions,
+)
 from rig.calibration.recording import CalibrationRefused
 
 if TYPE_CHECKING:
@@ -30,6 +38,12 @@ _VAGUE: Final = 1.0
 
 _PART: Final = 0.05
 _DIFFERENCE: Final = 1e-3
+
+Directions = tuple[float, ...]
+
+_NEAREST: Final = 12
+_CLEARLY: Final = 3.0
+"""So much worse must the next best directions fit."""
 
 
 class HandFit(NamedTuple):
@@ -202,11 +216,11 @@ def find_directions(
     seen_at: "Array",
     sign: float,
     accuracy: float,
-) -> tuple[float, ...]:
+) -> Directions:
     """Return of each joint whether it turns as the profile says, +1, or the other way, -1.
 
-    Every combination is tried on all poses, zeros and lengths as they were believed before; what
-    they are wrong by is small beside a motion the wrong way.
+    Every combination is compared with all poses, zeros and lengths as they were believed before;
+    those that come nearest are fitted.
 
     Parameters
     ----------
@@ -216,40 +230,41 @@ def find_directions(
     Raises
     ------
     CalibrationRefused
-        The hand moved too little to tell.
+        The hand moved too little to tell, or not as the joints did.
     """
     start = np.array([parameter.value for parameter in parameters])
+    is_free = any(p.known > 0.0 for p in parameters if p.name in FRAME)
 
-    def misfit(directions: "Array") -> tuple[float, "Array"]:
-        modelled = marker_positions(start, directions * readings, sign)
-        rotation, place = align(seen_at, modelled)
-        if all(parameter.known == 0.0 for parameter in parameters if parameter.name in FRAME):
-            rotation, place = np.eye(3), (seen_at - modelled).mean(axis=0)
-        moved = modelled @ rotation.T + place
-        return float(np.sqrt(np.mean((seen_at - moved) ** 2))), moved
+    def distance(directions: Directions) -> float:
+        modelled = marker_positions(start, np.array(directions) * readings, sign)
+        if is_free:
+            rotation, place = align(seen_at, modelled)
+            return float(np.mean((seen_at - modelled @ rotation.T - place) ** 2))
+        return float(np.var(seen_at - modelled, axis=0).sum())
 
-    every = [np.array(np.where([k >> j & 1 for j in range(6)], -1.0, 1.0)) for k in range(64)]
-    costs = {tuple(directions.tolist()): misfit(directions) for directions in every}
-    ranked = sorted(costs, key=lambda directions: costs[directions][0])
-    best = ranked[0]
-    for other in ranked[1:]:
-        unlike = [j for j in range(6) if best[j] != other[j]]
-        effect = float(np.abs(costs[best][1] - costs[other][1]).max())
-        if effect < 10.0 * accuracy:
-            # Neither is seen: the profile's word stands.
-            best = tuple(1.0 if j in unlike else d for j, d in enumerate(best))
-        elif costs[other][0] < 2.0 * costs[best][0]:
-            names = ", ".join(f"q{j + 1}" for j in unlike)
+    every = sorted(itertools.product((1.0, -1.0), repeat=len(JOINTS)), key=distance)
+    fits: list[tuple[float, Directions, HandFit]] = []
+    refusal: CalibrationRefused | None = None
+    for directions in every[:_NEAREST]:
+        try:
+            fit = fit_hand(parameters, np.array(directions) * readings, seen_at, sign, accuracy)
+        except CalibrationRefused as error:
+            refusal = refusal or error
+            continue
+        fits.append((float(np.sqrt(np.mean(fit.residuals**2))), directions, fit))
+    if not fits:
+        assert refusal is not None
+        raise refusal
+    fits.sort(key=lambda entry: entry[0])
+    left, best, found = fits[0]
+    # What is not seen turns as the profile says.
+    best = tuple(d if found.seen[j] else 1.0 for j, d in enumerate(best))
+    for other_left, other, _ in fits[1:]:
+        unlike = [j for j in range(len(JOINTS)) if best[j] != other[j] and found.seen[j]]
+        if unlike and other_left < _CLEARLY * left:
+            names = ", ".join(JOINTS[j] for j in unlike)
             raise CalibrationRefused(
                 f"the hand's motion does not tell which way {names} turns: with it reversed the "
-                f"positions fit to {1e3 * costs[other][0]:.2g} mm, else to "
-                f"{1e3 * costs[best][0]:.2g} mm"
+                f"positions fit to {1e3 * other_left:.2g} mm, else to {1e3 * left:.2g} mm"
             )
-        else:
-            break
     return best
-
-
-def lengths_of(fit: HandFit) -> dict[str, float]:
-    """Return the lengths that were found, m."""
-    return {name: float(fit.values[6 + k]) for k, name in enumerate(LENGTHS) if fit.seen[6 + k]}
