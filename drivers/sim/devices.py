@@ -141,6 +141,7 @@ class SimulatedRegulators(_SimulatedDevice):
         self._deviation = deviation
         self._deviation_time = deviation_time
         count = len(self.channels)
+        self._numbers = range(count)
         self._vented = (max(pressure_range[0], 0.0),) * count
         self._safe = tuple(safe) or ("vent",) * count
         self._setpoints: Vector = self._vented
@@ -225,22 +226,22 @@ class SimulatedRegulators(_SimulatedDevice):
 
     def _write(self, setpoints: Vector) -> None:
         self._setpoints = setpoints
+        stuck, give = self._stuck, self._plant.set_pressure_setpoint
         for channel, pressure in enumerate(setpoints):
-            if channel not in self._stuck:
-                self._plant.set_pressure_setpoint(channel, pressure)
+            if channel not in stuck:
+                give(channel, pressure)
 
     def _sample(self) -> None:
-        if self._is_silent():
+        now, step, pressure = self._clock.now(), self._resolution, self._plant.pressure
+        if now < self._silent_until:
             return
-        now, step, plant = self._clock.now(), self._resolution, self._plant
-        values = tuple([round(plant.pressure(k) / step) * step for k in range(len(self.channels))])
+        values = tuple([round(pressure(k) / step) * step for k in self._numbers])
         self._pressure = Reading(values, now)
         self._stop = Reading(self._stopped, now)
 
     def _check_deviation(self, now: float) -> None:
-        for channel, (pressure, setpoint) in enumerate(
-            zip(self._pressure.value, self._setpoints, strict=True)
-        ):
+        for channel, pressure in enumerate(self._pressure.value):
+            setpoint = self._setpoints[channel]
             off = abs(pressure - setpoint)
             if off <= self._deviation:
                 self._followed_at[channel] = now
@@ -320,7 +321,7 @@ class SimulatedEncoder(_SimulatedDevice):
         self._offset = 0.0
         self._alarmed = False
         self._position: Reading[Vector] = Reading((0.0,), -inf)
-        self._velocity: Reading[Vector] = Reading((0.0,), -inf)
+        self._speed = 0.0
         self._before: Reading[Vector] = self._position
         self._faults["frozen"] = self._freeze
         self._faults["jump"] = self._jump
@@ -341,7 +342,8 @@ class SimulatedEncoder(_SimulatedDevice):
 
     def velocity(self) -> Reading[Vector]:
         """Return the rod's velocity of the cycle before, m/s, shape (1,)."""
-        return self._velocity
+        step = self._speed_resolution
+        return Reading((round(self._speed / step) * step,), self._position.t)
 
     def check(self, now: float) -> None:
         """Raise if the encoder is not well, then sample the next reading.
@@ -353,8 +355,9 @@ class SimulatedEncoder(_SimulatedDevice):
         """
         if self._alarmed:
             raise DeviceFault(self.name, "it reports a position error")
-        moved = abs(self._position.value[0] - self._before.value[0])
-        bound = self._max_speed * (self._position.t - self._before.t) + self._resolution
+        ((here,), t), ((before,), then) = self._position, self._before
+        moved = abs(here - before)
+        bound = self._max_speed * (t - then) + self._resolution
         if moved > bound:
             raise DeviceFault(
                 self.name,
@@ -369,18 +372,16 @@ class SimulatedEncoder(_SimulatedDevice):
         """Do nothing: an encoder moves nothing."""
 
     def _sample(self) -> None:
-        if self._is_silent():
-            return
         now, step = self._clock.now(), self._resolution
+        if now < self._silent_until:
+            return
         if now < self._frozen_until:
             self._position = Reading(self._position.value, now)
-            self._velocity = Reading((0.0,), now)
+            self._speed = 0.0
             return
         extension = self._plant.position(self._channel) + self._offset
-        speed_step = self._speed_resolution
-        speed = self._plant.speed(self._channel)
         self._position = Reading((round(extension / step) * step,), now)
-        self._velocity = Reading((round(speed / speed_step) * speed_step,), now)
+        self._speed = self._plant.speed(self._channel)
 
     def _freeze(self, duration: float | None) -> None:
         self._frozen_until = self._until("frozen", duration)

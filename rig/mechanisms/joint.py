@@ -111,6 +111,7 @@ class SphericalJoint:
             None if camera is None else camera.name,
         )
         self._tensions_at = TensionDistribution(settings.geometry)
+        self._tensions_at.compile()
         self._checked = False
         self._age = 0.0
         self._tensions: Quadruple = (0.0,) * 4

@@ -58,7 +58,8 @@ class JointMotion:
         for start, laps, ticks in self._repetitions:
             tick = round((t - start) / self._period)
             if 0 <= tick < laps * ticks:
-                return reference._replace(lap=Lap(tick // ticks, tick % ticks, ticks))
+                lap = Lap(tick // ticks, tick % ticks, ticks)
+                return JointReference(*reference[:3], lap, *reference[4:])
         return reference
 
     @property

@@ -38,6 +38,7 @@ EXTENSION, SPEED, PRESSURE, TENSION = (
     list(STATE.names or ()).index(name) for name in ("extension", "speed", "pressure", "tension")
 )
 """Columns of a channel's values."""
+_SETPOINT = list(STATE.names or ()).index("setpoint")
 
 
 class PneumaticSettings(Protocol):
@@ -172,7 +173,7 @@ class PneumaticPlant(ABC):
         """
         if not math.isfinite(pressure):
             raise ValueError(f"plant: channel {channel} cannot take the setpoint {pressure}")
-        self.channels[channel]["setpoint"] = quantize(pressure, self._full_scale, self._codes)
+        self._channel_values[channel, _SETPOINT] = quantize(pressure, self._full_scale, self._codes)
 
     def set_supply(self, open: bool) -> None:
         """Open the supply valve, or close it: it then vents the line and the regulators."""

@@ -15,7 +15,9 @@ def quantize(pressure: float, full_scale: float, codes: float) -> float:
 
     Plain Python, because it runs once per setpoint and not in the kernel.
     """
-    share = min(max(pressure / full_scale, 0.0), 1.0)
+    share = pressure / full_scale
+    if not 0.0 <= share <= 1.0:
+        share = 0.0 if share < 0.0 else 1.0
     return math.floor(share * codes + 0.5) / codes * full_scale
 
 

@@ -181,8 +181,10 @@ class SphericalJointPlant(PneumaticPlant):
 
 def _sticks(state: list[float], seal: _Seal) -> float:
     """Return 1 while a rod's seals hold, 0 while they slide."""
-    speed, gauge = state[SPEED], max(state[PRESSURE] - ATMOSPHERE, 0.0)
-    fade = math.exp(-((speed / seal.stribeck_velocity) ** 2))
-    limit = seal.coulomb + (seal.breakaway - seal.coulomb) * fade + seal.pressure_friction * gauge
-    sliding = abs(speed * state[_BRISTLE]) * seal.bristle_stiffness
-    return float(sliding < STICKING_SPEED * limit)
+    coulomb, breakaway, stribeck_velocity, pressure_friction, bristle_stiffness = seal
+    speed, gauge = state[SPEED], state[PRESSURE] - ATMOSPHERE
+    fade = math.exp(-((speed / stribeck_velocity) ** 2))
+    limit = coulomb + (breakaway - coulomb) * fade
+    if gauge > 0.0:
+        limit += pressure_friction * gauge
+    return float(abs(speed * state[_BRISTLE]) * bristle_stiffness < STICKING_SPEED * limit)

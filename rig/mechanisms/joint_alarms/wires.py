@@ -98,6 +98,8 @@ class WireWatch:
         self.residual = 0.0
         self._kinematics = ForwardKinematics(geometry)
         self._diagnosis = ForwardKinematics(geometry)
+        self._kinematics.compile()
+        self._diagnosis.compile()
         self._limits = limits
         self._frozen = frozen
         self._encoders = tuple(encoders)
