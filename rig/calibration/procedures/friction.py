@@ -23,7 +23,7 @@ from rig.assembly import make_controller
 from rig.calibration.estimates import Estimate, Fit, fit, mean_of
 from rig.calibration.excitation import Strokes
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import leaning, reach, relaxed
+from rig.calibration.mechanism import follower, leaning, reach, relaxed
 from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
@@ -39,6 +39,9 @@ SPEEDS: Final = (0.03, 0.04) * 4
 CREEP: Final = 0.002
 _RAISED: Final = 1.6
 """Base pressure of a joint's second half of the strokes, over the usual one."""
+
+_SHARE: Final = {"cylinder": 0.6, "joint": 0.9}
+"""Of what is permitted that the strokes use: a joint's pairs share the way."""
 
 _BETWEEN: Final = 0.25 * math.pi
 _SLIDING: Final = 2.75
@@ -77,13 +80,13 @@ class Friction:
         """Return the strokes; those of a run that was broken off are done again."""
         strokes = _strokes(profile)
         wider, notes = relaxed(profile)
-        # It knows nothing of friction: a wrong belief would shake the pair.
-        controller = make_controller(wider, "pid")
+        wider, name = follower(wider)
+        controller = make_controller(wider, name)
         fast = strokes.segments[: 2 * len(SPEEDS)]
         base = profile.mechanism_settings.base_pressure
         bases = ((fast[len(SPEEDS) - 1].end, _RAISED * base), (fast[-1].end, base))
         motion = leaning(wider, strokes, _BETWEEN, controller, bases)
-        return Excitation(strokes, motion, controller, "pid", wider, notes, approach=2.0)
+        return Excitation(strokes, motion, controller, name, wider, notes, approach=2.0)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings
@@ -134,7 +137,7 @@ class Friction:
 
 
 def _strokes(profile: Profile) -> Strokes:
-    return Strokes(reach(profile, 0.6), (*SPEEDS, CREEP))
+    return Strokes(reach(profile, _SHARE[profile.mechanism]), (*SPEEDS, CREEP))
 
 
 def _pairs(profile: Profile, recording: Recording, strokes: Strokes, least: float) -> list[_Rows]:
