@@ -36,6 +36,8 @@ class Sightings(NamedTuple):
         Of the chambers then, N.
     senses : ndarray, shape (n, 4)
         Which way friction acts, -1 … 1: 1 while a rod pulls in.
+    turns : ndarray, shape (n, 4)
+        How those grow with the logarithm of the way over which friction turns round.
     blocks : ndarray of int, shape (n,)
         Stretch of the recording that each frame is from.
     t : ndarray, shape (n,)
@@ -49,6 +51,7 @@ class Sightings(NamedTuple):
     speeds: "Array"
     pulls: "Array"
     senses: "Array"
+    turns: "Array"
     blocks: "NDArray[np.int64]"
     t: "Array"
     late: float = 0.0
@@ -169,7 +172,8 @@ def extensions_seen(values: Values, seen: Sightings, mounted: "Array") -> "Array
     offset = np.array([values[f"offset_{k}"] for k in WIRES])
     shortening = upright - wires.lengths(axes_seen(values, seen.rays, mounted))
     load = friction + values["load"] * (seen.pulls - seen.pulls.mean())
-    lost = load * seen.senses + values["viscous"] * seen.speeds
+    senses = seen.senses + values["reversal"] * seen.turns
+    lost = load * senses + values["viscous"] * seen.speeds
     stretch = values["compliance"] * (seen.pulls - lost)
     # The frame shows the ring of another instant; the rods have moved since.
     moved = (values["lateness"] - seen.late) * seen.speeds

@@ -39,6 +39,9 @@ _HOMED = 5e-3
 _LOADED = 0.03
 """What friction of the seals may grow with the chamber's pull, as a share of it. E."""
 
+_REVERSED = 0.5
+"""Natural logarithm of how far the way over which friction turns round is known. E."""
+
 
 class Prior(NamedTuple):
     """What is known of a parameter beforehand.
@@ -93,6 +96,7 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     # Seals that are shaken by the dither damp less than seals that slide.
     damping = 0.25 * settings.friction.viscous
     rows += [Prior("viscous", "N s/m", damping, damping), Prior("load", "1", 0.0, _LOADED)]
+    rows += [Prior("reversal", "1", 0.0, _REVERSED)]
     names = [f"{name}_{k}" for k in WIRES for name in PARTS]
     rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part)
     return tuple(rows)

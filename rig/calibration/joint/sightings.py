@@ -21,6 +21,9 @@ _HALF: Final = 5e-3
 _REVERSAL: Final = 30e-6
 """Way over which friction turns round with a rod, m: seals and wire give that far. E."""
 
+_STEP: Final = 1.3
+"""Factor on it over which a slope is taken."""
+
 _SEEN: Final = 0.5
 """Of the frames of a stretch that have to show the marker."""
 
@@ -55,8 +58,7 @@ def sightings_of(
     """
     parts = [_frames(profile, recording[name], name, k, late) for k, name in enumerate(names)]
     columns: Any = zip(*(part[:-1] for part in parts), strict=True)
-    rays, rods, speeds, pulls, senses, blocks, t = (np.concatenate(column) for column in columns)
-    return Sightings(rays, rods, speeds, pulls, senses, blocks, t, late)
+    return Sightings._make([*(np.concatenate(column) for column in columns), late])
 
 
 def check_travel(profile: Profile, seen: Sightings) -> None:
@@ -101,15 +103,27 @@ def _frames(profile: Profile, rows: Stretch, name: str, block: int, late: float)
         rod = rows[f"reading.rod_{channel}"]  # its shortening from home
         later, before = (np.interp(at + step, sampled, rod) for step in (_HALF, -_HALF))
         pull = settings.area * np.interp(at, sampled, rows[f"reading.pressure_{channel}"])
-        sense = np.interp(at, sampled, senses_of(rod))
+        slow, quick = senses_of(rod, _REVERSAL * _STEP), senses_of(rod, _REVERSAL / _STEP)
+        sense = np.interp(at, sampled, senses_of(rod, _REVERSAL))
+        turn = np.interp(at, sampled, slow - quick) / (2.0 * np.log(_STEP))
         shown = settings.home - np.interp(at, sampled, rod)
-        columns.append((shown, (later - before) / (2.0 * _HALF), pull, sense))
-    rods, speeds, pulls, senses = (np.column_stack(each) for each in zip(*columns, strict=True))
-    return Sightings(rays, rods, speeds, pulls, senses, np.full(len(at), block), at, late)
+        columns.append((shown, (later - before) / (2.0 * _HALF), pull, sense, turn))
+    rods, speeds, pulls, senses, turns = (
+        np.column_stack(each) for each in zip(*columns, strict=True)
+    )
+    block_of = np.full(len(at), block)
+    return Sightings(rays, rods, speeds, pulls, senses, turns, block_of, at, late)
 
 
-def senses_of(rod: "Array") -> "Array":
+def senses_of(rod: "Array", reversal: float) -> "Array":
     """Return which way friction acts on a rod, -1 … 1, for its way over time.
+
+    Parameters
+    ----------
+    rod : ndarray, shape (n,)
+        Its shortening, m.
+    reversal : float
+        Way over which friction turns round, m.
 
     Notes
     -----
@@ -117,7 +131,7 @@ def senses_of(rod: "Array") -> "Array":
     """
     sense, senses = 0.0, []
     for step in np.diff(rod, prepend=rod[0]).tolist():
-        way = step / _REVERSAL
+        way = step / reversal
         sense = min(max(sense + way - abs(way) * sense, -1.0), 1.0)
         senses.append(sense)
     return np.array(senses)

@@ -236,8 +236,8 @@ def _whitening(values: Values, seen: Sightings, mounted: "Array") -> "Array":
 
 def _thinned(seen: Sightings) -> Sightings:
     step = max(len(seen.t) // _FRAMES, 1)
-    rays, rods, speeds, pulls, senses, blocks, t = (column[::step] for column in seen[:-1])
-    return Sightings(rays, rods, speeds, pulls, senses, blocks, t, seen.late)  # type: ignore[arg-type]
+    columns: Any = seen[:-1]
+    return Sightings._make([*(column[::step] for column in columns), seen.late])
 
 
 def _before(profile: Profile, posterior: Posterior) -> dict[str, float]:
