@@ -111,7 +111,8 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
                 f"init={first}", "con=null", "con0=null", f"umid=vcan-{os.getpid()}",
             ],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            start_new_session=True, preexec_fn=_die_with_parent,
+            start_new_session=True,
+            preexec_fn=_die_with_parent,  # noqa: PLW1509 - this program has one thread
         )  # fmt: skip
         _come_first(booted.pid)
         try:
