@@ -13,6 +13,7 @@ import numpy as np
 from rig.calibration.arm.model import (
     FRAME,
     JOINTS,
+    LENGTHS,
     Parameter,
     align,
     angles_of,
@@ -41,7 +42,11 @@ _DIFFERENCE: Final = 1e-3
 
 Directions = tuple[float, ...]
 
-_NEAREST: Final = 12
+_NEAREST: Final = 8
+_FARTHEST: Final = np.array((1.5,) * 6 + (0.1,) * 6)
+"""No zero (rad) and no length (m) is as wrong as that."""
+_EVALUATIONS: Final = 25
+"""A fit takes five to ten; what does not come near by then does not come near."""
 _CLEARLY: Final = 3.0
 """So much worse must the next best directions fit."""
 
@@ -197,9 +202,10 @@ def fit_hand(
         off = (seen_at - marker_positions(values, readings, sign)).ravel() / spread
         return np.concatenate((off, weights * (before - values[believed])))
 
-    spread = accuracy
+    spread, x = accuracy, np.zeros(int(free.sum()))
     for _ in range(2):  # the second time with the spread that the first has shown
-        found = least_squares(misfit, np.zeros(int(free.sum())), args=(spread,), x_scale="jac")
+        found = least_squares(misfit, x, args=(spread,), x_scale="jac", max_nfev=_EVALUATIONS)
+        x = found.x
         residuals = found.fun[: seen_at.size] * spread
         spread = max(float(np.sqrt(residuals @ residuals / freedom)), 1e-9)
     covariance = np.zeros((len(parameters), len(parameters)))
@@ -251,10 +257,14 @@ def find_directions(
         except CalibrationRefused as error:
             refusal = refusal or error
             continue
-        fits.append((float(np.sqrt(np.mean(fit.residuals**2))), directions, fit))
+        # Turned by half a turn, and a length negative, the other direction is the same arm.
+        moved = np.abs(fit.values - start)[: len(JOINTS) + len(LENGTHS)]
+        if np.all(moved < _FARTHEST):
+            fits.append((float(np.sqrt(np.mean(fit.residuals**2))), directions, fit))
     if not fits:
-        assert refusal is not None
-        raise refusal
+        raise refusal or CalibrationRefused(
+            "the hand did not move as the joints did: are poses mixed up, or a unit?"
+        )
     fits.sort(key=lambda entry: entry[0])
     left, best, found = fits[0]
     # What is not seen turns as the profile says.
