@@ -11,7 +11,7 @@ setpoint must not reach another lab's rig."""
 
 _ADVICE = {
     "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
-    "msgpack not installed": "pip install msgpack",
+    "msgpack not installed": "pip install 'python-can[multicast]'",
     "No such file": "look for it with: ls /dev/serial/by-id",
 }
 """What to type next, by words of an error."""

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from drivers.can.batch import PacketBatch
+from drivers.can.bitrate import bitrate_of
 from drivers.can.frame import (
     ERROR_FLAG,
     EXTENDED_FLAG,
@@ -43,6 +44,7 @@ _MEMORY: Final = struct.Struct("=9I")  # linux/sock_diag.h
 _SO_RCVBUFFORCE: Final = 33  # asm-generic/socket.h: SO_RCVBUF beyond what the system allows
 _ROOM: Final = 1 << 22  # for frames that wait, bytes: five thousand, half a second of a full bus
 _WAITS, _DROPS = 2, 8  # in it: bytes to be sent, packets that did not fit
+_VIRTUAL: Final = ("vcan", "vxcan")  # names of interfaces without a bit rate
 _ARPHRD_CAN: Final = 280  # linux/if_arp.h
 _IFF_UP: Final = 0x1
 
@@ -176,14 +178,13 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
     channel : str
         ``can0``, ``vcan0``, …
     bitrate : int
-        What it should run at, bit/s; only said in messages, since the kernel is told by
-        ``ip link``.
+        What it should run at, bit/s. The kernel is told by ``ip link``, and asked here.
 
     Raises
     ------
     ConnectionFailed
-        It is missing or down, or this machine has no SocketCAN. The message says which
-        command mends it.
+        It is missing or down or runs at another bit rate, or this machine has no SocketCAN.
+        The message says which command mends it.
     """
     try:
         sock = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
@@ -214,7 +215,22 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
         raise ConnectionFailed(
             channel, f"the interface is down; set it up with: {link_command(channel, bitrate)}"
         )
+    wrong = wrong_bitrate(channel, bitrate)
+    if wrong is not None:
+        sock.close()
+        raise ConnectionFailed(channel, wrong)
     return SocketCanBus(sock, channel)
+
+
+def wrong_bitrate(channel: str, bitrate: int) -> str | None:
+    """Return a sentence about an interface that runs at another bit rate, or None."""
+    found = None if channel.startswith(_VIRTUAL) else bitrate_of(channel)
+    if found in (None, bitrate):
+        return None
+    return (
+        f"the interface runs at {found} bit/s and the profile asks for {bitrate}; set it with: "
+        f"sudo ip link set {channel} down && {link_command(channel, bitrate)}"
+    )
 
 
 def _make_room(sock: socket.socket) -> None:

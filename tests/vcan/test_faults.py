@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import json
+import os
 import signal
 import socket
 import struct
@@ -120,6 +121,24 @@ def test_no_such_interface_and_one_that_is_down(tmp_path, recorder):
     with run(tmp_path / "down") as program:
         assert program.end() == 3
     assert f"sudo ip link set {LINK} up" in program.talk
+
+
+def test_an_interface_at_another_bit_rate(tmp_path):
+    """vcan has none: what the kernel would tell of a real one is said by another `ip`."""
+    ip("link", "add", "dev", "can7", "type", "vcan")
+    ip("link", "set", "can7", "up")
+    told = [{"ifname": "can7", "linkinfo": {"info_data": {"bittiming": {"bitrate": 500000}}}}]
+    other = tmp_path / "ip"
+    other.write_text(f"#!/bin/sh\necho '{json.dumps(told)}'\n")
+    other.chmod(0o755)
+    environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    with Program(
+        "run", "cylinder-step", "--on", "can7", "--out", tmp_path / "runs", environment=environment
+    ) as program:
+        assert program.end() == 3, program.talk
+    ip("link", "del", "can7")
+    assert "runs at 500000 bit/s and the profile asks for 1000000" in program.talk
+    assert "sudo ip link set can7 type can bitrate 1000000" in program.talk
 
 
 def test_nobody_answers(tmp_path):

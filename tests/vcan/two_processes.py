@@ -29,13 +29,14 @@ else:
     now, pause = time.monotonic, time.sleep
 
 
-def start(arguments):
+def start(arguments, environment):
     """Start a `rig` command."""
     if SHARED_TIME:
-        return WarmProcess(arguments)
+        return WarmProcess(arguments, environment)
     return subprocess.Popen(
         [*RIG, *arguments],
         cwd=ROOT,
+        env={**os.environ, **environment},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -46,8 +47,8 @@ def start(arguments):
 class Program:
     """A `rig` command in a process of its own."""
 
-    def __init__(self, *arguments):
-        self.process = start([*map(str, arguments)])
+    def __init__(self, *arguments, environment=None):
+        self.process = start([*map(str, arguments)], environment or {})
         self.said, self.printed = [], []
         self._more = threading.Condition()
         self._readers = [

@@ -19,13 +19,16 @@ class WarmProcess:
     ----------
     arguments : list of str
         What follows ``rig``.
+    environment : dict of str to str
+        Variables that it has besides.
     """
 
-    def __init__(self, arguments: list[str]) -> None:
+    def __init__(self, arguments: list[str], environment: dict[str, str]) -> None:
         context = get_context("forkserver")
         context.set_forkserver_preload(["all_of_rig"])
         out, err = context.Pipe(duplex=False), context.Pipe(duplex=False)
-        self._process = context.Process(target=_be_rig, args=(arguments, out[1], err[1]))
+        given = (arguments, out[1], err[1], environment)
+        self._process = context.Process(target=_be_rig, args=given)
         self._process.start()
         self.pid = self._process.pid
         self.stdout, self.stderr = (_open_text(ends) for ends in (out, err))
@@ -59,7 +62,10 @@ def _open_text(ends: tuple[Connection, Connection]):
         return os.fdopen(os.dup(reading.fileno()), encoding="utf-8")
 
 
-def _be_rig(arguments: list[str], out: Connection, err: Connection) -> None:
+def _be_rig(
+    arguments: list[str], out: Connection, err: Connection, environment: dict[str, str]
+) -> None:
+    os.environ.update(environment)
     os.dup2(out.fileno(), 1)
     os.dup2(err.fileno(), 2)
     out.close()
