@@ -107,7 +107,7 @@ class TestDirections:
         parameters, joints, hand = made(HandMetrology())
         hand = hand[::-1]
         with pytest.raises(
-            CalibrationRefused, match="does not tell which way|did not move as the joints"
+            CalibrationRefused, match=r"does not tell which way|did not move as the joints"
         ):
             find_directions(parameters, joints, hand, 1.0, 50e-6)
 
