@@ -91,14 +91,21 @@ class TestFit:
 
 
 class TestDirections:
-    @pytest.mark.parametrize("frame", ["base", "free"])
     @pytest.mark.parametrize(
-        "turned", [(1, 1, 1, 1, 1, 1), (-1, 1, 1, 1, -1, 1), (1, -1, -1, -1, 1, -1)]
+        ("turned", "frame"),
+        [
+            ((1, -1, -1, -1, 1, -1), "base"),
+            pytest.param((1, 1, 1, 1, 1, 1), "base", marks=pytest.mark.slow),
+            pytest.param((-1, 1, 1, 1, -1, 1), "base", marks=pytest.mark.slow),
+            pytest.param((1, 1, 1, 1, 1, 1), "free", marks=pytest.mark.slow),
+            pytest.param((-1, 1, 1, 1, -1, 1), "free", marks=pytest.mark.slow),
+        ],
     )
     def test_are_found_from_how_the_hand_moves(self, turned, frame):
         parameters, joints, hand = made(HandMetrology(frame=frame), turned=turned)
         assert find_directions(parameters, joints, hand, 1.0, 50e-6) == turned
 
+    @pytest.mark.slow
     def test_of_a_joint_that_is_not_seen_is_the_profile_s(self):
         parameters, joints, hand = made(HandMetrology(), marker=(0.0, 0.0, 0.0))
         assert find_directions(parameters, joints, hand, 1.0, 50e-6)[5] == 1.0
