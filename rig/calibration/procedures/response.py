@@ -164,15 +164,18 @@ def _step(t: "Array", q: Any) -> "Array":
     """Return the response to a step at 0, Pa."""
     w, z, dead, start, end = (float(x) for x in q)
     s = np.maximum(t - dead, 0.0)
-    if z < 1.0 - 1e-6:
-        wd = w * math.sqrt(1.0 - z * z)
-        h = 1.0 - np.exp(-z * w * s) * (np.cos(wd * s) + z * w / wd * np.sin(wd * s))
-    elif z > 1.0 + 1e-6:
-        root = math.sqrt(z * z - 1.0)
-        a, b = w * (z - root), w * (z + root)
-        h = 1.0 - (b * np.exp(-a * s) - a * np.exp(-b * s)) / (b - a)
+    # One formula below and above critical damping, smooth through it: a fit that begins there
+    # would not find its way out of a branch of its own.
+    square = w * w * (z * z - 1.0)
+    if abs(square) < 1e-8 * w * w:
+        even, odd = 1.0 + 0.5 * square * s * s, s * (1.0 + square * s * s / 6.0)
+    elif square < 0.0:
+        rate = math.sqrt(-square)
+        even, odd = np.cos(rate * s), np.sin(rate * s) / rate
     else:
-        h = 1.0 - np.exp(-w * s) * (1.0 + w * s)
+        rate = math.sqrt(square)
+        even, odd = np.cosh(rate * s), np.sinh(rate * s) / rate
+    h = 1.0 - np.exp(-z * w * s) * (even + z * w * odd)
     return np.asarray(start + (end - start) * h)
 
 
