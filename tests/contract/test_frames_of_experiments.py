@@ -1,6 +1,8 @@
 """Every frame of whole experiments under Wireshark's CANopen dissector and our own decoder."""
 
 import json
+import os
+from pathlib import Path
 
 import pytest
 from wireshark import dissect, needs_tshark, troubles
@@ -9,12 +11,13 @@ from drivers.can.candump import parse_lines
 from drivers.can.frame import REMOTE_FLAG
 from rig.cli import invoke
 
-EXPERIMENTS = {
-    "cylinder": ("cylinder-step",),
-    "joint": ("joint-circle",),
-    "arm": ("arm-elbow-circle",),
-    "legs-can": ("legs-squat", "--rig", "legs-can"),
-}
+CONFIGS = Path(__file__).parents[2] / "configs" / "experiments"
+RIGS = {"cylinder": "cylinder", "joint": "joint", "arm": "arm", "legs": "legs-can"}
+ONE_OF_EACH = ("cylinder-step", "joint-circle", "arm-elbow-circle", "legs-squat")
+# Every other one takes a quarter of an hour more: with SLOW=1, as in `.ci/run`.
+EXPERIMENTS = (
+    sorted(path.stem for path in CONFIGS.glob("*.yaml")) if os.environ.get("SLOW") else ONE_OF_EACH
+)
 SERVICES = ("SYNC", "PDO1", "Default-SDO", "NMT", "NMT Error Control")
 
 
@@ -31,11 +34,14 @@ def test_the_dissector_tells_what_is_no_canopen(tmp_path):
 
 @needs_tshark
 @pytest.mark.slow
-@pytest.mark.parametrize("rig", EXPERIMENTS)
-def test_no_frame_of_an_experiment_is_malformed_or_unknown(rig, tmp_path, capfd, record_property):
-    experiment, *options = EXPERIMENTS[rig]
+@pytest.mark.parametrize("experiment", EXPERIMENTS)
+def test_no_frame_of_an_experiment_is_malformed_or_unknown(
+    experiment, tmp_path, capfd, record_property
+):
+    rig = RIGS[experiment.partition("-")[0]]
+    options = ["--rig", rig] if rig == "legs-can" else []  # others name a variant of their rig
     arguments = ["run", experiment, *options, "--frames", "--no-report", "--out", str(tmp_path)]
-    assert invoke(arguments) == 0
+    assert invoke(arguments) in (0, 1)  # a bound that is missed is not the question here
     (folder,) = tmp_path.iterdir()
     found = dissect(folder / "frames.log")
     assert not troubles(found)
