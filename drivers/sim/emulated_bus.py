@@ -129,7 +129,10 @@ class EmulatedBus:
     @property
     def due(self) -> float:
         """When the first node has something to do, s."""
-        return min([node.due for node in self.nodes], default=inf)
+        due = inf
+        for node in self.nodes:  # compared, because min() takes twice as long
+            due = node.due if node.due < due else due
+        return due
 
     def _accept(self, flagged_id: int, data: bytes, latency: float) -> None:
         can_id = flagged_id & EXTENDED_MASK

@@ -177,5 +177,8 @@ class EmulatedRig:
     def _next_due(self) -> float:
         due = self._schedule.next_time
         for part in self._timed:
-            due = min(due, part.due)
-        return min(due, self._events[0][0]) if self._events else due
+            wanted = part.due
+            due = wanted if wanted < due else due
+        if self._events and self._events[0][0] < due:
+            return self._events[0][0]
+        return due

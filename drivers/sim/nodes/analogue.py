@@ -26,8 +26,12 @@ class AnalogueScale(NamedTuple):
 
     def pressure_from_electrical(self, signal: float) -> float:
         """Return the pressure a regulator takes a signal for; it ends at its range's ends."""
-        low, high = sorted(self.electrical)
-        return _line(min(max(signal, low), high), self.electrical, self.pressure)
+        low, high = self.electrical
+        if low > high:
+            low, high = high, low
+        if not low <= signal <= high:
+            signal = low if signal < low else high
+        return _line(signal, self.electrical, self.pressure)
 
     def electrical_from_pressure(self, pressure: float) -> float:
         """Return the signal of a monitor output, which has some headroom beyond its range."""
@@ -36,7 +40,7 @@ class AnalogueScale(NamedTuple):
     def raw_from_electrical(self, signal: float, low: float, high: float) -> int:
         """Return the converter's counts for a signal, saturated at `low` … `high`."""
         raw = round(_line(signal, self.electrical, self.raw))
-        return int(min(max(raw, low), high))
+        return raw if low <= raw <= high else int(min(max(raw, low), high))
 
 
 def _line(x: float, xs: tuple[float, float], ys: tuple[float, float]) -> float:

@@ -244,4 +244,4 @@ class EmulatedCia406(EmulatedNode):
 
 
 def _saturate(value: int, high: float) -> int:
-    return int(min(max(value, -high - 1), high))
+    return value if -high - 1 <= value <= high else int(min(max(value, -high - 1), high))

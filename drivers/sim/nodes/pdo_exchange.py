@@ -121,7 +121,7 @@ class PdoExchange:
 
     def synchronise(self, now: float) -> None:
         """Act on a SYNC: sample and send what it asks for, apply what waited for it."""
-        wanted = [pdo for pdo in self.transmit if pdo.wants_sync()]
+        wanted = [pdo for pdo in self.transmit if pdo.can_id is not None and pdo.wants_sync()]
         if wanted:
             self._process.sample_inputs(now)
             for pdo in wanted:
