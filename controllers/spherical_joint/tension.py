@@ -7,6 +7,7 @@ can be held and any slack taken out by pulling harder.
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 from controllers.compiled import inlined, kernel_of
@@ -24,9 +25,7 @@ _BESIDE = (4e-4, 9e-4)
 """How far beside a pose its shares are taken if they are not unique there, rad: not along any of
 the anchors' azimuths, and away from home, where they are not unique either. They move by less
 than 1e-4 over this."""
-
 _Tensions = tuple[Quadruple, Quadruple, Quadruple]
-
 _MOST_LIFTS = 25
 _LIFTED = 1e-3
 """How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
@@ -214,15 +213,38 @@ def _limit_of_shares(
         rows = wire_jacobian(wires, natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
         unique, beside = _null_vector(rows, vanishing)
         reach *= 2.0
+    return _without_tilt(beside, first, second)
+
+
+@inlined
+def _without_tilt(shares: Quadruple, first: Quadruple, second: Quadruple) -> Quadruple:
+    """Return shares corrected within each pair so that they tilt nothing."""
     # The pairs are (1, 3) and (4, 2), see `PAIRS`.
-    a, b, c, d = beside
+    a, b, c, d = shares
     one = 0.5 * (first[0] * a + first[1] * b + first[2] * c + first[3] * d)
     other = 0.5 * (second[0] * a + second[1] * b + second[2] * c + second[3] * d)
     return (a - one, b + other, c + one, d - other)
 
 
+def _regular(geometry: SphericalJointGeometry) -> SphericalJointGeometry | None:
+    """Return the geometry with its anchors exactly across each other; None if they are."""
+    angles = geometry.anchor_angles
+    quarters = [0.5 * math.pi * round((angle - angles[0]) / (0.5 * math.pi)) for angle in angles]
+    middle = sum(a - q for a, q in zip(angles, quarters, strict=True)) / len(angles)
+    off = [abs(a - middle - q) for a, q in zip(angles, quarters, strict=True)]
+    first, second, third, fourth = (middle + quarter for quarter in quarters)
+    across = (first, second, third, fourth)
+    return None if max(off) < 1e-9 else replace(geometry, anchor_angles=across)
+
+
 class TensionDistribution:
     """The tensions of the four wires in a pose.
+
+    Measured anchors are not exactly across each other. Near a pose that tilts towards a wire they
+    turn the spin that is left there by small angles alone: shares that balance it grow without
+    bound. The shares are then the regular joint's, corrected so that they tilt nothing; the spin
+    that is left, below 1e-4 of what the wires could do with anchors half a degree off, is the
+    seat's friction's to hold.
 
     Parameters
     ----------
@@ -232,6 +254,8 @@ class TensionDistribution:
 
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         self._wires = ExactWires(geometry)
+        regular = _regular(geometry)
+        self._regular = None if regular is None else ExactWires(regular)
         self._half_angle = geometry.ring_half_angle
         # Nearer to such a pose, rounding would be more than what the limit of the shares is off.
         self._vanishing = 5e-8 * geometry.ball_radius**3
@@ -248,10 +272,15 @@ class TensionDistribution:
         tensions = self._tensions_in(self._wires.constants, self._vanishing, rotation)
         if math.isnan(tensions[0][0]):
             self._wires.jacobian(rotation)  # says which wire it is
-        return PoseTensions(*tensions)
+        if self._regular is None:
+            return PoseTensions(*tensions)
+        shares = self._shares_in(self._regular.constants, self._vanishing, rotation)
+        return PoseTensions(_without_tilt(shares, *tensions[1:]), *tensions[1:])
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum."""
+        if self._regular is not None:
+            return self.at(rotation).shares
         shares = self._shares_in(self._wires.constants, self._vanishing, rotation)
         if math.isnan(shares[0]):
             self._wires.jacobian(rotation)

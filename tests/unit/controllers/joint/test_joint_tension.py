@@ -199,3 +199,36 @@ def test_pressures_of_tensions():
     first, second = pair_pressures((20.0, 21.0, 22.0, 25.0), area)
     assert first == pytest.approx((21.0 / area, -2.0 / area))
     assert second == pytest.approx((23.0 / area, 4.0 / area))
+
+
+def test_measured_anchors_share_tensions_as_exact_ones_do():
+    """Anchors off by a third of a degree: no wire has to push where the ring leans to one."""
+    quarter = 0.5 * math.pi
+    skewed = SphericalJointGeometry(
+        anchor_angles=tuple(
+            quarter * (k + 1) + off for k, off in enumerate((3e-3, -3e-3, -5e-3, 5e-3))
+        )
+    )
+    exact, measured = TensionDistribution(SphericalJointGeometry()), TensionDistribution(skewed)
+    wires = ExactWires(skewed)
+    for tilt in (1e-3, 0.2, 0.6):
+        for azimuth in (0.0, 1e-3, 0.7, quarter):
+            rotation = natural_rotation(
+                (
+                    math.sin(tilt) * math.cos(azimuth),
+                    math.sin(tilt) * math.sin(azimuth),
+                    math.cos(tilt),
+                )
+            )
+            shares = measured.shares(rotation)
+            assert sum(shares) == pytest.approx(1.0)
+            assert shares == pytest.approx(exact.shares(rotation), abs=0.01)
+            assert measured.at(rotation).pair_forces(shares) == pytest.approx((0.0, 0.0), abs=1e-9)
+            torque = [
+                sum(
+                    share * row[axis]
+                    for share, row in zip(shares, wires.jacobian(rotation), strict=True)
+                )
+                for axis in range(3)
+            ]
+            assert math.hypot(*torque) < 1e-3 * skewed.ball_radius
