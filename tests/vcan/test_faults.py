@@ -152,6 +152,25 @@ def test_nobody_answers(tmp_path):
     assert f"rig simulate cylinder --on {LINK}" in talk
 
 
+def test_devices_that_vanish_in_a_run(tmp_path):
+    with simulate("cylinder", LINK, *RATE) as devices, run(tmp_path) as program:
+        program.wait_for("run …")
+        devices.send(signal.SIGKILL)
+        assert program.end() == 4, program.talk
+    assert only_run(tmp_path)[0]["status"] == "faulted"
+    assert "regulators" in program.talk or "encoder-" in program.talk
+
+
+def test_a_twin_of_a_node_that_is_switched_on_in_a_run(tmp_path):
+    with simulate("cylinder", LINK, *RATE) as devices, run(tmp_path) as program:
+        program.wait_for("run …")
+        with simulate("cylinder", LINK, *RATE) as other:
+            assert program.end() == 4, program.talk
+            assert other.stop() == 0
+        assert devices.stop() == 0
+    assert "rebooted while running" in program.talk
+
+
 def test_nodes_vent_by_themselves_when_the_controlling_process_is_killed(
     tmp_path, simulation, recorder
 ):
