@@ -85,22 +85,20 @@ class Solved(NamedTuple):
         """One for each rod, and one of the residuals over time."""
         believed = extensions_seen(self.before, self.seen, self.mounted)
         # What friction and the rods' zeros add is the same for both: the geometry is shown.
-        measured, rest = 1e6 * (self.seen.rods - believed), 1e6 * self.residuals
-        zero = np.zeros(len(measured))
+        measured, rest = 1e3 * (self.seen.rods - believed), 1e3 * self.residuals
+        labels = ("less the model before (mm)", "residual (µm)")
         panels = [
             Panel(
-                f"rod of {channel}", "extension (mm)", "less the model before (µm)",
-                "residual (µm)", 1e3 * self.seen.rods[:, k], measured[:, k],
-                measured[:, k] - rest[:, k], zero,
+                f"rod of {channel}", "extension (mm)", *labels, 1e3 * self.seen.rods[:, k],
+                measured[:, k], measured[:, k] - rest[:, k], np.zeros(len(rest)), 1e3,
             )
             for k, channel in enumerate(self.channels)
         ]  # fmt: skip
         return [
             *panels,
             Panel(
-                "all rods over time", "time (s)", "less the model before (µm)", "residual (µm)",
-                np.tile(self.seen.t, 4), measured.T.ravel(), (measured - rest).T.ravel(),
-                np.zeros(4 * len(measured)),
+                "all rods over time", "time (s)", *labels, np.tile(self.seen.t, 4),
+                measured.T.ravel(), (measured - rest).T.ravel(), np.zeros(rest.size), 1e3,
             ),
         ]  # fmt: skip
 
