@@ -217,9 +217,7 @@ def _values(profile: Profile, mean: "Array", breakaway: float | None) -> Mapping
     ball: dict[str, float] = {}
     if profile.mechanism == "joint":
         settings = profile.mechanism_settings
-        wound = 0.5 * math.pi - settings.geometry.ring_half_angle
-        # Leaning between the pairs, the ring's friction is shared by both.
-        known = math.sqrt(2.0) * believed.ring + wound * believed.wire
+        known = _on_ball(profile)
         share = max(growth, 0.0) / known
         ball = {"ring": share * believed.ring, "wire": share * believed.wire}
         on_ball = share * known * 2.0 * settings.area * settings.base_pressure
@@ -235,9 +233,19 @@ def _values(profile: Profile, mean: "Array", breakaway: float | None) -> Mapping
     }
 
 
+def _on_ball(profile: Profile) -> float:
+    """Return what of a pair's friction is believed to be on the ball, over its tensions."""
+    if profile.mechanism == "cylinder":
+        return 0.0
+    settings = profile.mechanism_settings
+    wound = 0.5 * math.pi - settings.geometry.ring_half_angle
+    # Leaning between the pairs, the ring's friction is shared by both.
+    return float(math.sqrt(2.0) * settings.friction.ring + wound * settings.friction.wire)
+
+
 def _panel_of_sliding(profile: Profile, pair: _Rows, found: Fit) -> Panel:
     believed = profile.mechanism_settings.friction
-    _, force, position, velocity, acceleration, _ = pair.sliding.T
+    _, force, position, velocity, acceleration, load = pair.sliding.T
     sign = np.sign(velocity)
     zero, _, _, mass, *_ = found.values
     friction = force - zero - mass * acceleration
@@ -246,14 +254,15 @@ def _panel_of_sliding(profile: Profile, pair: _Rows, found: Fit) -> Panel:
     return Panel(
         f"{pair.name} sliding, without inertia".strip(), "velocity (mm/s)", "friction (N)",
         "residual (N)", 1e3 * velocity, friction, friction - found.residuals,
-        sign * believed.coulomb + believed.viscous * velocity,
+        sign * (believed.coulomb + _on_ball(profile) * load) + believed.viscous * velocity,
     )  # fmt: skip
 
 
 def _panel_of_slips(profile: Profile, forward: "Array", backward: "Array", mean: float) -> Panel:
-    count = 2 * len(forward)
+    count, settings = 2 * len(forward), profile.mechanism_settings
+    load = 2.0 * settings.area * settings.base_pressure
     return Panel(
         "slips of the slow strokes", "number", "force (N)", "residual (N)",
         np.arange(float(count)), np.concatenate((forward, backward)), np.full(count, mean),
-        np.full(count, profile.mechanism_settings.friction.breakaway),
+        np.full(count, settings.friction.breakaway + _on_ball(profile) * load),
     )  # fmt: skip
