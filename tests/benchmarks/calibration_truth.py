@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import numpy as np
+import truth_of_camera
 import truth_of_servos
 
 from drivers.sim.perturbation import draw
@@ -39,6 +40,7 @@ DRAWN = {
     "wires": ("simulation.perturbation.wire_offset=2 mm", "loop.rate=100"),
     "response": (),
     "friction": ("simulation.perturbation.friction=0.3",),
+    **truth_of_camera.DRAWN,
     **truth_of_servos.DRAWN,
 }
 """By procedure, with the rig's name before it if it is not the cylinder's."""
@@ -50,10 +52,13 @@ def calibrate(procedure, seed, out):
     rig, _, name = procedure.rpartition(" ")
     profile = load_profile(rig or "cylinder", REGISTRY, options, find_configs())
     chosen = procedures(profile)[name]
-    result, folders = record(chosen, profile, Backend.SIM, out)
-    assert result.exit_code == 0, result.message
-    readings = read_instruments(chosen, profile, folders, simulated=True)
-    findings = chosen.identify(profile, Recording.of(folders), readings)
+    if name == "lens":
+        findings, folders = truth_of_camera.look_at_boards(chosen, profile, out)
+    else:
+        result, folders = record(chosen, profile, Backend.SIM, out)
+        assert result.exit_code == 0, result.message
+        readings = read_instruments(chosen, profile, folders, simulated=True)
+        findings = chosen.identify(profile, Recording.of(folders), readings)
     true = TRUE[procedure](profile, seed, chosen, folders)
     rows = [
         (f"{finding.target}:{e.name}", e, true[finding.target, e.name])
@@ -131,6 +136,7 @@ TRUE = {
     "wires": true_of_wires,
     "response": true_of_response,
     "friction": true_of_friction,
+    **truth_of_camera.TRUE,
     **truth_of_servos.TRUE,
 }
 

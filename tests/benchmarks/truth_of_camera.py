@@ -1,7 +1,9 @@
 """Calibrations of simulated joints and cameras as drawn, and what is true of each of them."""
 
 from rig.assembly.simulated import make_plant, reality_of
+from rig.calibration.board_views import VIEWS, simulate_views
 from rig.calibration.joint.parameters import LENGTHS
+from rig.calibration.lens import Board, read_views
 
 JOINT = (
     "simulation.perturbation.geometry=0.02",
@@ -9,9 +11,15 @@ JOINT = (
     "simulation.perturbation.camera_angle=2 deg",
     "simulation.perturbation.camera_latency=5 ms",
 )
+LENS = (
+    "simulation.perturbation.camera_focal=0.02",
+    "simulation.perturbation.camera_centre=20",
+    "simulation.perturbation.camera_distortion=0.1",
+)
 DRAWN = {
-    "camera": JOINT,
-    "geometry": (*JOINT, "simulation.perturbation.wire_offset=2 mm"),
+    "joint camera": (*JOINT, "loop.rate=500"),
+    "joint geometry": (*JOINT, "simulation.perturbation.wire_offset=2 mm"),
+    "joint lens": LENS,
 }
 
 
@@ -40,4 +48,21 @@ def true_of_geometry(profile, seed, procedure, folders):
     return true | true_of_camera(profile, seed, procedure, folders)
 
 
-TRUE = {"camera": true_of_camera, "geometry": true_of_geometry}
+def true_of_lens(profile, seed, procedure, folders):
+    """Return the lens that the simulated camera has."""
+    lens = reality_of(profile, "camera", make_plant(profile))["scene"].intrinsics
+    return {("camera", name): getattr(lens, name) for name in ("fx", "fy", "cx", "cy", "k1", "k2")}
+
+
+def look_at_boards(lens, profile, out):
+    """Return what a lens's procedure finds in simulated views, and where those are."""
+    board = Board()
+    folder = simulate_views(profile, "camera", board, out)
+    return lens.find(profile, read_views(folder / VIEWS, board), board), [folder]
+
+
+TRUE = {
+    "joint camera": true_of_camera,
+    "joint geometry": true_of_geometry,
+    "joint lens": true_of_lens,
+}
