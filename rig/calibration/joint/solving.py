@@ -41,6 +41,9 @@ _TWIST: Final = 3e-3
 """Of a rod's stretch (m), the marker in a frame (m), the ring about its axis (rad); E, rms. Only
 their proportions matter."""
 
+_ABSENCE: Final = 1.2
+"""The marker may be out of sight for so long, s."""
+
 _SETTLED: Final = 50e-6
 _ROUNDS: Final = 3
 """The latency is fitted anew until it changes by less, s; so often at most."""
@@ -118,8 +121,19 @@ def relaxed(profile: Profile) -> tuple[Profile, tuple[str, ...]]:
         for name in ("disagreement", "residual")
         if getattr(wider, name) != getattr(limits, name)
     )
-    mechanism = dataclasses.replace(settings, limits=wider)
-    return dataclasses.replace(profile, mechanism_settings=mechanism), notes
+    # A wrong geometry turns the work of a pair round as swapped encoders do, by less.
+    swapped = dataclasses.replace(settings.alarms.swapped, share=1.0)
+    alarms = dataclasses.replace(settings.alarms, swapped=swapped)
+    mechanism = dataclasses.replace(settings, limits=wider, alarms=alarms)
+    entry = profile.devices[settings.camera]
+    absence = max(entry.settings.max_absence, _ABSENCE)
+    patient = dataclasses.replace(entry.settings, max_absence=absence)
+    devices = {**profile.devices, settings.camera: dataclasses.replace(entry, settings=patient)}
+    notes += (
+        f"{settings.camera}.max_absence is {absence:g} s: a wrong pose puts rays beside the sphere",
+        "alarms.swapped.share is 1",
+    )
+    return dataclasses.replace(profile, mechanism_settings=mechanism, devices=devices), notes
 
 
 def swing(profile: Profile, rosette: Rosette, done: Sequence[str]) -> Excitation:

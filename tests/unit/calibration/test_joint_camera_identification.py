@@ -139,7 +139,7 @@ def refused(profile, rows, what):
 
 
 def test_a_log_that_was_cut_short_is_refused(profile, rows):
-    refused(profile, rows[: len(rows) // 2], r"9 of 17 stretches are missing or cut short: petal on 8")
+    refused(profile, rows[: len(rows) // 2], "9 of 17 stretches .* short: petal on 8")
 
 
 def test_a_marker_that_is_lost_is_refused(profile, rows):
