@@ -29,6 +29,7 @@ class Dimensions:
     shoulder_offset: float = 0.0
     position_min: tuple = (-3.1, -3.1, -2.8, -6.2, -2.5, -6.2)
     position_max: tuple = (3.1, 3.1, 2.8, 6.2, 2.5, 6.2)
+    marker: tuple = (0.04, 0.0, 0.03)
 
 
 FRICTIONLESS = ArmDriveSettings(friction=(0.0,) * 6, viscous=(0.0,) * 6)
