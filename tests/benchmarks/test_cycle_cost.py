@@ -77,9 +77,17 @@ class FarEnd(SocketCanBus):
         super().__init__(sock, "far")
         self.sent = []
 
-    def send(self, msg, timeout=None):
-        self.sent.append((msg.arbitration_id, bytes(msg.data)))
-        super().send(msg)
+    def send_data(self, can_id, data):
+        self.sent.append((can_id, data))
+        super().send_data(can_id, data)
+
+
+class SocketLine:
+    """A pair of sockets as the line between master and nodes."""
+
+    def __init__(self, near, end):
+        self.nodes_end = end
+        self.open = lambda: SocketCanBus(near, "near")
 
 
 class RecordingClock:
@@ -160,11 +168,11 @@ def rig_on_sockets(monkeypatch):
     near, far = _pair()
     end = FarEnd(far)
     with monkeypatch.context() as patch:
-        patch.setattr("can.Bus", lambda **_: end)
-        patch.setattr("drivers.can.open_bus", lambda _: SocketCanBus(near, "near"))
+        patch.setattr("drivers.sim.can_line.CanLine", lambda _: SocketLine(near, end))
         with armed_rig(Backend.VIRTUAL) as rig:
             rig.truth, rig.truth_columns = tuple, ()  # a real rig tells no truth
             yield rig, end
+    end.shutdown()
 
 
 def stock_cycles(monkeypatch, path, fed, recorded, threaded):
