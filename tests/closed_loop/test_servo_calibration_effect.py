@@ -48,16 +48,17 @@ def bench(tmp_path):
     return calibrate, recorded
 
 
-def hand_error(recorded, rig, options):
-    """Return how far the hand is from where the rig believes it, rms over poses held, m."""
-    # A joint that turns the wrong way is only safe to move around where it stands.
-    _, (log,) = recorded(rig, "zeros", options)
-    error = [log.column(f"truth.hand_{a}") - log.column(f"reading.hand_{a}") for a in "xyz"]
-    # While any joint moves, the reading is a cycle older than the truth beside it: 20 ms at 0.1 m/s
-    # are 2 mm that no calibration takes away.
-    speeds = [log.column(f"reading.velocity_q{joint}") for joint in range(1, 7)]
-    settled = np.max(np.abs(speeds), axis=0) < 1e-3
-    return float(np.sqrt(np.mean(np.sum(np.square(error), axis=0)[settled])))
+def hand_error(recorded, rig, options, way="zeros"):
+    """Return how far the hand is from where the rig believes it, rms over a way, m."""
+    # A joint that turns the wrong way is only safe to move around where it stands ("zeros").
+    _, (log,) = recorded(rig, way, options)
+    # A reading is one cycle older than the truth in its row: at 50 Hz a hand at 0.3 m/s would seem
+    # 6 mm off that no calibration takes away.
+    error = [
+        log.column(f"truth.hand_{axis}")[:-1] - log.column(f"reading.hand_{axis}")[1:]
+        for axis in "xyz"
+    ]
+    return float(np.sqrt(np.mean(np.sum(np.square(error), axis=0))))
 
 
 def foot_error(recorded, rig, options):
@@ -86,12 +87,13 @@ def test_the_hand_of_an_arm(bench, rig, on, record_property):
     drawn = [option for option in ARM if "perturbation" not in option]
     nominal, before = hand_error(recorded, rig, drawn), hand_error(recorded, rig, ARM)
     assert calibrate(rig, ["zeros", "links"], options, on) == 0
-    after = hand_error(recorded, rig, ARM)
+    # Near where it was found, and all over the workspace.
+    after = max(hand_error(recorded, rig, ARM, way) for way in ("zeros", "links"))
     record_property("hand error nominal, before, after (m)", (nominal, before, after))
     sys.stdout.write(f"{rig} on {on}: hand error {nominal:.3g}, {before:.3g}, {after:.3g} m\n")
     assert before > 10e-3
     assert after < 0.2e-3
-    assert nominal < 0.1e-3
+    assert nominal < 10e-6
 
 
 @pytest.mark.slow
