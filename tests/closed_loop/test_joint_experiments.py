@@ -35,6 +35,8 @@ PROMISED = {
         "wire_rms": 0.05e-3,
         "marker_rms": 0.07e-3,
         "radial_rms": 0.03e-3,
+        "marker_rms_0.2hz": 0.07e-3,
+        "radial_rms_0.2hz": 0.03e-3,
     },
     "joint-poses": {"wire_hold_rms": 0.03e-3},
     "joint-poses-low-speed": {"wire_hold_rms": 0.005e-3},
