@@ -61,6 +61,7 @@ def test_gait_cycle_cost(table, kind):
     assert shift <= OURS
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of what the peers import
 @pytest.mark.parametrize(
     ("name", "modules", "make"),
     [
