@@ -17,7 +17,7 @@ from pathlib import Path
 from user_mode_linux import SCRATCH, NotInstalled, run_inside
 from vcan_links import LINKS, make_links, missing
 
-TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "900"))  # of the whole run, s
+TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "1800"))  # of the whole run, s
 _NEITHER = 4  # pytest's own code for a usage error
 _ROOT = Path(__file__).parents[2]
 _PATIENT_TIME = Path(__file__).parent / "patient_time"
