@@ -141,7 +141,7 @@ def _line(
     panel = Panel(
         f"{device}", "counted (mm)", "caliper less it (mm)", "residual (µm)",
         1e3 * counted, 1e3 * (extension - counted), 1e3 * (fitted - counted),
-        1e3 * (before - counted),
+        1e3 * (before - counted), 1e3,
     )  # fmt: skip
     return Finding(
         device,

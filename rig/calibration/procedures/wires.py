@@ -122,7 +122,7 @@ class Wires:
         panel = Panel(
             "mean extension of the rods", "pull of a chamber (N)", "extension (mm)",
             "residual (µm)", pull, 1e3 * extension, 1e3 * (extension - residuals),
-            np.full_like(pull, 1e3 * settings.home),
+            np.full_like(pull, 1e3 * settings.home), 1e3,
         )  # fmt: skip
         return (
             Finding(

@@ -140,6 +140,9 @@ class TestEncoders:
     def test_finds_zero_scale_and_direction(self, profile, sign):
         procedure, found, readings = self.made(profile, sign=sign)
         finding, other = procedure.identify(profile, found, readings)
+        (panel,) = finding.panels
+        drawn = panel.residual_scale * (panel.y - panel.fit)
+        assert drawn == pytest.approx(1e6 * finding.residuals)  # as its label says, µm
         assert finding.target == "encoder-agonist"
         assert finding.values["reversed"] is (sign < 0)
         assert finding.values["scale"] == pytest.approx(1.002, abs=1e-4)

@@ -66,6 +66,9 @@ class TestWires:
 
     def test_finds_home_and_stiffness_whatever_the_bristles(self, profile):
         (finding,) = procedures(profile)["wires"].identify(profile, self.recording(profile), {})
+        (panel,) = finding.panels
+        drawn = panel.residual_scale * (panel.y - panel.fit)
+        assert drawn == pytest.approx(1e6 * finding.residuals)  # as its label says, µm
         found = {e.name: e.value for e in finding.estimates}
         assert found["home"] == pytest.approx(self.HOME, abs=0.5e-6)
         assert found["wire.stiffness"] == pytest.approx(self.STIFFNESS, rel=2e-3)
