@@ -1,52 +1,26 @@
 """The wide-angle spherical joint: four pneumatic cylinders turn a ring on a ball by wires."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from drivers.sim.plants.channel import STATE
 from drivers.sim.plants.parameters import scale_seals
-from drivers.sim.plants.pneumatic_plant import (
-    EXTENSION,
-    PRESSURE,
-    SPEED,
-    TENSION,
-    PneumaticPlant,
-)
-from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.pneumatic_plant import PneumaticPlant
 from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
 from drivers.sim.plants.spherical_joint_parameters import (
     WIRES,
     JointGeometry,
     check_geometry,
     draw_joint,
-    draw_marker,
     draw_wires,
     home_lengths,
 )
 from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
-
-STICKING_SPEED = 1e-4
-"""A rod sticks while its seals slide more slowly than this, m/s; what they give elastically
-before they slide does not count."""
+from drivers.sim.plants.spherical_joint_truth import CHANNELS, TRUTH_COLUMNS
 
 Vector3 = tuple[float, float, float]
 
-_CHANNELS = ("ch1", "ch2", "ch3", "ch4")
-_BRISTLE = list(STATE.names or ()).index("bristle")
-_SUPPLY, _QW = (list(JOINT_STATE.names or ()).index(name) for name in ("supply", "qw"))
-_RING_TENSION = list(WIRE_STATE.names or ()).index("tension")
-
-
-class _Seal(NamedTuple):
-    """What tells whether a cylinder's seals slide; the names are those of `PARAMETERS`."""
-
-    coulomb: float
-    breakaway: float
-    stribeck_velocity: float
-    pressure_friction: float
-    bristle_stiffness: float
+_QW = list(JOINT_STATE.names or ()).index("qw")
 
 
 class SphericalJointPlant(PneumaticPlant):
@@ -76,24 +50,12 @@ class SphericalJointPlant(PneumaticPlant):
 
     Settings = SphericalJointPlantSettings
 
-    channel_names = _CHANNELS
+    channel_names = CHANNELS
 
     known_faults = (*PneumaticPlant.known_faults, "wire_slack", "anchor_slipped")
     """What `inject` understands; the last two let some wire go (`slack`, `slip`) each time."""
 
-    truth_columns = (
-        *((f"marker_{axis}", "m") for axis in "xyz"),
-        *((f"axis_{axis}", "1") for axis in "xyz"),
-        ("twist", "rad"),
-        *((f"tension_{name}", "N") for name in _CHANNELS),
-        *((f"ring_tension_{name}", "N") for name in _CHANNELS),
-        *((f"extension_{name}", "m") for name in _CHANNELS),
-        *((f"speed_{name}", "m/s") for name in _CHANNELS),
-        *((f"pressure_{name}", "Pa") for name in _CHANNELS),
-        *((f"sticking_{name}", "1") for name in _CHANNELS),
-        ("supply", "Pa"),
-    )
-    """Names and units of `truth`. A wire's tension is that on the cylinder's side of the ball."""
+    truth_columns = TRUTH_COLUMNS
 
     def __init__(
         self, settings: SphericalJointPlantSettings, seed: int, geometry: JointGeometry
@@ -107,13 +69,14 @@ class SphericalJointPlant(PneumaticPlant):
         super().__init__(settings, seals, units=units, monitors=monitors, line=self.joint)
         self.wire_parameters = draw_wires(shapes, settings, geometry)
         self.joint_parameters = draw_joint(shapes, settings, geometry)
-        self._marker = draw_marker(shapes, settings, geometry)
         self._free = self.wire_parameters["free"].copy()
         self.wires = np.zeros(WIRES, WIRE_STATE)
         self.wires["length"] = home_lengths(self.wire_parameters, geometry.ball_radius)
-        self._seals = [_Seal(*row) for row in self.parameters[list(_Seal._fields)].tolist()]
         self._joint_values = self.joint.view(float)
-        self._wire_values = self.wires.view(float).reshape(WIRES, -1)
+        x, y, z = self.joint_parameters[["marker_x", "marker_y", "marker_z"]][0].item()
+        self._marker: Vector3 = x, y, z
+        self._truth = np.zeros(len(TRUTH_COLUMNS))
+        self._integrate(0)
 
     def ring_rotation(self) -> tuple[Vector3, Vector3, Vector3]:
         """Return the rows of the matrix that turns ring coordinates into the ball's."""
@@ -136,23 +99,8 @@ class SphericalJointPlant(PneumaticPlant):
         return math.remainder(2.0 * math.atan2(z, w), 2.0 * math.pi)
 
     def truth(self) -> tuple[float, ...]:
-        """Return what no device measures, as `truth_columns` names it."""
-        rows = self._channel_values.tolist()
-        rotation = self.ring_rotation()
-        mx, my, mz = self._marker
-        # Once per cycle, so lists: generators would take half as long again.
-        return (
-            *[x * mx + y * my + z * mz for x, y, z in rotation],
-            *[row[2] for row in rotation],
-            self.twist(),
-            *[row[TENSION] for row in rows],
-            *[row[_RING_TENSION] for row in self._wire_values.tolist()],
-            *[row[EXTENSION] for row in rows],
-            *[row[SPEED] for row in rows],
-            *[row[PRESSURE] - ATMOSPHERE for row in rows],
-            *[_sticks(row, seal) for row, seal in zip(rows, self._seals, strict=True)],
-            self._joint_values.item(_SUPPLY) - ATMOSPHERE,
-        )
+        """Return what no device measures, as `truth_columns` names it, after the last step."""
+        return tuple(self._truth.tolist())
 
     def _integrate(self, steps: int) -> None:
         advance_joint(
@@ -162,6 +110,7 @@ class SphericalJointPlant(PneumaticPlant):
             self.wire_parameters,
             self.joint,
             self.joint_parameters,
+            self._truth,
             steps,
             self._dt,
         )
@@ -177,14 +126,3 @@ class SphericalJointPlant(PneumaticPlant):
     def _repair(self) -> None:
         super()._repair()
         self.wire_parameters["free"] = self._free
-
-
-def _sticks(state: list[float], seal: _Seal) -> float:
-    """Return 1 while a rod's seals hold, 0 while they slide."""
-    coulomb, breakaway, stribeck_velocity, pressure_friction, bristle_stiffness = seal
-    speed, gauge = state[SPEED], state[PRESSURE] - ATMOSPHERE
-    fade = math.exp(-((speed / stribeck_velocity) ** 2))
-    limit = coulomb + (breakaway - coulomb) * fade
-    if gauge > 0.0:
-        limit += pressure_friction * gauge
-    return float(abs(speed * state[_BRISTLE]) * bristle_stiffness < STICKING_SPEED * limit)

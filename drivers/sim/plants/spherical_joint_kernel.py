@@ -13,6 +13,7 @@ import numpy as np
 from drivers.sim.plants.channel import Record, step_channel
 from drivers.sim.plants.compiled import cached_kernel, inlined
 from drivers.sim.plants.spherical_joint_friction import capstan_tension, step_seat
+from drivers.sim.plants.spherical_joint_truth import tell_truth
 from drivers.sim.plants.spherical_joint_wire import compiled_wire_path
 
 JOINT_STATE = np.dtype(
@@ -49,6 +50,9 @@ JOINT_PARAMETERS = np.dtype(
             "tilt_stop",
             "stop_stiffness",
             "stop_damping",
+            "marker_x",  # in the ring's axes, m
+            "marker_y",
+            "marker_z",
         )
     ]
 )
@@ -141,6 +145,7 @@ def _build(sources: int) -> Callable[..., None]:
         wire_parameters: Record,
         joints: Record,
         joint_parameters: Record,
+        truth: Record,
         steps: int,
         dt: float,
     ) -> None:
@@ -208,6 +213,7 @@ def _build(sources: int) -> Callable[..., None]:
             tz -= q.seat_stiffness * sz + q.seat_damping * slide_z
             accelerate_ring(joint, q, (tx, ty, tz), (xz, yz, zz), dt)
             turn_ring(joint, dt)
+        tell_truth(truth, channels, parameters, wires, joint, q)
 
     return advance_joint
 
@@ -223,6 +229,8 @@ wires, wire_parameters : ndarray, shape (n,)
     `WIRE_STATE`, changed in place, and `WIRE_PARAMETERS` of each channel's wire.
 joints, joint_parameters : ndarray, shape (1,)
     `JOINT_STATE`, changed in place, and `JOINT_PARAMETERS`.
+truth : ndarray, shape (32,)
+    What is true in the end, as `TRUTH_COLUMNS` names it.
 steps : int
     Number of substeps.
 dt : float

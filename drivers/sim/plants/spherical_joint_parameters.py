@@ -114,7 +114,7 @@ def home_lengths(wires: NDArray[Any], ball_radius: float) -> list[float]:
 def draw_joint(
     rng: np.random.Generator, settings: SphericalJointPlantSettings, geometry: JointGeometry
 ) -> NDArray[Any]:
-    """Return the `JOINT_PARAMETERS`: ring and seat, with the deviation of the seat's friction.
+    """Return the `JOINT_PARAMETERS`: ring, seat and marker, with this unit's deviations.
 
     The wires pull the ring onto its seat with their sum; the cone of the contact, which leans
     by the angle of the ring from the pole, turns that into more normal force.
@@ -122,6 +122,7 @@ def draw_joint(
     ring, ball = settings.ring, geometry.ball_radius
     lean = math.tan(math.asin(geometry.ring_radius / ball))
     spread = 1.0 + settings.friction_spread * rng.uniform(-1.0, 1.0)
+    x, y, z = (settings.tolerance * rng.uniform(-1.0, 1.0, 3)).tolist()
     values = {
         "supply_time": settings.regulator.supply_time,
         "ball_radius": ball,
@@ -135,18 +136,13 @@ def draw_joint(
         "tilt_stop": ring.tilt_stop,
         "stop_stiffness": ring.stop_stiffness,
         "stop_damping": ring.stop_damping,
+        "marker_x": x,
+        "marker_y": y,
+        "marker_z": geometry.marker_height + z,
     }
     joint = np.zeros(1, JOINT_PARAMETERS)
     joint[0] = tuple(values[name] for name in JOINT_PARAMETERS.names or ())
     return joint
-
-
-def draw_marker(
-    rng: np.random.Generator, settings: SphericalJointPlantSettings, geometry: JointGeometry
-) -> tuple[float, float, float]:
-    """Return where the marker sits on the ring, m, in the ring's axes."""
-    x, y, z = (settings.tolerance * rng.uniform(-1.0, 1.0, 3)).tolist()
-    return x, y, geometry.marker_height + z
 
 
 def contact_friction(settings: SphericalJointPlantSettings) -> ContactFriction:
