@@ -8,6 +8,7 @@ from drivers.sim.plants.pneumatic_plant import (
     EXTENSION,
     PRESSURE,
     TENSION,
+    WIDTH,
     PneumaticPlant,
 )
 from drivers.sim.plants.pneumatics import ATMOSPHERE
@@ -69,17 +70,16 @@ class AntagonisticPairPlant(PneumaticPlant):
 
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it."""
-        agonist, antagonist = self._channel_values.tolist()
-        pair = self._pair_values
+        cells, pair = self._cells, self._pair_values
         return (
             pair.item(_POSITION),
             pair.item(_CARRIAGE_SPEED),
-            agonist[EXTENSION],
-            antagonist[EXTENSION],
-            agonist[PRESSURE] - ATMOSPHERE,
-            antagonist[PRESSURE] - ATMOSPHERE,
-            agonist[TENSION],
-            antagonist[TENSION],
+            cells[EXTENSION],
+            cells[WIDTH + EXTENSION],
+            cells[PRESSURE] - ATMOSPHERE,
+            cells[WIDTH + PRESSURE] - ATMOSPHERE,
+            cells[TENSION],
+            cells[WIDTH + TENSION],
             pair.item(_SUPPLY) - ATMOSPHERE,
         )
 
