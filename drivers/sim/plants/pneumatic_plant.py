@@ -135,7 +135,7 @@ class PneumaticPlant(ABC):
         self.channels["pressure"] = ATMOSPHERE
         self.channels["extension"] = settings.home
         # Single numbers are read and written twice as fast so as through the array.
-        self._cells = memoryview(self.channels.view(np.uint8)).cast("d")
+        self._cells = self.channels.view(np.uint8).data.cast("d")
 
         self._line = line
         self._line["supply"] = self._line["supply_target"] = ATMOSPHERE
