@@ -71,8 +71,10 @@ class OdriveClient:
         self._answers: dict[Command, bytes] = {}
         bus.subscribe(can_id(node, Command.HEARTBEAT), self._on_heartbeat)
         bus.subscribe(can_id(node, Command.ADDRESS), self._on_address)
-        for command in (Command.GET_VERSION, Command.GET_ERROR, Command.TX_SDO):
-            bus.subscribe(can_id(node, command), self._keeper(command))
+        for command in (Command.GET_VERSION, Command.GET_ERROR):
+            bus.subscribe(can_id(node, command), self._keeper(command, 8))
+        # A value may be as long as its type, and a confirmation has none.
+        bus.subscribe(can_id(node, Command.TX_SDO), self._keeper(Command.TX_SDO, 4))
 
     # What comes -----------------------------------------------------------------------
 
@@ -89,9 +91,9 @@ class OdriveClient:
             _, serial = decode_address(data)
             self.serials.add(serial)
 
-    def _keeper(self, command: Command) -> Callable[[bytes, float], None]:
+    def _keeper(self, command: Command, least: int) -> Callable[[bytes, float], None]:
         def keep(data: bytes, now: float) -> None:
-            if len(data) == 8:
+            if least <= len(data) <= 8:
                 self._answers[command] = data
             else:
                 self.wrong_length += 1
@@ -266,23 +268,25 @@ class OdriveClient:
         packed = struct.pack(f"<{layout}", value if layout == "f" else int(value))
         self.send(Command.RX_SDO, encode_sdo_write(endpoint, packed))
         thing = f"endpoint {endpoint} ({what})"
+        kept = b""
         for _ in range(_ATTEMPTS):
             self._answers.pop(Command.TX_SDO, None)
             self.send(Command.RX_SDO, encode_sdo_read(endpoint))
+            # Firmware 0.6.11 and later confirms the write by a TxSdo too, which may come first.
             if self._bus.wait_until(
-                lambda: self._answered(endpoint), self._bus.settings.reply_timeout
+                lambda: self._kept(endpoint, len(packed)) == packed,
+                self._bus.settings.reply_timeout,
             ):
-                break
-        else:
+                return
+            kept = self._kept(endpoint, len(packed)) or kept
+        if not kept:
             raise self.failed("a parameter cannot be read back", object=thing)
-        _, kept = decode_sdo(self._answers[Command.TX_SDO])
-        if kept[: len(packed)] != packed:
-            raise self.failed(
-                "it took a setting but reads back another; it must not be used like this",
-                object=thing,
-                value=str(struct.unpack_from(f"<{layout}", kept)[0]),
-                bound=str(struct.unpack(f"<{layout}", packed)[0]),
-            )
+        raise self.failed(
+            "it took a setting but reads back another; it must not be used like this",
+            object=thing,
+            value=str(struct.unpack(f"<{layout}", kept)[0]),
+            bound=str(struct.unpack(f"<{layout}", packed)[0]),
+        )
 
     def failed(
         self,
@@ -308,9 +312,10 @@ class OdriveClient:
                 return self._answers[command]
         return None
 
-    def _answered(self, endpoint: int) -> bool:
-        data = self._answers.get(Command.TX_SDO)
-        return data is not None and decode_sdo(data)[0] == endpoint
+    def _kept(self, endpoint: int, size: int) -> bytes:
+        """Return the value that the last answer bears, if it is of this parameter."""
+        number, value = decode_sdo(self._answers.get(Command.TX_SDO, bytes(4)))
+        return value[:size] if number == endpoint and len(value) >= size else b""
 
     def _try(self, action: Callable[[], None]) -> None:
         try:

@@ -192,7 +192,7 @@ def encode_sdo_write(endpoint: int, value: bytes) -> bytes:
 
 
 def decode_sdo(data: bytes) -> tuple[int, bytes]:
-    """Return endpoint and value (4 bytes) of a TxSdo."""
+    """Return endpoint and value of a TxSdo: 4 bytes, as many as its type has, or none."""
     return int.from_bytes(data[1:3], "little"), bytes(data[4:8])
 
 

@@ -202,7 +202,8 @@ def _address(axis: _Axis, data: bytes) -> list[Value]:
 
 def _parameter(axis: _Axis, data: bytes) -> list[Value]:
     endpoint, value = decode_sdo(data)
-    return [Value(f"endpoint {endpoint}", f"0x{value.hex().upper()}", "", "value")]
+    content = f"0x{value.hex().upper()}" if value else "-"  # a question, or a confirmation
+    return [Value(f"endpoint {endpoint}", content, "", "value")]
 
 
 def _supply(axis: _Axis, data: bytes) -> list[Value]:

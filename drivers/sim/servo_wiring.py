@@ -12,7 +12,6 @@ from drivers.sim.nodes.odrive import (
     SHIPPED_HEARTBEAT,
     STEPS_PER_TURN,
     EmulatedOdrive,
-    Endpoint,
 )
 from drivers.sim.servos import SimulatedServos
 from rig.hal import Clock
@@ -65,16 +64,14 @@ def emulate_odrive(
     )
 
 
-def _endpoints(numbers: OdriveEndpoints) -> dict[int, Endpoint]:
-    made: dict[int, Endpoint] = {
-        numbers.enable_watchdog: ("enable_watchdog", "?"),
-        numbers.watchdog_timeout: ("watchdog_timeout", "f"),
+def _endpoints(numbers: OdriveEndpoints) -> dict[str, int]:
+    made = {
+        "axis0.config.enable_watchdog": numbers.enable_watchdog,
+        "axis0.config.watchdog_timeout": numbers.watchdog_timeout,
+        "axis0.config.can.heartbeat_msg_rate_ms": numbers.heartbeat_period,
+        "axis0.config.can.encoder_msg_rate_ms": numbers.encoder_period,
     }
-    if numbers.heartbeat_period is not None:
-        made[numbers.heartbeat_period] = ("heartbeat_msg_rate_ms", "I")
-    if numbers.encoder_period is not None:
-        made[numbers.encoder_period] = ("encoder_msg_rate_ms", "I")
-    return made
+    return {path: number for path, number in made.items() if number is not None}
 
 
 def simulate_cia402(

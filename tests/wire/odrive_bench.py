@@ -25,6 +25,8 @@ class ScriptedOdrive:
         self.version = (2, 4, 4, 58, 0, 6, 10, 0)
         self.serials = [0xABCDEF]
         self.endpoints = {7: struct.pack("<?", False), 8: bytes(4)}
+        self.value_size = 4  # of a TxSdo, at least
+        self.confirms = None  # what a TxSdo bears that confirms a write
         self.obeys = True
         self.beats = self.estimates = True
         bus.devices[3] = self
@@ -48,8 +50,10 @@ class ScriptedOdrive:
             if data[0] == 1:
                 size = len(self.endpoints[number])
                 self.endpoints[number] = data[4 : 4 + size]
+                if self.confirms is not None:
+                    self.bus.put(f"065#01{data[1:3].hex()}00{self.confirms.hex()}")
             else:
-                value = self.endpoints[number].ljust(4, b"\0")
+                value = self.endpoints[number].ljust(self.value_size, b"\0")
                 self.bus.put(f"065#00{data[1:3].hex()}00{value.hex()}")
 
     def talk(self, speed=0.0):

@@ -37,6 +37,19 @@ def test_parameters_are_written_and_read_back():
     assert bench.axis.endpoints[7] == b"\x01"
 
 
+@pytest.mark.parametrize("size", [0, 4], ids=["as long as its type", "as in the manual"])
+@pytest.mark.parametrize("confirms", [None, b"", bytes(4)], ids=["silent", "empty", "zeros"])
+def test_answers_of_every_firmware_are_understood(size, confirms):
+    """0.6.11 and later confirms a write by a TxSdo too; what that bears is not written down."""
+    endpoints = OdriveEndpoints(enable_watchdog=7, watchdog_timeout=8)
+    bench = Bench(endpoints=endpoints, watchdog=0.05)
+    bench.axis.value_size, bench.axis.confirms = size, confirms
+    bench.connect()
+    assert bench.axis.endpoints[7] == b"\x01"
+    assert bench.axis.endpoints[8] == struct.pack("<f", 0.05)
+    assert bench.driver.drives[0].client.wrong_length == 0
+
+
 def test_setpoints_feed_the_watchdog_before_the_loop_is_closed():
     bench = Bench()
     bench.axis.turns = 0.25

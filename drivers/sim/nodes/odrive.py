@@ -7,13 +7,13 @@ discovering nodes: identifier ``node << 5 | command``, all values little-endian.
 """
 
 import struct
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Mapping
 from math import inf, pi
 
 from drivers.sim.nodes.bus_node import Send
-from drivers.sim.nodes.faults import FaultInjection, whole_number
 from drivers.sim.nodes.motion_reference import MotionReference
+from drivers.sim.nodes.odrive_faults import OdriveFaults
+from drivers.sim.nodes.odrive_parameters import OdriveParameters
 from drivers.sim.servo_port import ServoPort
 
 IDLE, CLOSED_LOOP = 1, 8
@@ -21,39 +21,20 @@ STEPS_PER_TURN = 1 << 14  # of the encoder on the board
 SHIPPED_HEARTBEAT, SHIPPED_ENCODER = 0.1, 0.01  # periods of cyclic messages, s
 VELOCITY_CONTROL, POSITION_CONTROL = 2, 3
 
-OVER_VOLTAGE, WATCHDOG_EXPIRED, ESTOP = 0x100, 0x0100_0000, 0x0200_0000
+WATCHDOG_EXPIRED, ESTOP = 0x0100_0000, 0x0200_0000
 OVER_SPEED, INITIALISING = 0x8000, 0x1
 
 _BROADCAST = 0x3F
 _CONNECTIONS_SINCE = (0, 6, 11)
+_NOBODY = 1  # a connection that no host gives: theirs are even; 0 is of firmware that knows none
 _SERVO_PERIOD = 1e-3  # s
 _OVER_SPEED_AT = 1.2  # times the limit, as the firmware ships
 _FEEDFORWARD_STEP = 1e-3  # turn/s
+_SAVE = 1  # of Reboot's actions
 
-Endpoint = tuple[str, str]
 
-
-class EmulatedOdrive(FaultInjection):
+class EmulatedOdrive(OdriveFaults):
     """One axis of firmware 0.6: closed loop, heartbeat, watchdog, errors, cyclic estimates.
-
-    Faults:
-
-    ``silent`` (value: s, default for ever)
-        Off the bus: sends and hears nothing, and so its watchdog takes the torque away.
-    ``heartbeat_silent``, ``estimates_silent``, ``sdo_silent`` (value: s, default for ever)
-        Works, but does not send these.
-    ``reboot``
-        Power cycle: idle, and all that was set by CAN is lost.
-    ``axis_error``, or as on other drives ``drive_fault`` (value: flags, default DC over-voltage)
-        Disarms with this error.
-    ``disarm``
-        Goes idle although nobody asked for it.
-    ``stuck``
-        The motor does not follow any more.
-    ``encoder_jump`` (value: rad at the joint, default 0.5)
-        From now on every position is off by this much.
-    ``repair``
-        Ends what lasts; errors must be cleared all the same.
 
     Parameters
     ----------
@@ -79,8 +60,8 @@ class EmulatedOdrive(FaultInjection):
         Timeout, s; 0: not enabled.
     heartbeat, encoder_period : float
         Of the cyclic messages, s.
-    endpoints : dict of int to (str, str)
-        Numbers of parameters: the attribute here, and the `struct` code of its type.
+    endpoints : mapping of str to int, optional
+        Numbers of parameters, by path, see `OdriveParameters`.
     """
 
     def __init__(
@@ -98,7 +79,7 @@ class EmulatedOdrive(FaultInjection):
         watchdog: float = 0.0,
         heartbeat: float = SHIPPED_HEARTBEAT,
         encoder_period: float = SHIPPED_ENCODER,
-        endpoints: dict[int, Endpoint] | None = None,
+        endpoints: Mapping[str, int] | None = None,
     ) -> None:
         super().__init__()
         self.name = name
@@ -107,15 +88,14 @@ class EmulatedOdrive(FaultInjection):
         self.now = 0.0
         self.due = 0.0
         self.serial = serial
-        self.firmware = firmware
+        self.hardware, self.firmware = (4, 4, 58), firmware
         self.enable_watchdog = watchdog > 0.0
         self.watchdog_timeout = watchdog
         self.heartbeat_msg_rate_ms = round(heartbeat * 1e3)
         self.encoder_msg_rate_ms = round(encoder_period * 1e3)
-        self.estimates_muted = False
         self.answers_version = True
         self.speed_limit, self.current_limit = inf, inf
-        self._endpoints = endpoints or {}
+        self.parameters = OdriveParameters(self, endpoints)
         self._port = port
         self._channel = channel
         self._turns = gear / (2.0 * pi)  # per radian of the joint
@@ -123,9 +103,7 @@ class EmulatedOdrive(FaultInjection):
         self._steps = steps_per_turn
         self._motion = MotionReference()
         self._feedforward = 0.0  # turn/s
-        self._jump = 0.0
-        self._connection = 0
-        self._stuck = False
+        self._connection = _NOBODY
         self.axis_state = IDLE
         self.active_errors = self.disarm_reason = 0
         self.control_mode, self.input_mode = POSITION_CONTROL, 1
@@ -133,15 +111,15 @@ class EmulatedOdrive(FaultInjection):
         self._heartbeat_due = self._encoder_due = inf
         self._handlers: dict[int, tuple[int, Callable[[bytes], None]]] = {
             0x02: (0, lambda data: self.disarm(ESTOP)),
-            0x04: (8, self._access_parameter),
+            0x04: (4, self._access_parameter),
             0x06: (7, self._take_address),
             0x07: (4, self._take_state),
             0x0B: (8, self._take_mode),
             0x0C: (8, self._take_position),
             0x0D: (8, self._take_velocity),
             0x0F: (8, self._take_limits),
-            0x16: (0, lambda data: self._restart()),
-            0x18: (0, lambda data: self._clear_errors()),
+            0x16: (0, self._take_reboot),
+            0x18: (0, lambda data: self.clear_errors()),
         }
         self._answers: dict[int, Callable[[], bytes | None]] = {
             0x00: self._version,
@@ -150,8 +128,7 @@ class EmulatedOdrive(FaultInjection):
             0x06: self._address,
             0x09: self._estimates,
         }
-        self._add_faults()
-        self._restart()
+        self.save_configuration()
 
     # Time -----------------------------------------------------------------------------
 
@@ -231,12 +208,11 @@ class EmulatedOdrive(FaultInjection):
     def _version(self) -> bytes | None:
         if not self.answers_version:  # firmware 0.5 does not know the question
             return None
-        return bytes((2, 4, 4, 58, *self.firmware, 0))
+        return bytes((2, *self.hardware, *self.firmware, 0))
 
     def _address(self) -> bytes:
-        return (
-            bytes((self.node_id,)) + self.serial.to_bytes(6, "little") + bytes((self._connection,))
-        )
+        connection = self._connection if self.firmware >= _CONNECTIONS_SINCE else 0
+        return bytes((self.node_id,)) + self.serial.to_bytes(6, "little") + bytes((connection,))
 
     def _beat(self) -> bytes:
         return struct.pack("<IBBBB", self.active_errors, self.axis_state, 0, 1, 0)
@@ -251,11 +227,19 @@ class EmulatedOdrive(FaultInjection):
     def _take_address(self, data: bytes) -> None:
         if int.from_bytes(data[1:7], "little") == self.serial and data[0] < _BROADCAST:
             self.node_id = data[0]
-            if len(data) > 7 and self.firmware >= _CONNECTIONS_SINCE:
+            if len(data) > 7:
                 self._connection = data[7]  # which host it is that has it now
 
     def _take_state(self, data: bytes) -> None:
-        (state,) = struct.unpack_from("<I", data)
+        (self.requested_state,) = struct.unpack_from("<I", data)
+
+    @property
+    def requested_state(self) -> int:
+        """What it is to enter; it is 0 once that was heard."""
+        return 0
+
+    @requested_state.setter
+    def requested_state(self, state: int) -> None:
         if state == IDLE:
             self._go_idle()
         elif state == CLOSED_LOOP and self.axis_state == IDLE and not self.active_errors:
@@ -295,21 +279,17 @@ class EmulatedOdrive(FaultInjection):
         timeout = self.watchdog_timeout
         self._watchdog_due = self.now + timeout if self.enable_watchdog else inf
 
-    def _clear_errors(self) -> None:
-        self.active_errors = 0
-        self._feed()
+    def _take_reboot(self, data: bytes) -> None:
+        if data[:1] == bytes((_SAVE,)):
+            self.save_configuration()
+        else:
+            self.reboot()
 
     def _access_parameter(self, data: bytes) -> None:
-        opcode, number = data[0], int.from_bytes(data[1:3], "little")
-        if number not in self._endpoints or self.sdo_muted:
-            return
-        attribute, code = self._endpoints[number]
-        if opcode == 1:
-            setattr(self, attribute, struct.unpack_from(f"<{code}", data, 4)[0])
-            self._restart_timers()
-        else:
-            value = struct.pack(f"<{code}", getattr(self, attribute))
-            self._transmit(0x05, b"\0" + data[1:3] + b"\0" + value.ljust(4, b"\0"))
+        if not self.sdo_muted:
+            answer = self.parameters.take(data, self._connection)
+            if answer is not None:
+                self._transmit(0x05, answer)
 
     # States ---------------------------------------------------------------------------
 
@@ -325,20 +305,32 @@ class EmulatedOdrive(FaultInjection):
         self._motion_due = inf
         self._port.command_joint(self._channel, self._angle(self._shaft()), 0.0, False)
 
-    def _restart(self) -> None:
+    def clear_errors(self) -> None:
+        """Forget the errors; it may close its loop again."""
+        self.active_errors = 0
+        self._feed()
+
+    def save_configuration(self) -> None:
+        """Keep what is set for all times, and reboot, as the firmware does after it."""
+        self.parameters.save()
+        self.reboot()
+
+    def reboot(self) -> None:
         """Begin as after power-on: idle, what was saved is kept, the rest is lost."""
+        self.parameters.restore()
+        self._connection = _NOBODY
         self.axis_state = IDLE
         self.active_errors = self.disarm_reason = 0
         self.control_mode, self.input_mode = POSITION_CONTROL, 1
         self.speed_limit, self.current_limit = 10.0, 10.0
-        self._restart_timers()
+        self.apply_settings()
         self._go_idle()
 
-    def _restart_timers(self) -> None:
+    def apply_settings(self) -> None:
+        """Have what was written act from now on."""
         self._heartbeat_due = self.now if self.heartbeat_msg_rate_ms else inf
         self._encoder_due = self.now if self.encoder_msg_rate_ms else inf
         self._feed()
-        self._motion_due = inf
         self.due = -inf
 
     def _pass_on(self, velocity: float) -> None:
@@ -352,41 +344,6 @@ class EmulatedOdrive(FaultInjection):
 
     def _angle(self, turns: float) -> float:
         return (turns - self._jump) / self._turns + self._zero
-
-    # Faults ---------------------------------------------------------------------------
-
-    def _add_faults(self) -> None:
-        for fault, flag, value in (
-            ("silent", "connected", False),
-            ("heartbeat_silent", "heartbeat_muted", True),
-            ("estimates_silent", "estimates_muted", True),
-            ("sdo_silent", "sdo_muted", True),
-        ):
-            self.add_fault(fault, partial(self.mute, flag, value))
-        self.add_fault("reboot", lambda _: self._restart())
-        for fault in ("axis_error", "drive_fault"):
-            self.add_fault(fault, self._inject_error)
-        self.add_fault("disarm", lambda _: self._go_idle())
-        self.add_fault("stuck", lambda _: self._set_stuck(True))
-        self.add_fault("encoder_jump", self._inject_jump)
-
-    def repair(self) -> None:
-        """End all faults that last."""
-        super().repair()
-        self.estimates_muted = self._stuck = False
-        self._jump = 0.0
-
-    def _inject_error(self, value: float | None) -> None:
-        self.disarm(whole_number(self.name, "axis_error", value, OVER_VOLTAGE, 0xFFFF_FFFF))
-
-    def _inject_jump(self, value: float | None) -> None:
-        self._jump += (0.5 if value is None else value) * self._turns
-
-    def _set_stuck(self, stuck: bool) -> None:
-        if stuck and self.axis_state == CLOSED_LOOP:
-            angle = self._angle(self._shaft())
-            self._port.command_joint(self._channel, angle, 0.0, True)
-        self._stuck = stuck
 
 
 def _next(due: float, period_ms: int, now: float) -> float:
