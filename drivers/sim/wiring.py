@@ -16,13 +16,14 @@ from drivers.sim.camera.wiring import (
     true_camera,
 )
 from drivers.sim.corrected_joints import CorrectedJoints
-from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
+from drivers.sim.devices import SimulatedRegulators
 from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
 from drivers.sim.nodes import object_dictionary as types
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406
+from drivers.sim.rods import SimulatedEncoder
 from drivers.sim.servo_wiring import (
     emulate_cia402,
     emulate_odrive,
@@ -173,6 +174,7 @@ def simulate_cia401(
         deviation=settings.following.deviation,
         deviation_time=settings.following.time,
         safe=tuple(signal.safe for signal in settings.channels.values()),
+        lockable=tuple(signal.lock_bit is not None for signal in settings.channels.values()),
     )
 
 

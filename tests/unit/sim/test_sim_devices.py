@@ -3,7 +3,8 @@
 import pytest
 
 from drivers.sim.clock import SimClock
-from drivers.sim.devices import SimulatedEncoder, SimulatedRegulators
+from drivers.sim.devices import SimulatedRegulators
+from drivers.sim.rods import SimulatedEncoder
 from rig.hal import DeviceFault
 
 PERIOD = 2e-3
