@@ -3,6 +3,7 @@
 import random
 from collections import deque
 from collections.abc import Sequence
+from math import inf
 from typing import Protocol
 
 from drivers.cameras.link import Event
@@ -67,6 +68,11 @@ class Delivery:
         if self._under_way:
             arrival = max(arrival, self._under_way[-1][0])
         self._under_way.append((arrival, event))
+
+    @property
+    def next_arrival(self) -> float:
+        """When the next event arrives, s; infinite if none is under way."""
+        return self._under_way[0][0] if self._under_way else inf
 
     def fetch(self, now: float) -> Sequence[Event]:
         """Return what has arrived by `now` (s) and was not fetched yet."""

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from math import inf, nan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.cameras.link import Event, Ready
 from drivers.cameras.marker_camera import MarkerCameraDriver
@@ -13,11 +14,16 @@ from drivers.cameras.sighting import Sight, Sighting
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.lens import believed_ray
 from drivers.sim.camera.ports import Delivery, MarkerPort
-from drivers.sim.camera.poses import Floats, rotation_matrix, twist_of
+from drivers.sim.camera.poses import rotation_matrix, twist_of
 from drivers.sim.camera.settings import CameraSimulationSettings
 from rig.hal import Clock
 
 Position = tuple[float, float, float]
+Matrix = tuple[Position, Position, Position]
+"""Rows. Numbers, because small arrays take ten times as long."""
+
+_NOISE_BLOCK = 256
+"""Frames whose noise is drawn at a time."""
 
 
 class _ImagelessLink:
@@ -39,24 +45,31 @@ class _ImagelessLink:
         self._serial = serial
         self._noise = optics.noise
         self._generator = np.random.default_rng(seed)
+        self._draws: list[list[float]] = []
         self._delivery = Delivery(settings.latency, scene.latency, optics, seed)
-        self._calibrated = rotation_matrix(settings.rotation_base_from_camera)
-        self._lens = scene.intrinsics, settings.intrinsics
-        self._true = rotation_matrix(scene.rotation_base_from_camera) @ rotation_matrix(
+        calibrated = rotation_matrix(settings.rotation_base_from_camera)
+        true = rotation_matrix(scene.rotation_base_from_camera) @ rotation_matrix(
             optics.rotation_error
         )
-        self._axis_x = self._calibrated[:, 0]
-        self._camera = np.array(settings.position_camera_in_base)
-        self._turned = bool(np.any(self._true != self._calibrated))
-        self._true_camera = np.array(scene.position_camera_in_base) + optics.position_error
+        self._lens = scene.intrinsics, settings.intrinsics
+        self._calibrated, self._to_true = _rows(calibrated), _rows(true.T)
+        # What another pose of the camera than it was told makes of an attitude.
+        self._turned = _rows(calibrated @ true.T) if np.any(true != calibrated) else None
+        self._axis_x = calibrated[:, 0]
+        self._camera: Position = settings.position_camera_in_base
+        x, y, z = (np.array(scene.position_camera_in_base) + optics.position_error).tolist()
+        self._true_camera: Position = x, y, z
         self._start = inf
         self._frame = -1
+        self._due = -inf
+        """Before this time there is nothing to do and nothing to tell, s."""
         self._last: Sighting | None = None
         self._identical = 1
 
     def open(self, now: float) -> None:
         """Begin to see frames."""
         self.close()
+        self._due = -inf
         if self._faults.has("unplugged"):
             self._delivery.send(UNPLUGGED, now)
             return
@@ -65,12 +78,17 @@ class _ImagelessLink:
 
     def poll(self, now: float) -> Sequence[Event]:
         """Look at the plant if a frame is due, and return what has arrived."""
-        if now >= self._start:
-            frame = int((now - self._start) * self._settings.frame_rate + 1e-9)
+        if now < self._due:
+            return ()
+        start, rate = self._start, self._settings.frame_rate
+        if now >= start:
+            frame = int((now - start) * rate + 1e-9)
             if frame > self._frame:
                 self._frame = frame
                 self._look(frame, now)
-        return self._delivery.fetch(now)
+        events = self._delivery.fetch(now)
+        self._due = min(self._start + (self._frame + 1) / rate - 1e-6, self._delivery.next_arrival)
+        return events
 
     def close(self) -> None:
         """Stop. Idempotent."""
@@ -108,34 +126,59 @@ class _ImagelessLink:
             return Sighting(0, 0.0, Sight.SWAPPED, amount=amount)
         if faults.has("mirrored") and aruco:
             return Sighting(0, 0.0, Sight.MIRRORED, amount=float(marker.ids[0]))
-        place = np.array(self._plant.marker_position(), float)
-        if faults.has("lost") or place @ (self._camera - place) <= 0.0:
+        x, y, z = self._plant.marker_position()
+        a, b, c = self._camera
+        if faults.has("lost") or x * (a - x) + y * (b - y) + z * (c - z) <= 0.0:
             return Sighting(0, 0.0, Sight.LOST, amount=0.0)
         if faults.has("mirrored"):
+            place = np.array((x, y, z))
             place -= 2.0 * ((place - self._camera) @ self._axis_x) * self._axis_x
-        place += self._noise * self._generator.standard_normal(3)
-        seen = self._end_of_ray(place)
+            x, y, z = place.tolist()
+        noise, (u, v, w) = self._noise, self._draw()
+        seen = self._end_of_ray((x + noise * u, y + noise * v, z + noise * w))
         if seen is None:
             return Sighting(0, 0.0, Sight.OUTSIDE, amount=0.0)
-        x, y, z = seen
-        twist = twist_of(self._plant.ring_rotation()) if aruco else nan
-        if aruco and self._turned:
-            believed = self._calibrated @ self._true.T @ np.array(self._plant.ring_rotation())
-            twist = twist_of(believed.tolist())
-        return Sighting(0, 0.0, Sight.SEEN, marker.ids[:1], ((x, y, z),), (twist,))
+        twist = nan
+        if aruco:
+            rotation = self._plant.ring_rotation()
+            turned = self._turned
+            twist = twist_of(
+                rotation if turned is None else (np.array(turned) @ np.array(rotation)).tolist()
+            )
+        return Sighting(0, 0.0, Sight.SEEN, marker.ids[:1], (seen,), (twist,))
 
-    def _end_of_ray(self, place: Floats) -> Position | None:
+    def _draw(self) -> list[float]:
+        """Return three numbers of unit variance."""
+        if not self._draws:
+            self._draws = self._generator.standard_normal((_NOISE_BLOCK, 3)).tolist()[::-1]
+        return self._draws.pop()
+
+    def _end_of_ray(self, place: Position) -> Position | None:
         """Return where the ray to a place ends on the marker's sphere, as calibrated; or None."""
-        x, y, z = (self._true.T @ (place - self._true_camera)).tolist()
-        ray = self._calibrated @ np.array((*believed_ray((x / z, y / z), *self._lens), 1.0))
-        ray /= math.sqrt(float(ray @ ray))
+        (x, y, z), (a, b, c) = place, self._true_camera
+        x, y, z = _turned(self._to_true, (x - a, y - b, z - c))
+        u, v, w = _turned(self._calibrated, (*believed_ray((x / z, y / z), *self._lens), 1.0))
+        a, b, c = self._camera
+        scale = 1.0 / math.sqrt(u * u + v * v + w * w)
+        u, v, w = scale * u, scale * v, scale * w
         radius = self._settings.marker.sphere_radius
-        along = -float(ray @ self._camera)
-        left = along * along - float(self._camera @ self._camera) + radius * radius
+        along = -(u * a + v * b + w * c)
+        left = along * along - (a * a + b * b + c * c) + radius * radius
         if left < 0.0:
             return None
-        x, y, z = (self._camera + (along - math.sqrt(left)) * ray).tolist()
-        return x, y, z
+        distance = along - math.sqrt(left)
+        return a + distance * u, b + distance * v, c + distance * w
+
+
+def _rows(matrix: NDArray[np.float64]) -> Matrix:
+    first, second, third = ((x, y, z) for x, y, z in matrix.tolist())
+    return first, second, third
+
+
+def _turned(rows: Matrix, vector: Position) -> Position:
+    (a, b, c), (d, e, f), (g, h, i) = rows
+    x, y, z = vector
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
 
 
 class SimulatedMarkerCamera(MarkerCameraDriver):
@@ -193,5 +236,6 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
         self._faults.inject(fault, value)
 
     def _take(self) -> None:
-        self._faults.now = self._clock.now()
-        super()._take()
+        now = self._faults.now = self._clock.now()
+        for event in self._link.poll(now):
+            self._take_event(event)
