@@ -1,5 +1,5 @@
 """CAN interfaces behind one seam, `rig.hal.CanBus`."""
 
-from drivers.can.interfaces import open_bus
+from drivers.can.interfaces import close_bus, open_bus
 
-__all__ = ["open_bus"]
+__all__ = ["close_bus", "open_bus"]

@@ -13,6 +13,7 @@ from typing import Any, Final, Protocol
 from drivers.can.errors import BusErrors
 from drivers.can.fast_path import Drain, Send, backlog_of, drain_of, send_of
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
+from drivers.can.interfaces import close_bus
 from rig.hal import CanBus, Clock
 
 Handler = Callable[[bytes, float], None]
@@ -174,7 +175,7 @@ class CyclicCanBus(ABC):
             self._drain, self._send, self._backlog = _nothing, _refuse_closed, int
             for frame in self._cyclic:
                 frame.active = False
-            bus.shutdown()
+            close_bus(bus)
 
     # The cycle ------------------------------------------------------------------------
 

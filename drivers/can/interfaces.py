@@ -1,5 +1,7 @@
 """Open any CAN interface: SocketCAN directly, everything else by python-can."""
 
+import contextlib
+import logging
 from typing import Any, Protocol, cast
 
 from drivers.can.socketcan import open_socketcan
@@ -13,8 +15,13 @@ _ADVICE = {
     "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
     "msgpack not installed": "pip install 'python-can[multicast]'",
     "No such file": "look for it with: ls /dev/serial/by-id",
+    "configure socket": "give this host a way for multicast: "
+    "sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev lo",
 }
 """What to type next, by words of an error."""
+
+# Its complaints reach the user as exceptions.
+logging.getLogger("can").addHandler(logging.NullHandler())
 
 
 class InterfaceSettings(Protocol):
@@ -69,11 +76,29 @@ def open_bus(settings: InterfaceSettings) -> CanBus:
         raise ConnectionFailed(
             settings.channel,
             f"python-can cannot open interface {settings.interface!r}: "
-            f"{error or type(error).__name__}{_advise(str(error))}",
+            f"{error or type(error).__name__}{_advise(settings.interface, str(error))}",
         ) from error
     # A Message's attributes are a little narrower than the seam's.
     return cast("CanBus", bus)
 
 
-def _advise(text: str) -> str:
-    return next((f"; {advice}" for words, advice in _ADVICE.items() if words in text), "")
+def close_bus(bus: CanBus) -> None:
+    """Release an interface.
+
+    One that is gone already, an adapter that was pulled say, may complain; there is nothing left to
+    be done about it.
+    """
+    with contextlib.suppress(Exception):
+        bus.shutdown()
+
+
+def _advise(interface: str, text: str) -> str:
+    """Return what to do about an error, behind a semicolon."""
+    advice = next((advice for words, advice in _ADVICE.items() if words in text), "")
+    if not advice and "No module named" in text:
+        advice = f"pip install 'python-can[{interface.replace('_', '-')}]'"
+    elif not advice and "not supported" in text:
+        import can
+
+        advice = "there are " + ", ".join(sorted(can.VALID_INTERFACES))
+    return f"; {advice}" if advice else ""

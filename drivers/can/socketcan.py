@@ -192,7 +192,8 @@ def open_socketcan(channel: str, bitrate: int) -> SocketCanBus:
         raise ConnectionFailed(
             channel,
             f"this kernel has no SocketCAN ({error.strerror}); load it with: "
-            "sudo modprobe can can_raw",
+            "sudo modprobe can_raw, or, where that cannot be (containers), simulate with "
+            "--on udp_multicast:239.74.163.2",
         ) from error
     try:
         sock.bind((channel,))

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from time import monotonic, sleep
 from typing import Any, Final, Protocol
 
+from drivers.can import close_bus
 from drivers.sim.dynamixel.line import MemoryPort
 from drivers.sim.emulation import EmulatedRig
 from rig.hal import CanBus, DeviceFault
@@ -123,7 +124,7 @@ class CanEnd:
 
     def close(self) -> None:
         """Release the interface."""
-        self._bus.shutdown()
+        close_bus(self._bus)
 
     shutdown = close
 

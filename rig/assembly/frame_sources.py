@@ -83,7 +83,7 @@ def listen(profile: Profile, interfaces: Interfaces) -> contextlib.closing[Any]:
 def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list[Any]]:
     import dataclasses
 
-    from drivers.can import open_bus
+    from drivers.can import close_bus, open_bus
     from drivers.can.candump import LoggedFrame
     from drivers.can.fast_path import drain_of
 
@@ -93,7 +93,7 @@ def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list[Any]]:
             if not is_can(entry):
                 continue
             bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
-            stack.callback(bus.shutdown)
+            stack.callback(close_bus, bus)
             drains.append((name, drain_of(bus)))
         yield []  # the interfaces are open
         while True:

@@ -65,7 +65,7 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     DeviceFault
         It refuses frames.
     """
-    from drivers.can import open_bus
+    from drivers.can import close_bus, open_bus
 
     answers: list[Answer] = []
     for name, entry in profile.buses.items():
@@ -79,7 +79,7 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
         except Exception as error:  # each interface has errors of its own
             raise DeviceFault(name, f"the interface refused a frame: {error}") from error
         finally:
-            bus.shutdown()
+            close_bus(bus)
         answers += compare(name, expected, {item.node: item for item in found})
     return answers
 

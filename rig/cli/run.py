@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -97,10 +98,20 @@ def run(
         print_data(json.dumps(as_data(result), indent=2))
     else:
         show(result, has_report=not no_report)
-    if result.exit_code == EXIT_PREFLIGHT and not backend_of(on).is_simulated:
+    if (
+        result.exit_code == EXIT_PREFLIGHT
+        and not backend_of(on).is_simulated
+        and _names_a_device(result.message, plan.profile.devices)
+    ):
         asking = f"rig check {plan.experiment.rig} --on {on}"
         click.echo(f"who answers on the bus is told by: {asking}", err=True)
     return result.exit_code
+
+
+def _names_a_device(message: str | None, devices: Collection[str]) -> bool:
+    """Return whether an error is a device's and not, say, the interface's own."""
+    first = (message or "").partition(":")[0].partition(" ")[0]
+    return first in devices
 
 
 def as_data(result: Result) -> dict[str, object]:

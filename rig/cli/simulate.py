@@ -18,6 +18,7 @@ from rig.cli.names import complete_rig, configs_option, set_option
 if TYPE_CHECKING:
     from rig.assembly.simulation_process import Simulation
     from rig.config import Profile
+    from rig.runtime.stop import StopRequests
 
 _REDRAW = 0.5  # of the status line, s
 
@@ -61,7 +62,6 @@ def simulate(
     has_can = any(map(is_can, profile.buses.values()))
     interfaces = parse_interfaces(on, profile) if has_can else {}
     with (
-        contextlib.suppress(KeyboardInterrupt),
         StopRequests() as stop,
         open_simulation(profile, interfaces) as simulation,
         _status_line() as show,
@@ -69,13 +69,13 @@ def simulate(
         real_time(profile.loop.priority),
     ):
         gc.enable()  # unlike a run this may live for days; what is there already stays frozen
+        # From now on requests are read between two looks at the buses: `timeout` and impatient
+        # people send two at once, of which none may tear the release of the interfaces.
+        stop.shield()
         _introduce(profile, simulation)
         began = monotonic()
-        try:
-            _serve(simulation, show, duration)
-        finally:
-            stop.shield()  # a second request must not tear the release of the interfaces
-            summary = _summarise(simulation, monotonic() - began)
+        _serve(simulation, show, stop, duration)
+        summary = _summarise(simulation, monotonic() - began)
     click.echo(f"stopped {summary}", err=True)
     return 0
 
@@ -92,12 +92,12 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
     sys.stderr.flush()
 
 
-def _serve(simulation: Simulation, show: Any, duration: float | None) -> None:
+def _serve(simulation: Simulation, show: Any, stop: StopRequests, duration: float | None) -> None:
     began = last = monotonic()
     counts = _counts(simulation)
-    while duration is None or last - began < duration:
+    while not stop.count and (duration is None or last - began < duration):
         until = monotonic() + _REDRAW
-        simulation.rig.serve(lambda until=until: monotonic() >= until)
+        simulation.rig.serve(lambda until=until: stop.count or monotonic() >= until)
         now, newer = monotonic(), _counts(simulation)
         span = now - last
         parts = [f"{now - began:7.1f} s"]

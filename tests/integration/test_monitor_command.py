@@ -196,7 +196,7 @@ def complete(arguments, incomplete):
 
 
 def test_names_are_completed():
-    assert complete(["monitor"], "cylinder-l") == ["cylinder-low-speed"]
+    assert complete(["monitor"], "cylinder-low") == ["cylinder-low-speed"]
     assert complete(["monitor", "cylinder", "--device"], "enc") == [
         "encoder-agonist", "encoder-antagonist",
     ]  # fmt: skip

@@ -114,9 +114,14 @@ def test_no_such_interface_and_one_that_is_down(tmp_path, recorder):
     with Program("run", "cylinder-step", "--on", "vcan99", "--out", tmp_path) as program:
         assert program.end() == 3
     assert "sudo ip link add dev vcan99 type vcan" in program.talk
-    with Program("simulate", "cylinder", "--on", "vcan99") as program:
-        assert program.end() == 3
-    assert "sudo ip link add dev vcan99 type vcan" in program.talk
+    for command in (
+        ("simulate", "cylinder"),
+        ("check", "cylinder"),
+        ("monitor", "cylinder", "--frames"),
+    ):
+        with Program(*command, "--on", "vcan99") as program:
+            assert program.end() == 3
+        assert "sudo ip link add dev vcan99 type vcan" in program.talk
     ip("link", "set", LINK, "down")
     with run(tmp_path / "down") as program:
         assert program.end() == 3
@@ -292,9 +297,13 @@ def test_two_nodes_with_one_number(tmp_path, simulation):
         assert other.stop() == 0
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_simulation_stops_cleanly(number):
+@pytest.mark.parametrize(
+    "numbers", [(signal.SIGINT,), (signal.SIGTERM,), (signal.SIGTERM, signal.SIGTERM)], ids=str
+)
+def test_a_simulation_stops_cleanly(numbers):
+    """`timeout`, and people who are impatient, send two."""
     with simulate("cylinder", LINK) as program:
-        program.send(number)
+        for number in numbers:
+            program.send(number)
         assert program.end() == 0
         assert program.said[-1].startswith("stopped after")

@@ -1,0 +1,127 @@
+"""CAN interfaces that cannot be used, by every command that opens one: exit 3, and what to do.
+
+What needs a kernel with CAN (no such interface, one that is down or at another bit rate) is among
+the tests on SocketCAN, ``tests/vcan/test_faults.py``.
+"""
+
+import contextlib
+import ctypes
+import os
+import pty
+import struct
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("can")
+pytest.importorskip("serial")
+
+from drivers.canopen.bus import CanopenBus
+from drivers.canopen.settings import CanBusSettings
+from rig.cli import invoke
+from rig.hal import MonotonicClock
+from rig.run_folder import RunFolder
+
+COMMANDS = {
+    "check": ("check", "cylinder"),
+    "simulate": ("simulate", "cylinder"),
+    "monitor": ("monitor", "cylinder", "--frames"),
+    "run": ("run", "cylinder-step", "--no-report"),
+}
+_CAPABILITIES_3 = 0x2008_0522  # linux/capability.h
+_OVERRIDES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH
+
+
+@pytest.fixture(params=COMMANDS)
+def refused(request, tmp_path, capfd):
+    """Return what a command says as it refuses an interface; nothing was energised."""
+
+    def run(on):
+        runs = tmp_path / "runs"
+        options = ["--out", str(runs)] if request.param == "run" else []
+        code = invoke([*COMMANDS[request.param], "--on", on, *options])
+        said = capfd.readouterr().err
+        assert code == 3, said
+        assert "Traceback" not in said
+        if options:
+            (folder,) = runs.iterdir()
+            assert RunFolder.open(folder).status.value == "faulted"
+            assert "armed" not in (folder / "events.jsonl").read_text()
+            assert "rig check" not in said, "the bus cannot be asked either"
+        return said
+
+    return run
+
+
+@contextlib.contextmanager
+def an_ordinary_user():
+    """Take away from root, in this thread, what lets it open files whatever their mode is."""
+    system = ctypes.CDLL(None, use_errno=True)
+    header = struct.pack("=Ii", _CAPABILITIES_3, 0)
+    sets = (ctypes.c_uint32 * 6)()  # effective, permitted, inheritable; twice
+    assert system.capget(header, sets) == 0
+    before = sets[0]
+    sets[0] &= ~_OVERRIDES
+    assert system.capset(header, sets) == 0
+    try:
+        yield
+    finally:
+        sets[0] = before
+        assert system.capset(header, sets) == 0
+
+
+@pytest.fixture
+def port():
+    """The serial port of an adapter that answers nothing."""
+    master, slave = pty.openpty()
+    yield os.ttyname(slave)
+    os.close(master)
+    os.close(slave)
+
+
+def test_a_port_that_belongs_to_another_group(refused, port):
+    Path(port).chmod(0o000)
+    with an_ordinary_user():
+        said = refused(f"slcan:{port}")
+    assert f"error: {port}" in said or f"faulted: {port}" in said
+    assert "Permission denied" in said
+    assert "sudo usermod -aG dialout $USER" in said
+
+
+def test_an_adapter_that_is_not_plugged_in(refused):
+    said = refused("slcan:/dev/ttyNone0")
+    assert "No such file" in said
+    assert "ls /dev/serial/by-id" in said
+
+
+def test_an_interface_that_python_can_does_not_know(refused):
+    said = refused("slcam:/dev/ttyACM0")
+    assert "'slcam' not supported; there are " in said
+    assert ", slcan, socketcan, " in said
+
+
+def test_a_group_that_is_none(refused):
+    said = refused("udp_multicast:nowhere.invalid")
+    assert "nowhere.invalid" in said
+    assert "properly shut down" not in said, "python-can's own complaint helps nobody"
+
+
+def test_an_adapter_that_is_pulled_may_complain_when_it_is_closed():
+    class Pulled:
+        closed = False
+
+        def recv(self, timeout=None):
+            return None
+
+        def send(self, msg, timeout=None):
+            raise OSError(5, "Input/output error")
+
+        def shutdown(self):
+            self.closed = True
+            raise OSError(5, "Input/output error")
+
+    interface = Pulled()
+    bus = CanopenBus("can0", CanBusSettings("slcan", "x"), lambda: interface, MonotonicClock())
+    bus.open()
+    bus.close()
+    assert interface.closed
