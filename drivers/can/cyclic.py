@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from drivers.can.errors import BusErrors
-from drivers.can.fast_path import Drain, Send, backlog_of, drain_of, send_of
+from drivers.can.fast_path import Drain, Send, backlog_of, drain_of, drops_of, send_of
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.can.interfaces import close_bus
 from rig.hal import CanBus, Clock
@@ -110,6 +110,7 @@ class CyclicCanBus(ABC):
         self._frames_out = self._out_before = 0
         self._unknown = 0
         self._remote = 0
+        self._dropped = 0
 
     # Registration ---------------------------------------------------------------------
 
@@ -163,6 +164,7 @@ class CyclicCanBus(ABC):
         bus, self._bus = self._bus, None
         if bus is None:
             return
+        self._dropped += drops_of(bus)()
         # What a kernel's filters held back is the master's own frames and the unknown ones.
         held_back = getattr(bus, "count_others", int)()
         self._unknown += max(0, held_back - (self._frames_out - self._out_before))
@@ -215,6 +217,7 @@ class CyclicCanBus(ABC):
             "remote": self._remote,
             "error_frames": self._errors.error_frames,
             "refused": self._errors.refused,
+            "dropped": self._dropped,
         }
 
     def _send_cyclic(self, *more: tuple[int, bytes]) -> bool:

@@ -49,6 +49,15 @@ def _no_backlog() -> int:
     return 0
 
 
+def drops_of(bus: CanBus) -> Callable[[], int]:
+    """Return what tells how many frames were dropped because nobody took them in time.
+
+    Only SocketCAN says so; of another interface it is always 0.
+    """
+    own: Callable[[], int] | None = getattr(bus, "count_dropped", None)
+    return own if own is not None else int
+
+
 def flagged_id(frame: Frame) -> int:
     """Return a frame's identifier with the flags of `drivers.can.frame`."""
     can_id = frame.arbitration_id

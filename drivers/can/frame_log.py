@@ -16,7 +16,7 @@ from drivers.can.candump import format_frame
 from drivers.can.fast_path import drain_of, flagged_id, send_of
 from rig.hal import CanBus, Clock, ConfigurationError, Frame
 
-_TOLD: Final = ("backlog", "channel", "count_others", "fileno")
+_TOLD: Final = ("backlog", "channel", "count_dropped", "count_others", "fileno")
 
 
 class FrameLog:

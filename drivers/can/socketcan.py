@@ -158,6 +158,10 @@ class SocketCanBus:
         count, self._dropped = count + dropped - self._dropped, dropped
         return count
 
+    def count_dropped(self) -> int:
+        """Return how many frames the kernel has dropped: nobody took them while there was room."""
+        return _memory_of(self._socket)[_DROPS] if self._is_can else 0
+
     def fileno(self) -> int:
         """Return the socket's descriptor, to wait for frames; -1 once it is closed."""
         return self._socket.fileno()

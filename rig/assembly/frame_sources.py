@@ -11,7 +11,7 @@ from rig.assembly.buses import is_can
 from rig.assembly.frames import FORMATS, FRAMES
 from rig.assembly.interfaces import Interfaces
 from rig.config import Profile
-from rig.hal import ConfigurationError, ConnectionFailed
+from rig.hal import CanBus, ConfigurationError, ConnectionFailed
 
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
@@ -66,48 +66,70 @@ def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
         raise ConfigurationError(str(error)) from error
 
 
-def listen(profile: Profile, interfaces: Interfaces) -> contextlib.closing[Any]:
-    """Open the CAN buses of a profile and return an endless iterator of lists of frames.
+class Listener:
+    """Open CAN buses on which nothing is ever sent.
 
-    Nothing is ever sent. The first list is empty and comes when the interfaces are open; others
-    are empty where no frame has come for a moment.
+    Parameters
+    ----------
+    buses : mapping of str to CanBus
+        By name.
+    """
+
+    def __init__(self, buses: Mapping[str, CanBus]) -> None:
+        from drivers.can.candump import LoggedFrame
+        from drivers.can.fast_path import drain_of, drops_of
+
+        self._logged = LoggedFrame
+        self._drains = [(name, drain_of(bus)) for name, bus in buses.items()]
+        self._drops = [drops_of(bus) for bus in buses.values()]
+
+    def look(self) -> list[Any]:
+        """Return the frames that have come; none after a moment in which there were none.
+
+        Raises
+        ------
+        ConnectionFailed
+            An interface went down.
+        """
+        frames = []
+        for name, drain in self._drains:
+            try:
+                found = drain(256)
+            except Exception as error:  # each interface has errors of its own
+                raise ConnectionFailed(name, f"the interface failed: {error}") from error
+            now = time.time()
+            frames += [self._logged(now, name, can_id, data) for can_id, data in found]
+        if not frames:
+            time.sleep(_LOOK_EVERY)
+        return frames
+
+    def count_dropped(self) -> int:
+        """Return how many frames came faster than they were looked at, and are lost."""
+        return sum(count() for count in self._drops)
+
+
+@contextlib.contextmanager
+def listen(profile: Profile, interfaces: Interfaces) -> Iterator[Listener]:
+    """Open the CAN buses of a profile to listen on them.
 
     Raises
     ------
     ConnectionFailed
-        An interface is missing or down, or goes down.
+        An interface is missing or down.
     """
-    return contextlib.closing(_listen(profile, interfaces))
-
-
-def _listen(profile: Profile, interfaces: Interfaces) -> Iterator[list[Any]]:
     import dataclasses
 
     from drivers.can import close_bus, open_bus
-    from drivers.can.candump import LoggedFrame
-    from drivers.can.fast_path import drain_of
 
     with contextlib.ExitStack() as stack:
-        drains = []
+        buses = {}
         for name, entry in profile.buses.items():
             if not is_can(entry):
                 continue
             bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
             stack.callback(close_bus, bus)
-            drains.append((name, drain_of(bus)))
-        yield []  # the interfaces are open
-        while True:
-            frames = []
-            for name, drain in drains:
-                try:
-                    found = drain(256)
-                except Exception as error:  # each interface has errors of its own
-                    raise ConnectionFailed(name, f"the interface failed: {error}") from error
-                now = time.time()
-                frames += [LoggedFrame(now, name, can_id, data) for can_id, data in found]
-            yield frames
-            if not frames:
-                time.sleep(_LOOK_EVERY)
+            buses[name] = bus
+        yield Listener(buses)
 
 
 class _Buses:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import sys
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -105,16 +106,19 @@ def _show_live(profile: Profile, on: str, viewer: _Viewer) -> None:
     from rig.assembly.frame_sources import listen
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
-    with listen(profile, interfaces) as batches:
-        next(batches)  # the interfaces are open now, or it is said why not
+    with listen(profile, interfaces) as listener:
         click.echo(f"listening on {on}; Ctrl-C ends it", err=True)
-        for frames in batches:
-            for line in viewer.lines(frames):
-                sys.stdout.write(line)
-            if frames:
-                sys.stdout.flush()
-            if viewer.is_over:
-                return
+        try:
+            while not viewer.is_over:
+                frames = listener.look()
+                for line in viewer.lines(frames):
+                    sys.stdout.write(line)
+                if frames:
+                    sys.stdout.flush()
+                elif viewer.is_past(time.time()):
+                    return
+        finally:
+            viewer.dropped = listener.count_dropped()
 
 
 def _show_recorded(profile: Profile, source: str, runs: Path, viewer: _Viewer) -> None:
@@ -181,8 +185,9 @@ class _Viewer:
         self._line = _json_line if as_json else _text_line
         self._widths = [max(map(len, decoders), default=0), 16]
         self._began: float | None = None
+        self._opened = time.time()
         self.is_over = False
-        self.count = self.unknown = 0
+        self.count = self.unknown = self.dropped = 0
 
     def lines(self, frames: Iterable[Any]) -> Iterator[str]:
         """Yield the line of every frame that is to be shown."""
@@ -204,8 +209,21 @@ class _Viewer:
 
     def summary(self) -> str:
         """Return how many frames there were."""
-        unknown = f", {self.unknown} that the profile does not know" if self.unknown else ""
-        return f"{self.count} frames{unknown}"
+        parts = [f"{self.count} frames"]
+        if self.unknown:
+            parts.append(f"{self.unknown} that the profile does not know")
+        if self.dropped:
+            parts.append(
+                f"and {self.dropped} were lost, because they came faster than they were shown: "
+                "write to a file, or record with `rig run --frames` or candump -l"
+            )
+        return ", ".join(parts)
+
+    def is_past(self, now: float) -> bool:
+        """Return whether the time to show is over, although no frame says so."""
+        if self._duration is None:
+            return False
+        return now - (self._opened if self._began is None else self._began) > self._duration
 
     def _is_wanted(self, device: str) -> bool:
         # A device with several nodes shows as "arm q1", "arm q2".

@@ -171,6 +171,33 @@ def test_a_live_interface_is_listened_to(capfd, request):
     assert err.startswith(f"listening on virtual:{channel}")
 
 
+def test_a_quiet_bus_is_left_in_time_too(capfd):
+    arguments = ["monitor", "cylinder", "--frames", "--on", "virtual:silent0"]
+    assert invoke([*arguments, "--for", "0.02"]) == 0
+    assert capfd.readouterr().err.endswith("0 frames\n")
+
+
+def test_frames_that_the_kernel_dropped_are_told(monkeypatch, capfd):
+    class Flooded:
+        def __init__(self):
+            self.frames = [(0x710, b"\5"), (0x7E5, b"")]
+
+        def drain(self, limit):
+            frames, self.frames = self.frames, []
+            return frames
+
+        def count_dropped(self):
+            return 1234
+
+        def shutdown(self):
+            pass
+
+    monkeypatch.setattr("drivers.can.open_bus", lambda settings: Flooded())
+    assert invoke(["monitor", "cylinder", "--frames", "--on", "can0", "--for", "0.02"]) == 0
+    summary = capfd.readouterr().err.splitlines()[-1]
+    assert summary.startswith("2 frames, 1 that the profile does not know, and 1234 were lost")
+
+
 def test_ctrl_c_ends_listening():
     # A shell has what it starts in the background ignore Ctrl-C, and so everything in it.
     process = subprocess.Popen(

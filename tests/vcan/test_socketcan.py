@@ -150,6 +150,23 @@ def test_foreign_traffic_at_high_load_reaches_nobody_and_is_counted(bus, far):
     assert statistics["unknown"] == flood
 
 
+def test_what_nobody_takes_in_time_is_dropped_and_counted(bus, far):
+    listener = open_socketcan(LINK, 1_000_000)
+    flood = 30_000  # more than there is room for
+    for number in range(flood):
+        give(far, 0x190, struct.pack("<I", number))
+    time.sleep(SETTLE)
+    taken = 0
+    while frames := listener.drain():
+        taken += len(frames)
+    dropped = listener.count_dropped()
+    listener.shutdown()
+    assert 0 < dropped == flood - taken
+    bus.close()
+    statistics = bus.statistics()
+    assert statistics["dropped"] == dropped, "the run's own socket has as much room"
+
+
 def test_own_frames_do_not_come_back(bus, far):
     for number in range(10):
         cycle(bus, number)
