@@ -38,7 +38,8 @@ _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
 class Cia401Regulators:
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
-    Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`.
+    Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`; with lock valves
+    `rig.hal.ChamberLocks`.
 
     Parameters
     ----------
@@ -79,7 +80,11 @@ class Cia401Regulators:
         count = len(wiring)
         self._vented: Vector = (min(max(settings.vented, low), high),) * count
         self._held = tuple(channel.safe == "hold" for channel in wiring)
-        self._open = settings.opening_bits
+        self.lockable = tuple(channel.lock_bit is not None for channel in wiring)
+        self._lock_bits = tuple(
+            0 if channel.lock_bit is None else 1 << channel.lock_bit for channel in wiring
+        )
+        self._open = self._opened = settings.opening_bits
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
@@ -276,15 +281,30 @@ class Cia401Regulators:
                 )
             counts.append(encode(value))
         self._setpoint = pressure
-        digital = self._open
+        digital = self._opened
         self._digital = self._kept
         if self._pack_only is not None:  # as most modules have it: one PDO for everything
             self._pdos[0].data = (
-                self._pack_only(*counts, digital) if digital else self._pack_only(*counts)
+                self._pack_only(*counts, digital) if self._open else self._pack_only(*counts)
             )
             return
         for pdo, data in zip(self._pdos, self._contents(counts, digital), strict=True):
             pdo.data = data
+
+    def lock(self, shut: tuple[bool, ...]) -> None:
+        """Shut or open the lock valves from the next setpoints on; see `ChamberLocks`.
+
+        Raises
+        ------
+        ValueError
+            A channel is to be shut that has no valve.
+        """
+        closed = 0
+        for name, bit, wanted in zip(self.channels, self._lock_bits, shut, strict=True):
+            if wanted and not bit:
+                raise ValueError(f"{self.name}: no valve locks {name}; it has no lock_bit")
+            closed |= bit if wanted else 0
+        self._opened = self._open & ~closed if self._armed else self._open
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -322,6 +342,7 @@ class Cia401Regulators:
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._setpoint = self._vented
         self._digital = 0
+        self._opened = self._open
 
     def _set_safe(self) -> None:
         self._setpoint = setpoint = self.safe_pressure()

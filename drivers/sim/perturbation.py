@@ -47,6 +47,8 @@ class Draws(NamedTuple):
         m and rad, length 3.
     joints : JointDraws
         Of servo joints and the links between them.
+    leaks : tuple of float
+        Sonic conductance of each chamber's leak, m³/(s Pa).
     """
 
     channels: Mapping[str, tuple[float, ...]]
@@ -56,6 +58,7 @@ class Draws(NamedTuple):
     camera_position: tuple[float, float, float]
     camera_angle: tuple[float, float, float]
     joints: JointDraws = JointDraws()
+    leaks: tuple[float, ...] = (0.0,) * _CHANNELS
 
 
 PER_CHANNEL = (
@@ -76,7 +79,9 @@ def draw(bounds: Bounds, seed: int) -> Draws:
     geometry = values(bounds.geometry, _CHANNELS)
     position, angle = values(bounds.camera_position, 3), values(bounds.camera_angle, 3)
     joints = draw_joints(bounds, seed)
-    return Draws(channels, friction, wire_offset, geometry, position, angle, joints)  # type: ignore[arg-type]
+    # No chamber is tight if any may leak: between a third of the bound and the whole of it.
+    leaks = tuple((2.0 * bounds.leak + share) / 3.0 for share in values(bounds.leak, _CHANNELS))
+    return Draws(channels, friction, wire_offset, geometry, position, angle, joints, leaks)  # type: ignore[arg-type]
 
 
 def perturb_plant(settings: Any, draws: Draws) -> Any:
@@ -124,6 +129,8 @@ class PerturbedPlant:
         self._setpoint = tuple(zip(of["setpoint_gain"], of["setpoint_offset"], strict=True))
         self._monitor = tuple(zip(of["monitor_gain"], of["monitor_offset"], strict=True))
         self._encoder = tuple(zip(of["encoder_scale"], of["encoder_offset"], strict=True))
+        if any(draws.leaks):
+            plant.set_leaks(draws.leaks[: len(plant.channel_names)])
         joints = PerturbedJoints(plant, draws.joints, of["joint_zero"])
         self.command_joint = joints.command_joint
         self.joint_position = joints.joint_position

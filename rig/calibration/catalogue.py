@@ -10,12 +10,14 @@ def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
     from rig.calibration.procedures.encoders import Encoders
     from rig.calibration.procedures.friction import Friction
+    from rig.calibration.procedures.leak import Leak
     from rig.calibration.procedures.regulators import Regulators
     from rig.calibration.procedures.response import Response
     from rig.calibration.procedures.wires import Wires
 
     every: tuple[Procedure | Lens, ...] = (
-        Regulators(), Encoders(), Wires(), Response(), Friction(), *_of_cameras(), *_of_servos()
+        Regulators(), Encoders(), Wires(), Response(), Friction(), Leak(),
+        *_of_cameras(), *_of_servos(),
     )  # fmt: skip
     # Two mechanisms may have procedures of one name, which do different things.
     return {p.name: p for p in every if profile.mechanism in p.mechanisms and p.targets(profile)}

@@ -204,3 +204,67 @@ def open_loop(
         rest=JointReference((0.0, 0.0, 1.0), nothing, nothing), command=JointCommand,
         estimate=JointEstimate(nothing, nothing, 0.0, (0.0,) * 4, (0.0,) * 4),
     )  # fmt: skip
+
+
+def unseen(profile: Profile, give: float) -> tuple[Profile, tuple[str, ...]]:
+    """Return the profile for chambers that its monitors do not see for a while, and notes on it.
+
+    A joint's alarms work out by the monitors how far its wires give.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    give : float
+        How far a wire may seem to move meanwhile, m.
+    """
+    if profile.mechanism == "cylinder":
+        return profile, ()
+    settings = profile.mechanism_settings
+    usual = settings.alarms.frozen
+    if usual.distance >= give:
+        return profile, ()
+    frozen = dataclasses.replace(usual, distance=give)
+    alarms = dataclasses.replace(settings.alarms, frozen=frozen)
+    note = (
+        f"alarms.frozen.distance is {1e3 * give:g} mm instead of {1e3 * usual.distance:g} mm: "
+        "a monitor does not see behind a shut valve how far a wire gives"
+    )
+    mechanism = dataclasses.replace(settings, alarms=alarms)
+    return dataclasses.replace(profile, mechanism_settings=mechanism), (note,)
+
+
+def balanced(profile: Profile, reference: Any, pressure: float) -> tuple[float, ...]:
+    """Return pressures that hold a pose by themselves, Pa gauge.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    reference : object
+        The pose; a pair is held by equal pressures wherever it is.
+    pressure : float
+        Their mean, as far as none gets above what is permitted, Pa gauge.
+    """
+    pneumatics = pneumatics_of(profile)
+    count = len(pneumatics.channels)
+    if profile.mechanism == "cylinder":
+        return (min(pressure, pneumatics.highest),) * count
+    from controllers.spherical_joint.poses import natural_rotation
+    from controllers.spherical_joint.tension import TensionDistribution
+
+    distribution = TensionDistribution(profile.mechanism_settings.geometry)
+    shares = distribution.shares(natural_rotation(reference.axis))
+    total = min(count * pressure, pneumatics.highest / max(shares))
+    return tuple(total * share for share in shares)
+
+
+def command_type(profile: Profile) -> Any:
+    """Return what makes the mechanism's command of one pressure per channel."""
+    if profile.mechanism == "cylinder":
+        from controllers.cylinder.types import PairCommand
+
+        return PairCommand
+    from controllers.spherical_joint.types import JointCommand
+
+    return JointCommand

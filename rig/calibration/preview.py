@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rig.calibration.excitation import OpenLoop
+from rig.calibration.locking import Locking
 from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
 from rig.config import Profile, format_quantity
@@ -35,6 +36,8 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         yield from _pressures(motion)
     else:
         yield from _positions(motion)
+    if isinstance(motion, Locking):
+        yield from _locks(motion)
     limits = excitation.profile.mechanism_settings
     for name in ("position", "speed", "pressure", "pair_force", "tilt", "tension"):
         bound = getattr(getattr(limits, "limits", None), name, None)
@@ -61,6 +64,14 @@ def _pressures(motion: OpenLoop[Any, Any]) -> Iterator[str]:
         yield f"  chamber {number}: set-points {low} … {high}"
     if all(column == columns[0] for column in columns):
         yield "  all chambers alike: their pulls cancel, and no rod is meant to move"
+
+
+def _locks(motion: Locking) -> Iterator[str]:
+    for number, column in enumerate(zip(*motion.pressures.values(), strict=True), 1):
+        highest = max(column)
+        low, high = (format_quantity(p, "Pa") for p in (min(column) - motion.below, highest))
+        yield f"  chamber {number}: set-points {low} … {high}, locked in {motion.count} times"
+    yield "  while they are locked, no controller holds the rods: friction does"
 
 
 def _joints(motion: JointMoves) -> Iterator[str]:

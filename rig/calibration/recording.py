@@ -24,6 +24,10 @@ class CalibrationRefused(RigError):
     """What was recorded does not suffice, or is worse than what there is; nothing was changed."""
 
 
+class RigLacks(CalibrationRefused):
+    """The rig has not what the procedure takes; nothing was moved."""
+
+
 class Stretch(Mapping[str, "NDArray[np.float64]"]):
     """The rows of one segment, column by column; ``"t"`` is seconds since its reference began."""
 

@@ -106,14 +106,18 @@ def _calibrate(
     procedure: Procedure, profile: Profile, search: Sequence[Path], options: dict[str, Any]
 ) -> int:
     from rig.assembly import Backend, backend_of
-    from rig.calibration.recording import CalibrationRefused
+    from rig.calibration.recording import CalibrationRefused, RigLacks
     from rig.calibration.session import conclude, read_instruments, record
     from rig.cli.progress import ProgressLine
     from rig.run_folder import RunStatus
 
     on: str = options["on"]
     backend = backend_of(on)
-    _preview(procedure, profile, options["earlier"])
+    try:
+        _preview(procedure, profile, options["earlier"])
+    except RigLacks as lack:
+        click.echo(f"{procedure.name}: {lack}", err=True)
+        return 0 if options["every"] else 3  # the others do not need it
     if options["dry_run"]:
         return 0
     if not options["yes"] and not _agreed():

@@ -81,6 +81,8 @@ class Perturbation:
         Of all friction, as a share of it.
     wire_offset : float
         Of the rod extension at which the wires are taut, m.
+    leak : float
+        Sonic conductance of a chamber's leak, m³/(s Pa): a third of it to the whole.
     geometry : float
         Of every length and angle of a mechanism's geometry, as a share of it.
     camera_position, camera_angle : float
@@ -110,6 +112,7 @@ class Perturbation:
     encoder_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.02)] = 0.0
     friction: Annotated[float, Unit("1"), Interval(ge=0, le=0.9)] = 0.0
     wire_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.01)] = 0.0
+    leak: Annotated[float, Unit("m^3/(s Pa)"), Interval(ge=0, le=1e-8)] = 0.0
     geometry: Annotated[float, Unit("1"), Interval(ge=0, le=0.1)] = 0.0
     camera_position: Annotated[float, Unit("m"), Interval(ge=0, le=0.1)] = 0.0
     camera_angle: Annotated[float, Unit("rad"), Interval(ge=0, le=0.5)] = 0.0

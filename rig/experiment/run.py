@@ -289,6 +289,8 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any
     loop = plan.profile.loop
     rig.mechanism.controller = plan.controller
     rig.mechanism.motion = plan.motion
+    if hasattr(plan.motion, "attach"):  # it works valves as well, beside the setpoints
+        plan.motion.attach(rig.devices)
     return Loop(
         clock=rig.clock,
         period=loop.period,

@@ -2,6 +2,7 @@
 
 from rig.hal.bus import Buses, CanBus, CyclicBus, Frame
 from rig.hal.capabilities import (
+    ChamberLocks,
     Device,
     Doubtful,
     EmergencyStopInput,
@@ -32,6 +33,7 @@ from rig.hal.reading import Reading
 __all__ = [
     "Buses",
     "CanBus",
+    "ChamberLocks",
     "Clock",
     "ConfigurationError",
     "ConnectionFailed",

@@ -73,6 +73,25 @@ class SafePressure(Protocol):
         ...
 
 
+class ChamberLocks(Protocol):
+    """Regulators with a valve between some of them and their chambers."""
+
+    lockable: tuple[bool, ...]
+    """Which of the channels have one."""
+
+    def lock(self, shut: tuple[bool, ...]) -> None:
+        """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.
+
+        What becomes of the chambers in the safe state is not changed by it.
+
+        Raises
+        ------
+        ValueError
+            A channel is to be shut that has no valve.
+        """
+        ...
+
+
 class LinearEncoder(Device, Protocol):
     """Linear encoders, n channels."""
 

@@ -26,6 +26,7 @@ _ENCODERS = (
 )
 _WIRES = ("simulation.perturbation.wire_offset=2 mm", "loop.rate=100")
 _FRICTION = ("simulation.perturbation.friction=0.3",)
+_LEAK = ("simulation.perturbation.leak=2e-12 m^3/(s Pa)", "simulation.perturbation.friction=0.3")
 
 DRAWN = {
     "regulators": _REGULATORS,
@@ -33,6 +34,8 @@ DRAWN = {
     "wires": _WIRES,
     "response": (),
     "friction": _FRICTION,
+    "cylinder-locked leak": _LEAK,
+    "joint-locked leak": _LEAK,
     "joint regulators": _REGULATORS,
     "joint encoders": _ENCODERS,
     "joint wires": _WIRES,
@@ -99,7 +102,18 @@ def true_of_friction(profile, seed, procedure, folders):
     return true | ({breakaway: found[breakaway]} if breakaway in found else {})
 
 
+def true_of_leak(profile, seed, procedure, folders):
+    leaks = draw(profile.simulation.perturbation, seed).leaks
+    channels = pneumatics_of(profile).channels
+    return {
+        (profile.mechanism, f"leak.{channel}.conductance"): leak
+        for channel, leak in zip(channels, leaks, strict=False)
+    }
+
+
 TRUE = {
+    "cylinder-locked leak": true_of_leak,
+    "joint-locked leak": true_of_leak,
     "regulators": true_of_regulators,
     "encoders": true_of_encoders,
     "wires": true_of_wires,

@@ -132,6 +132,35 @@ def test_locked_chamber_opens_again_with_the_first_setpoints():
         assert bench.pressures() == pytest.approx(SETPOINTS, abs=10e3)
 
 
+LOCKABLE = tuple(f"{CHANNELS}.ch{k}.lock_bit={k}" for k in (1, 2, 3, 4))
+
+
+@pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
+def test_valves_shut_on_demand_keep_what_is_in_whatever_the_regulators_do(backend):
+    with Bench(backend, LOCKABLE) as bench:
+        bench.follow(0.6)
+        assert bench.regulators.lockable == (True,) * 4
+        kept = bench.pressures()
+        bench.regulators.lock((False, True, True, True))
+        bench.follow(0.4, (90e3,) * 4)
+        assert bench.pressures()[0] == pytest.approx(90e3, abs=10e3)
+        assert bench.pressures()[1:] == pytest.approx(kept[1:], rel=0.1)
+        shown, _ = bench.regulators.pressure()
+        assert shown == pytest.approx((90e3,) * 4, abs=10e3)  # the other side of the valve
+        bench.regulators.lock((False,) * 4)
+        bench.follow(0.4, (90e3,) * 4)
+        assert bench.pressures() == pytest.approx([90e3] * 4, abs=10e3)
+        bench.regulators.lock((True,) * 4)
+        bench.make_safe(1.0)
+        assert bench.pressures() == pytest.approx([0.0] * 4, abs=3e3)  # safe is still to vent
+
+
+@pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
+def test_a_chamber_without_a_valve_cannot_be_shut(backend):
+    with Bench(backend) as bench, pytest.raises(ValueError, match="no valve locks ch1"):
+        bench.regulators.lock((True, False, False, False))
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

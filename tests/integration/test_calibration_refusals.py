@@ -175,3 +175,16 @@ def test_a_rod_that_hardly_moves_is_told(configs, capsys):
     assert code == 1
     assert "a rod is stuck, or the supply is shut" in told
     assert not (configs / "calibration" / "cylinder" / "cylinder.yaml").exists()
+
+
+def test_what_a_rig_lacks_is_said_before_anything_moves_and_keeps_nothing_else(configs, capsys):
+    assert calibrate(configs, "leak", "--yes", "--on", "sim") == 3
+    told = capsys.readouterr().err
+    assert "valve between the two, at the cylinder" in told
+    assert "devices.regulators.channels.agonist.lock_bit" in told
+    assert runs(configs) == []
+
+    assert calibrate(configs, "--all", "--dry-run") == 0
+    told = capsys.readouterr().err
+    assert "leak: the air of agonist, antagonist cannot be locked in" in told
+    assert "friction: friction of the pairs" in told

@@ -192,7 +192,8 @@ def test_refuses_what_the_data_do_not_say():
     assert interval("x", 1.0, "m", 0.1, 1e9).high == pytest.approx(1.196, abs=1e-3)
 
 
-def test_every_procedure_keeps_the_limits_but_those_that_it_names(profile):
+def test_every_procedure_keeps_the_limits_but_those_that_it_names():
+    profile = load_profile("cylinder-locked", REGISTRY, (), find_configs())
     for procedure in procedures(profile).values():
         excitation = procedure.excite(profile, ())
         usual, now = (p.mechanism_settings.limits for p in (profile, excitation.profile))
