@@ -2,7 +2,10 @@
 
 Only objects are read (0x1000, 0x1018) and heartbeats heard: no node is reset, started or
 configured. A node in STOPPED answers no question, and every run leaves its nodes so: those that
-are expected and say nothing are taken to PRE-OPERATIONAL, where outputs stay safe as well.
+are expected and say nothing are taken to PRE-OPERATIONAL, where outputs stay safe as well. So are
+those that answer, if nobody uses the bus: the other one of two with one number may be STOPPED.
+
+A device that hears and never sends is nobody to a bus; no question finds it.
 
 References
 ----------
@@ -16,7 +19,7 @@ from typing import Final
 
 from drivers.can.fast_path import drain_of, send_of
 from drivers.can.found import Found
-from drivers.canopen.heartbeat import describe_state
+from drivers.canopen.heartbeat import NmtState, describe_state
 from rig.hal import CanBus, Clock
 
 _NMT_ID: Final = 0x000
@@ -43,6 +46,7 @@ class _Heard:
             lambda: defaultdict(list)
         )
         self.states: dict[int, int] = {}
+        self.in_use = False  # somebody runs, or is run
 
     def take(self, can_id: int, data: bytes) -> None:
         if 0x581 <= can_id <= 0x5FF and len(data) == 8:
@@ -51,7 +55,10 @@ class _Heard:
                 answer = value if command == _EXPEDITED else None
                 self.objects[can_id - 0x580][index, sub].append(answer)
         elif 0x701 <= can_id <= 0x77F and len(data) == 1:
-            self.states[can_id - 0x700] = data[0] & 0x7F
+            state = self.states[can_id - 0x700] = data[0] & 0x7F
+            self.in_use |= state == NmtState.OPERATIONAL
+        else:
+            self.in_use = True
 
 
 def survey_canopen(
@@ -79,15 +86,13 @@ def survey_canopen(
     until = clock.now() + listen
     _ask(bus, clock, heard, range(1, 128), _DEVICE_TYPE)
     silent = tuple(node for node in expected if not heard.objects[node][_DEVICE_TYPE])
-    if silent:
-        for node in silent:
-            send_of(bus)(_NMT_ID, bytes((_ENTER_PRE_OPERATIONAL, node)))
-        _listen(bus, clock, heard, clock.now() + _AFTERWARDS)
-        _ask(bus, clock, heard, silent, _DEVICE_TYPE)
+    _wake_and_ask(bus, clock, heard, silent)
     for thing in (_VENDOR, _PRODUCT, _SERIAL):
         answered = tuple(node for node, objects in heard.objects.items() if objects[_DEVICE_TYPE])
         _ask(bus, clock, heard, answered, thing)
     _listen(bus, clock, heard, until)
+    if not heard.in_use:
+        _wake_and_ask(bus, clock, heard, tuple(node for node in expected if node not in silent))
     asked = {node for node, objects in heard.objects.items() if any(objects.values())}
     return [_describe(node, heard) for node in sorted({*asked, *heard.states})]
 
@@ -106,6 +111,18 @@ def _ask(
     while clock.now() < until and not all(heard.objects[node][thing] for node in nodes):
         _listen(bus, clock, heard, clock.now() + _PAUSE)
     _listen(bus, clock, heard, clock.now() + _AFTERWARDS)
+
+
+def _wake_and_ask(bus: CanBus, clock: Clock, heard: _Heard, nodes: tuple[int, ...]) -> None:
+    """Take nodes to PRE-OPERATIONAL and ask what they are; what they said before is forgotten."""
+    for node in nodes:
+        send_of(bus)(_NMT_ID, bytes((_ENTER_PRE_OPERATIONAL, node)))
+        _listen(bus, clock, heard, clock.now() + _PAUSE)
+    before = {node: heard.objects[node].pop(_DEVICE_TYPE, []) for node in nodes}
+    _ask(bus, clock, heard, nodes, _DEVICE_TYPE)
+    for node, answers in before.items():
+        if len(answers) > len(heard.objects[node][_DEVICE_TYPE]):
+            heard.objects[node][_DEVICE_TYPE] = answers
 
 
 def _listen(bus: CanBus, clock: Clock, heard: _Heard, until: float) -> None:
