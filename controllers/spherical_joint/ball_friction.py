@@ -7,6 +7,8 @@ pair turns round while the ring moves on.
 
 import math
 
+from controllers.compiled import inlined
+
 Pair = tuple[float, float]
 """One value per pair, (1, 3) and (4, 2)."""
 
@@ -54,17 +56,35 @@ class BallFriction:
         tension : tuple of float
             Sum of each pair's two tensions, N.
         """
-        first, second = self._step * velocity[0], self._step * velocity[1]
-        # Implicit, so that any velocity is stable and no share exceeds 1.
-        keep = 1.0 / (1.0 + math.hypot(first, second))
-        seat = ((self._seat[0] + first) * keep, (self._seat[1] + second) * keep)
-        wires = (
-            (self._wires[0] + first) / (1.0 + abs(first)),
-            (self._wires[1] + second) / (1.0 + abs(second)),
+        force, self._seat, self._wires = slide(
+            self._ring, self._wire, self._step, self._seat, self._wires, velocity, tension
         )
-        self._seat, self._wires = seat, wires
-        ring, wire = self._ring * (tension[0] + tension[1]), self._wire
-        return (
-            ring * seat[0] + wire * tension[0] * wires[0],
-            ring * seat[1] + wire * tension[1] * wires[1],
-        )
+        return force
+
+
+@inlined
+def slide(
+    ring: float, wire: float, step: float, seat: Pair, wires: Pair, velocity: Pair, tension: Pair
+) -> tuple[Pair, Pair, Pair]:
+    """Return the force for each pair, N, and the deflections after a period; see `BallFriction`.
+
+    Parameters
+    ----------
+    ring, wire : float
+        Friction of the ring and of a pair's wires over the sum of their tensions.
+    step : float
+        Period over the distance in which friction turns round, s/m.
+    seat, wires : tuple of float
+        Deflection of the seat and of the wires before, over what they bear.
+    velocity, tension : tuple of float
+        As for `BallFriction.update`.
+    """
+    first, second = step * velocity[0], step * velocity[1]
+    # Implicit, so that any velocity is stable and no share exceeds 1.
+    keep = 1.0 / (1.0 + math.hypot(first, second))
+    x, y = (seat[0] + first) * keep, (seat[1] + second) * keep
+    one = (wires[0] + first) / (1.0 + abs(first))
+    other = (wires[1] + second) / (1.0 + abs(second))
+    load = ring * (tension[0] + tension[1])
+    force = (load * x + wire * tension[0] * one, load * y + wire * tension[1] * other)
+    return force, (x, y), (one, other)

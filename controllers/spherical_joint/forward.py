@@ -91,6 +91,8 @@ class ForwardKinematics:
             _linearise(self._wires, wire, 0.0, 0.0, 2.0, 0.0)[0] for wire in range(4)
         )
         self._homes: Quadruple = (one, two, three, four)
+        self.constants = (self._wires, self._homes)
+        """For `search`."""
         self._search: Callable[..., Any] = search
         self._p = self._ahead = (0.0, 0.0)
 
@@ -117,18 +119,25 @@ class ForwardKinematics:
         )
         if not settled:
             self.reset()
-            raise ValueError(
-                "no pose of the ring explains the shortenings "
-                + ", ".join(f"{value * 1e3:.3f}" for value in shortening)
-                + " mm"
-            )
+            raise unexplained(shortening)
         self._p = (p_x, p_y)
-        # A ring that goes on as it did is found in one iteration.
-        ahead_x, ahead_y = p_x - last_x, p_y - last_y
-        if abs(ahead_x) + abs(ahead_y) > _MOST_AHEAD:
-            ahead_x = ahead_y = 0.0
-        self._ahead = (ahead_x, ahead_y)
+        self._ahead = step_ahead((last_x, last_y), self._p)
         return ForwardPose(axis, residuals)
+
+
+def unexplained(shortening: Quadruple) -> ValueError:
+    """Return what is said of four shortenings (m) that no pose explains."""
+    told = ", ".join(f"{value * 1e3:.3f}" for value in shortening)
+    return ValueError(f"no pose of the ring explains the shortenings {told} mm")
+
+
+@inlined
+def step_ahead(before: tuple[float, float], p: tuple[float, float]) -> tuple[float, float]:
+    """Return how p goes on: a ring that goes on as it did is found in one iteration."""
+    x, y = p[0] - before[0], p[1] - before[1]
+    if abs(x) + abs(y) > _MOST_AHEAD:
+        return 0.0, 0.0
+    return x, y
 
 
 @inlined

@@ -23,10 +23,8 @@ from controllers.cylinder.types import (
     PairReference,
     PairState,
 )
-from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
 from controllers.spherical_joint.dither import DitherSettings, TensionDither
-from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.learning import (
     LapLearning,
     LapMemory,
@@ -38,13 +36,8 @@ from controllers.spherical_joint.marker_estimate import (
     MarkerEstimateSettings,
     MarkerEstimator,
 )
-from controllers.spherical_joint.poses import (
-    PoseConvention,
-    Vector,
-    move_axis,
-    natural_rotation,
-)
-from controllers.spherical_joint.tension import TensionDistribution, raised
+from controllers.spherical_joint.pose_step import PoseStep, StepSettings
+from controllers.spherical_joint.poses import PoseConvention, Vector
 from controllers.spherical_joint.types import (
     JointCommand,
     JointEstimate,
@@ -53,6 +46,11 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from controllers.spherical_joint.wires import InverseKinematics, WireKind
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+_NOTHING = (0.0, 0.0)
+_ZERO = (0.0, 0.0, 0.0)
 
 _START_TIME = 0.2
 """With which the tensions that are found at the start give way to the wanted ones, s."""
@@ -160,20 +158,8 @@ class PoseController:
         self._period = period
         self._area = model.area
         self._height = model.geometry.marker_height
-        self._compliance = settings.stretch / model.wire_stiffness
-        self._inverse = InverseKinematics(model.geometry, settings.wire, settings.pose)
-        self._inverse.compile()
-        self._distribution = TensionDistribution(model.geometry)
-        self._distribution.compile()
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
         self._camera = CameraLoop(settings.camera, period)
-        wound = 0.5 * math.pi - model.geometry.ring_half_angle
-        self._friction = BallFriction(
-            settings.ball_friction * model.ring_friction,
-            settings.ball_friction * model.wire_friction * wound,
-            settings.friction_distance,
-            period,
-        )
         self._dither = TensionDither(settings.dither, model, period)
         # What the seals may take away from the pull of a chamber, or add to it.
         seal = 0.5 * model.breakaway
@@ -200,14 +186,28 @@ class PoseController:
             self.law(settings.pair, pair, period),
             self.law(settings.pair, pair, period),
         )
-        # A pressure comes so much later than its setpoint while it changes evenly.
-        self._ahead = 2.0 * model.regulator_damping / model.regulator_bandwidth
-        self._start_decay = math.exp(-period / _START_TIME)
-        self._start: Quadruple | None = None
+        wound = 0.5 * math.pi - model.geometry.ring_half_angle
+        friction = settings.ball_friction
+        self._steps = PoseStep(
+            StepSettings(
+                area=model.area,
+                compliance=settings.stretch / model.wire_stiffness,
+                least=self._least,
+                lowest=self._lowest,
+                most=self._most,
+                middle=self._base,
+                decay=math.exp(-period / _START_TIME),
+                # A pressure comes so much later than its setpoint while it changes evenly.
+                ahead=2.0 * model.regulator_damping / model.regulator_bandwidth,
+                ring=friction * model.ring_friction,
+                wire=friction * model.wire_friction * wound,
+                slide=period / settings.friction_distance,
+            ),
+            model.geometry,
+            InverseKinematics(model.geometry, settings.wire, settings.pose),
+        )
         self._cycle = 0
-        self._pose = self._distribution.at(natural_rotation((0.0, 0.0, 1.0)))
-        self._later = self._pose.shares
-        self._pushed = False
+        self._started = self._pushed = False
         self._rate = 0.5 / period
         self._force_memory: LapMemory | None = None
         self._axis_memory: LapMemory | None = None
@@ -223,21 +223,20 @@ class PoseController:
             self.learning = LapLearning(
                 learning.stop, tuple(memory for memory in memories if memory is not None)
             )
-        zero = (0.0, 0.0, 0.0)
-        self.estimate = JointEstimate(zero, zero, 0.0, (0.0,) * 4, (0.0,) * 4)
+        self.estimate = JointEstimate(_ZERO, _ZERO, 0.0, (0.0,) * 4, (0.0,) * 4)
         """Marker, residual, wanted rods and tensions."""
-        self.marker = MarkerEstimate(zero, zero, zero, zero, 0.0, math.inf, ())
+        self.marker = MarkerEstimate(_ZERO, _ZERO, _ZERO, _ZERO, 0.0, math.inf, ())
         """The estimate of the marker with its bias and its alarms."""
 
     def reset(self, state: JointState) -> None:
         """Start bumplessly: the first command is what was measured."""
         self._marker.reset()
         self._camera.reset()
-        self._friction.reset()
+        self._steps.reset()
         self._dither.reset()
         if self.learning is not None:
             self.learning.reset()
-        self._start, self._pushed = None, False
+        self._started = self._pushed = False
         self._cycle = 0
 
     def update(self, state: JointState, reference: JointReference) -> JointCommand:
@@ -248,109 +247,67 @@ class PoseController:
         ValueError
             No pose explains the wires, or no tensions hold the reference.
         """
-        area = self._area
-        axis, velocity = self._corrected(reference)
-        position, rate, acceleration = self._inverse.motion(axis, velocity, reference.acceleration)
-        if self._cycle % _POSE_EVERY == 0:
-            self._pose = self._distribution.at(natural_rotation(axis))
-            self._later = self._distribution.shares(
-                natural_rotation(move_axis(axis, velocity, reference.acceleration, self._ahead))
-            )
-        self._cycle += 1
-        pose = self._pose
-        pull = _scaled(area, state.pressures)
+        t, rods, pressures, camera = state
+        steps = self._steps
         base = reference.base_pressure or self._base_pressure
-        hold = self._hold(pose.shares, base)
-        rates = (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1]))
-        friction = self._friction.update(rates, (hold[0] + hold[2], hold[3] + hold[1]))
-        # The rods pull in by what the wires stretch under what they bear.
-        stretch = _spread(_scaled(sum(pull) / sum(hold), hold), friction)
-        stretch = _scaled(self._compliance, stretch)
-        rods = _sum(position, stretch)
-        self._estimate(state, stretch, rods, hold)
-        if reference.push is not None:
+        anew = self._cycle % _POSE_EVERY == 0
+        self._cycle += 1
+        push = reference.push
+        if push is None and self._pushed:  # anew from where the pushes have left the ring
+            self._pushed, self._started = False, False
+        starts = push is None and not self._started
+        axis, velocity = self._corrected(reference)
+        measured, goals, friction, wanted, hold, seen, (a, b, c, d) = steps.before(
+            axis, velocity, reference.acceleration, rods, pressures, base, anew, starts
+        )
+        residual = math.sqrt(0.5 * (a * a + b * b + c * c + d * d))
+        self.marker = marker = self._marker.take(t, seen, residual, camera)
+        self._camera.update(marker)
+        self.estimate = _new(JointEstimate, (marker[0], marker[1], residual, wanted, hold))
+        if push is not None:
             self._pushed = True
-            return self._command(pose.kept_taut(_spread(hold, reference.push), self._least))
-        if self._pushed:  # control starts anew from where the pushes have left the ring
-            self._pushed, self._start = False, None
+            return JointCommand(*steps.pushed(hold, *push))
 
         lap = reference.lap if self.learning is not None and self.learning.active else None
-        learnt: tuple[float, ...] = (0.0, 0.0)
+        learnt: tuple[float, ...] = _NOTHING
         if lap is not None and self._force_memory is not None:
             learnt = self._force_memory.at(lap.tick)
-        forces = pose.pair_forces(pull)
-        measured = [
-            PairState(
-                state.t,
-                0.5 * (state.rods[one] - state.rods[other]),
-                self._base + 0.5 * force / area,
-                self._base - 0.5 * force / area,
-            )
-            for force, (one, other) in zip(forces, PAIRS, strict=True)
-        ]
-        if self._start is None:
-            # What the chambers hold beyond that at the start fades away.
-            self._start = _sum(pull, _scaled(-1.0, _spread(hold, forces)))
-            for law, pair in zip(self._laws, measured, strict=True):
-                law.reset(pair)
-        wanted, squared = [], 0.0
-        for number, (one, other) in enumerate(PAIRS):
-            goal = PairReference(
-                0.5 * (rods[one] - rods[other]),
-                rates[number],
-                0.5 * (acceleration[one] - acceleration[other]),
-            )
-            command = self._laws[number].update(
-                measured[number], goal, friction[number] + learnt[number]
-            )
-            wanted.append(area * (command.agonist - command.antagonist))
-            then = goal.position - self._period * goal.velocity
-            squared += (then - measured[number].position) ** 2
+        laws = self._laws
+        one = _new(PairState, (t, *measured[0]))
+        other = _new(PairState, (t, *measured[1]))
+        if starts:
+            self._started = True
+            laws[0].reset(one)
+            laws[1].reset(other)
+        goal, other_goal = _new(PairReference, goals[0]), _new(PairReference, goals[1])
+        force, back = laws[0].update(one, goal, friction[0] + learnt[0])
+        other_force, other_back = laws[1].update(other, other_goal, friction[1] + learnt[1])
         if lap is not None:
-            self._learn(lap.tick, reference, squared)
-        # What holds the ring goes out early, past the laws: it has to be there in time.
-        later = self._hold(self._later, base)
-        tensions = pose.kept_taut(
-            _spread(_sum(later, self._start), (wanted[0], wanted[1])), self._least
-        )
-        self._start = _scaled(self._start_decay, self._start)
-        dither = _scaled(self._dither.update(math.hypot(*rates)), pose.shares)
-        return self._command(_sum(tensions, dither))
-
-    def _command(self, tensions: Quadruple) -> JointCommand:
-        """Return the setpoints that pull so, within what wires and regulators bear."""
-        area, lowest, most = self._area, self._lowest, self._most
-        first, second, third, fourth = tensions
-        return JointCommand(
-            min(max(first, lowest), most) / area,
-            min(max(second, lowest), most) / area,
-            min(max(third, lowest), most) / area,
-            min(max(fourth, lowest), most) / area,
+            off = self._off(goal, one)
+            other_off = self._off(other_goal, other)
+            self._learn(lap.tick, reference, off * off + other_off * other_off)
+        area = self._area
+        shake = self._dither.update(math.hypot(goal[1], other_goal[1]))
+        return _new(
+            JointCommand,
+            steps.after(area * (force - back), area * (other_force - other_back), shake),
         )
 
-    def _hold(self, shares: Quadruple, base: float) -> Quadruple:
-        """Return the tensions that hold the ring in a pose: co-contraction, no wire too slack."""
-        return raised(_scaled(4.0 * self._area * base, shares), shares, self._least)
-
-    def _estimate(
-        self, state: JointState, stretch: Quadruple, rods: Quadruple, hold: Quadruple
-    ) -> None:
-        wires = _sum(state.rods, _scaled(-1.0, stretch))
-        self.marker = marker = self._marker.update(state.t, wires, state.camera)
-        self._camera.update(marker)
-        self.estimate = JointEstimate(
-            marker.marker, marker.encoder_marker, marker.residual, rods, hold
-        )
+    def _off(self, goal: PairReference, measured: PairState) -> float:
+        """Return how far a pair is from where it should be at its readings, m."""
+        return goal.position - self._period * goal.velocity - measured.position
 
     def _corrected(self, reference: JointReference) -> tuple[Vector, Vector]:
         """Return the axis to go for and its rate: camera and learning change the reference."""
+        lap, offset = reference.lap, self._camera.offset
+        changed = offset != _ZERO
+        if lap is None and not changed:
+            return reference.axis, reference.velocity
         (x, y, z), (dx, dy, dz) = reference.axis, reference.velocity
-        offset, rate, share = self._camera.offset, self._camera.rate, 1.0 / self._height
-        changed = offset != (0.0, 0.0, 0.0)
         if changed:
+            rate, share = self._camera.rate, 1.0 / self._height
             x, y, z = x + share * offset[0], y + share * offset[1], z + share * offset[2]
             dx, dy, dz = dx + share * rate[0], dy + share * rate[1], dz + share * rate[2]
-        lap = reference.lap
         if lap is not None and self.learning is not None:
             self.learning.start_cycle(lap)
             memory = self._axis_memory
@@ -381,19 +338,3 @@ class PoseController:
             first, second = self._laws
             self._force_memory.learn(tick, (first.correction, second.correction))
         learning.add_score(squared)
-
-
-def _scaled(factor: float, values: Quadruple) -> Quadruple:
-    a, b, c, d = values
-    return (factor * a, factor * b, factor * c, factor * d)
-
-
-def _sum(first: Quadruple, second: Quadruple) -> Quadruple:
-    (a, b, c, d), (e, f, g, h) = first, second
-    return (a + e, b + f, c + g, d + h)
-
-
-def _spread(tensions: Quadruple, forces: tuple[float, float]) -> Quadruple:
-    """Return tensions with the pairs' forces, half on either wire (see `PAIRS`)."""
-    (a, b, c, d), (first, second) = tensions, forces
-    return (a + 0.5 * first, b - 0.5 * second, c - 0.5 * first, d + 0.5 * second)

@@ -8,7 +8,6 @@ can be held and any slack taken out by pulling harder.
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
 
 from controllers.compiled import inlined, kernel_of
 from controllers.spherical_joint.exact_wire import (
@@ -19,6 +18,7 @@ from controllers.spherical_joint.exact_wire import (
 )
 from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
+from controllers.spherical_joint.taut import PoseTensions, raised
 
 _NO_LOAD = (0.0, 0.0, 0.0)
 _BESIDE = (4e-4, 9e-4)
@@ -26,99 +26,6 @@ _BESIDE = (4e-4, 9e-4)
 the anchors' azimuths, and away from home, where they are not unique either. They move by less
 than 1e-4 over this."""
 _Tensions = tuple[Quadruple, Quadruple, Quadruple]
-_MOST_LIFTS = 25
-_LIFTED = 1e-3
-"""How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
-
-
-class SlackWire(ValueError):
-    """No tensions hold the pose with every wire taut."""
-
-
-def raised(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
-    """Return tensions (N) that turn the ring as much, none below `least`.
-
-    Parameters
-    ----------
-    tensions : tuple of float
-        Of the four wires, N.
-    shares : tuple of float
-        Of the pose; see `PoseTensions`.
-    least : float
-        N.
-
-    Raises
-    ------
-    SlackWire
-        The wires have no force closure here.
-    """
-    (a, b, c, d), (e, f, g, h) = tensions, shares
-    if e <= 0.0 or f <= 0.0 or g <= 0.0 or h <= 0.0:
-        number = shares.index(min(shares)) + 1
-        raise SlackWire(
-            f"wire {number} would have to push: no tensions hold this pose with all wires taut"
-        )
-    if a >= least and b >= least and c >= least and d >= least:
-        return tensions
-    level = max((least - a) / e, (least - b) / f, (least - c) / g, (least - d) / h)
-    return (a + level * e, b + level * f, c + level * g, d + level * h)
-
-
-class PoseTensions(NamedTuple):
-    """What the wires' tensions do to the ring in one pose.
-
-    Parameters
-    ----------
-    shares : tuple of float
-        Tensions that turn the ring nowhere, of sum 1: the null vector of the wires' Jacobian. One
-        that is not positive means that no four taut wires hold this pose.
-    first, second : tuple of float
-        What a newton in each wire adds to the force of the pairs (1, 3) and (4, 2): the
-        difference of a pair's two tensions that alone would tilt the ring as much. At home that
-        is ±1 for the pair's own wires; the further the ring tilts, the more it is a matter of
-        all four, because two equal tensions of a pair no longer cancel.
-    """
-
-    shares: Quadruple
-    first: Quadruple
-    second: Quadruple
-
-    def pair_forces(self, tensions: Quadruple) -> tuple[float, float]:
-        """Return the force of each pair (N) that four tensions (N) amount to."""
-        a, b, c, d = tensions
-        e, f, g, h = self.first
-        k, m, n, p = self.second
-        return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
-
-    def kept_taut(self, tensions: Quadruple, least: float) -> Quadruple:
-        """Return tensions (N) that tilt the ring as much, none below `least`.
-
-        Unlike raising all four (`raised`) this leaves the spin to the friction of the seat, and so
-        takes no more than it must: where a wire's share is small, at great tilts, raising would
-        multiply every newton that a controller takes from it. For differences that come and go.
-        """
-        a, b, c, d = tensions
-        if a >= least and b >= least and c >= least and d >= least:
-            return tensions
-        values = [a, b, c, d]
-        for _ in range(_MOST_LIFTS):
-            lowest = min(values)
-            if lowest >= least:
-                break
-            wire = values.index(lowest)
-            # A mean tension in the wire's own pair, and what makes up for the tilt by it.
-            (one, other), (third, fourth) = PAIRS if wire in PAIRS[0] else (PAIRS[1], PAIRS[0])
-            own, across = (
-                (self.first, self.second) if wire in PAIRS[0] else (self.second, self.first)
-            )
-            half = 0.5 * (own[one] + own[other])
-            along = 0.5 * (across[one] + across[other])
-            lift = (least + _LIFTED - lowest) / (1.0 - half if wire == one else 1.0 + half)
-            values[one] += lift * (1.0 - half)
-            values[other] += lift * (1.0 + half)
-            values[third] -= lift * along
-            values[fourth] += lift * along
-        return values[0], values[1], values[2], values[3]
 
 
 @inlined
@@ -213,11 +120,11 @@ def _limit_of_shares(
         rows = wire_jacobian(wires, natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
         unique, beside = _null_vector(rows, vanishing)
         reach *= 2.0
-    return _without_tilt(beside, first, second)
+    return without_tilt(beside, first, second)
 
 
 @inlined
-def _without_tilt(shares: Quadruple, first: Quadruple, second: Quadruple) -> Quadruple:
+def without_tilt(shares: Quadruple, first: Quadruple, second: Quadruple) -> Quadruple:
     """Return shares corrected within each pair so that they tilt nothing."""
     # The pairs are (1, 3) and (4, 2), see `PAIRS`.
     a, b, c, d = shares
@@ -259,6 +166,12 @@ class TensionDistribution:
         self._half_angle = geometry.ring_half_angle
         # Nearer to such a pose, rounding would be more than what the limit of the shares is off.
         self._vanishing = 5e-8 * geometry.ball_radius**3
+        self.constants = (
+            self._wires.constants,
+            None if self._regular is None else self._regular.constants,
+            self._vanishing,
+        )
+        """Of the wires, of those of a regular joint if that is another one, and `vanishing`."""
         self._tensions_in: Callable[[WireConstants, float, Rotation], _Tensions] = pose_tensions
         self._shares_in: Callable[[WireConstants, float, Rotation], Quadruple] = pose_shares
 
@@ -275,7 +188,7 @@ class TensionDistribution:
         if self._regular is None:
             return PoseTensions(*tensions)
         shares = self._shares_in(self._regular.constants, self._vanishing, rotation)
-        return PoseTensions(_without_tilt(shares, *tensions[1:]), *tensions[1:])
+        return PoseTensions(without_tilt(shares, *tensions[1:]), *tensions[1:])
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum."""

@@ -68,16 +68,18 @@ class InverseKinematics:
         wire: WireKind = "exact",
         pose: PoseConvention = "natural",
     ) -> None:
-        self._kind = (wire, pose)
+        self.is_natural = (wire, pose) == ("exact", "natural")
+        """The wires are exact ones, and the poses natural."""
         self._kernel: Callable[..., Any] | None = None
         self._constants = ExactWires(geometry).constants
         self._lengths = make_wires(wire, geometry).lengths
         self._rotation = ROTATIONS[pose]
-        self._home = self._lengths(self._rotation((0.0, 0.0, 1.0)))
+        self.home = self._lengths(self._rotation((0.0, 0.0, 1.0)))
+        """Lengths of the wires at home, m."""
 
     def shortening(self, axis: Vector) -> Quadruple:
         """Return how much shorter than at home each wire is, m; eq. (6)."""
-        return _shortened(self._home, self._lengths(self._rotation(axis)))
+        return _shortened(self.home, self._lengths(self._rotation(axis)))
 
     def motion(self, axis: Vector, velocity: Vector, acceleration: Vector) -> WireMotion:
         """Return the wires' motion for that of the axis.
@@ -89,7 +91,7 @@ class InverseKinematics:
         """
         if self._kernel is not None:
             return WireMotion(
-                *self._kernel(self._constants, self._home, axis, velocity, acceleration)
+                *self._kernel(self._constants, self.home, axis, velocity, acceleration)
             )
         return WireMotion(
             *_derivatives(
@@ -104,15 +106,25 @@ class InverseKinematics:
 
         Only exact wires under the natural pose are; the others are there to be compared.
         """
-        if self._kind == ("exact", "natural"):
-            self._kernel = kernel_of(_natural_motion)
+        if self.is_natural:
+            self._kernel = kernel_of(natural_motion)
 
 
 @inlined
-def _natural_motion(
+def natural_motion(
     wires: WireConstants, home: Quadruple, axis: Vector, velocity: Vector, acceleration: Vector
 ) -> tuple[Quadruple, Quadruple, Quadruple]:
-    """Return the motion of exact wires under the natural pose; see `InverseKinematics`."""
+    """Return the motion of exact wires under the natural pose; see `InverseKinematics.motion`.
+
+    Parameters
+    ----------
+    wires : tuple
+        See `ExactWires`.
+    home : tuple of float
+        Lengths at home, m.
+    axis, velocity, acceleration : tuple of float
+        Unit vector, 1/s, 1/s².
+    """
     back = move_axis(axis, velocity, acceleration, -_STEP)
     ahead = move_axis(axis, velocity, acceleration, _STEP)
     return _derivatives(

@@ -17,12 +17,8 @@ from controllers.spherical_joint.poses import (
     paper_rotation,
     rotate,
 )
-from controllers.spherical_joint.tension import (
-    SlackWire,
-    TensionDistribution,
-    pair_pressures,
-    raised,
-)
+from controllers.spherical_joint.taut import SlackWire, raised
+from controllers.spherical_joint.tension import TensionDistribution, pair_pressures
 
 GEOMETRY = SphericalJointGeometry()
 WIRES = ExactWires(GEOMETRY)

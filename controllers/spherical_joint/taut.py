@@ -1,0 +1,113 @@
+"""Tensions that keep every wire taut and turn the ring no more than they should."""
+
+from typing import NamedTuple
+
+from controllers.compiled import inlined
+from controllers.spherical_joint.geometry import Quadruple
+
+_MOST_LIFTS = 25
+_LIFTED = 1e-3
+"""How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
+
+
+class SlackWire(ValueError):
+    """No tensions hold the pose with every wire taut."""
+
+
+def raised(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
+    """Return tensions (N) that turn the ring as much, none below `least`.
+
+    Parameters
+    ----------
+    tensions : tuple of float
+        Of the four wires, N.
+    shares : tuple of float
+        Of the pose; see `PoseTensions`.
+    least : float
+        N.
+
+    Raises
+    ------
+    SlackWire
+        The wires have no force closure here.
+    """
+    if not min(shares) > 0.0:
+        number = shares.index(min(shares)) + 1
+        raise SlackWire(
+            f"wire {number} would have to push: no tensions hold this pose with all wires taut"
+        )
+    return lifted(tensions, shares, least)
+
+
+@inlined
+def lifted(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
+    """Return what `raised` does, for shares that are positive."""
+    (a, b, c, d), (e, f, g, h) = tensions, shares
+    if a >= least and b >= least and c >= least and d >= least:
+        return tensions
+    level = max((least - a) / e, (least - b) / f, (least - c) / g, (least - d) / h)
+    return (a + level * e, b + level * f, c + level * g, d + level * h)
+
+
+class PoseTensions(NamedTuple):
+    """What the wires' tensions do to the ring in one pose.
+
+    Parameters
+    ----------
+    shares : tuple of float
+        Tensions that turn the ring nowhere, of sum 1: the null vector of the wires' Jacobian. One
+        that is not positive means that no four taut wires hold this pose.
+    first, second : tuple of float
+        What a newton in each wire adds to the force of the pairs (1, 3) and (4, 2): the
+        difference of a pair's two tensions that alone would tilt the ring as much. At home that
+        is ±1 for the pair's own wires; the further the ring tilts, the more it is a matter of
+        all four, because two equal tensions of a pair no longer cancel.
+    """
+
+    shares: Quadruple
+    first: Quadruple
+    second: Quadruple
+
+    def pair_forces(self, tensions: Quadruple) -> tuple[float, float]:
+        """Return the force of each pair (N) that four tensions (N) amount to."""
+        a, b, c, d = tensions
+        e, f, g, h = self.first
+        k, m, n, p = self.second
+        return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
+
+    def kept_taut(self, tensions: Quadruple, least: float) -> Quadruple:
+        """Return tensions (N) that tilt the ring as much, none below `least`.
+
+        Unlike raising all four (`raised`) this leaves the spin to the friction of the seat, and so
+        takes no more than it must: where a wire's share is small, at great tilts, raising would
+        multiply every newton that a controller takes from it. For differences that come and go.
+        """
+        return kept_taut(self.first, self.second, tensions, least)
+
+
+@inlined
+def kept_taut(first: Quadruple, second: Quadruple, tensions: Quadruple, least: float) -> Quadruple:
+    """Return what `PoseTensions.kept_taut` does, for that pose's `first` and `second`."""
+    a, b, c, d = tensions
+    if a >= least and b >= least and c >= least and d >= least:
+        return tensions
+    for _ in range(_MOST_LIFTS):
+        lowest = min(a, b, c, d)
+        if lowest >= least:
+            break
+        # A mean tension in the wire's own pair, and what makes up for the tilt by it.
+        if lowest in (a, c):
+            half, along = 0.5 * (first[0] + first[2]), 0.5 * (second[0] + second[2])
+            lift = (least + _LIFTED - lowest) / (1.0 - half if lowest == a else 1.0 + half)
+            a += lift * (1.0 - half)
+            c += lift * (1.0 + half)
+            d -= lift * along
+            b += lift * along
+        else:
+            half, along = 0.5 * (second[3] + second[1]), 0.5 * (first[3] + first[1])
+            lift = (least + _LIFTED - lowest) / (1.0 - half if lowest == d else 1.0 + half)
+            d += lift * (1.0 - half)
+            b += lift * (1.0 + half)
+            a -= lift * along
+            c += lift * along
+    return a, b, c, d
