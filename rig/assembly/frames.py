@@ -45,7 +45,7 @@ def convert_frames(path: Path, kind: str, profile: Profile) -> Path:
     kind : str
         One of `FORMATS`.
     profile : Profile
-        Its buses are channels 1, 2, … in this order, since these formats have no names.
+        Its CAN buses are channels 1, 2, … in this order, since these formats have no names.
 
     Returns
     -------
@@ -59,7 +59,8 @@ def convert_frames(path: Path, kind: str, profile: Profile) -> Path:
     from drivers.can.candump import parse_lines
     from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
 
-    channels = {bus: number for number, bus in enumerate(profile.buses)}
+    buses = (bus for bus, entry in profile.buses.items() if is_can(entry))
+    channels = {bus: number for number, bus in enumerate(buses)}
     target = path.with_suffix(f".{kind}")
     writer: Any = can.Logger(str(target))
     with path.open(encoding="ascii", errors="replace") as lines, writer:

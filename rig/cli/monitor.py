@@ -88,7 +88,7 @@ def monitor(
     profile = load_profile(rig, REGISTRY, overrides, find_configs(configs))
     check_profile(profile)
     _check_devices(devices, profile)
-    viewer = _Viewer(make_decoders(profile), devices, duration, as_json)
+    viewer = _Viewer(make_decoders(profile), _longest_name(profile), devices, duration, as_json)
     try:
         if on is not None:
             with contextlib.suppress(KeyboardInterrupt):
@@ -144,7 +144,20 @@ def _find_frames(source: str, runs: Path) -> Path:
         return path
     if path.suffix and not path.is_dir() and not (runs / source).is_dir():
         raise ConfigurationError(f"there is no file {source}")
-    return frames_of_run(find_run(source, runs))
+    try:
+        folder = find_run(source, runs)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"there is no file {source}, and {error}") from error
+    return frames_of_run(folder)
+
+
+def _longest_name(profile: Profile) -> int:
+    """Return how long a device's name may be, with the joint behind it if it has joints."""
+    longest = 0
+    for name, entry in profile.devices.items():
+        joints = [len(joint) + 1 for joint in getattr(entry.settings, "joints", ())]
+        longest = max(longest, len(name) + max(joints, default=0))
+    return longest
 
 
 def _check_devices(devices: Iterable[str], profile: Profile) -> None:
@@ -164,6 +177,8 @@ class _Viewer:
     ----------
     decoders : dict of str to Decoder
         By bus.
+    longest : int
+        Letters in the longest name of a device.
     devices : tuple of str
         Show these only; empty for all.
     duration : float or None
@@ -175,6 +190,7 @@ class _Viewer:
     def __init__(
         self,
         decoders: dict[str, Decoder],
+        longest: int,
         devices: tuple[str, ...],
         duration: float | None,
         as_json: bool,
@@ -183,7 +199,7 @@ class _Viewer:
         self._devices = devices
         self._duration = duration
         self._line = _json_line if as_json else _text_line
-        self._widths = [max(map(len, decoders), default=0), 16]
+        self._widths = (max(map(len, decoders), default=0), longest)
         self._began: float | None = None
         self._opened = time.time()
         self.is_over = False
@@ -204,7 +220,6 @@ class _Viewer:
             self.count += 1
             self.unknown += not decoded.known
             if not self._devices or self._is_wanted(decoded.device):
-                self._widths[1] = max(self._widths[1], len(decoded.device))
                 yield self._line(t, frame, decoded, self._widths)
 
     def summary(self) -> str:
