@@ -193,3 +193,30 @@ def mean_of(name: str, unit: str, repetitions: Sequence[float]) -> Estimate:
         raise ValueError(f"{name}: one repetition cannot tell how well it repeats")
     std = float(values.std(ddof=1) / np.sqrt(len(values)))
     return interval(name, float(values.mean()), unit, std, len(values) - 1.0)
+
+
+def middle_of(name: str, unit: str, one: Sequence[float], other: Sequence[float]) -> Estimate:
+    """Return the middle between the means of two groups of repetitions, with its interval.
+
+    The groups may scatter unlike each other: the degrees of freedom are Welch's, between those of
+    the group that scatters more and those of both.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than two in a group.
+
+    References
+    ----------
+    B. L. Welch, "The generalization of Student's problem when several different population
+    variances are involved", Biometrika 34, 1947, pp. 28-35.
+    """
+    parts = []
+    for values in (one, other):
+        mean = mean_of(name, unit, values)
+        parts.append((mean.value, (0.5 * mean.std) ** 2, len(values) - 1.0))
+    variance = sum(part for _, part, _ in parts)
+    weight = sum(part**2 / freedom for _, part, freedom in parts)
+    freedom = variance**2 / weight if weight > 0.0 else sum(freedom for *_, freedom in parts)
+    value = 0.5 * sum(mean for mean, *_ in parts)
+    return interval(name, value, unit, float(np.sqrt(variance)), freedom)

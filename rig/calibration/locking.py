@@ -14,6 +14,10 @@ from rig.runtime.motion import Segment
 BEFORE, SHUT, OPENED = "before", "shut", "opened"
 """The three looks at a cycle: pressurised, locked in, and right after the valves opened."""
 
+_HALT: Final = (0.02, 0.2)
+"""When a place is reached: within how long the chambers get pressures that turn nothing, in case
+the controller shook the rods, and when those rest, s."""
+
 _RAMP: Final = 0.3
 _LOOK: Final = 0.3
 _BLINK: Final = 0.06
@@ -74,7 +78,7 @@ class LockCycles:
     names: tuple[str, ...]
     places: tuple[int, ...]
     waits: tuple[Annotated[float, Unit("s"), Gt(0)], ...]
-    settle: Annotated[float, Unit("s"), Gt(0)] = 0.9
+    settle: Annotated[float, Unit("s"), Gt(0)] = 1.0
     move: Annotated[float, Unit("s"), Gt(0)] = 1.5
 
     def cycles(self) -> Iterator[Cycle]:
@@ -137,7 +141,9 @@ class Locking:
     controller : object
         Who follows it from place to place.
     pressures : mapping of int to sequence of float
-        By the place: what each chamber has when it is locked, Pa gauge.
+        By the place: what each chamber has when it is locked, Pa gauge; in balance.
+    base : float
+        Their mean while the controller works, Pa gauge.
     command : callable
         Makes the mechanism's command of one pressure per channel.
     regulators : str
@@ -150,6 +156,7 @@ class Locking:
         motion: Any,
         controller: Any,
         pressures: Mapping[int, Sequence[float]],
+        base: float,
         command: Callable[..., Any],
         regulators: str,
     ) -> None:
@@ -167,10 +174,11 @@ class Locking:
         self._regulators = regulators
         self._lock: Callable[[tuple[bool, ...]], None] | None = None
         self._shut = False
+        self._base = base
         self._following = True
         self._from: tuple[float, ...] = ()
         self._number = 0
-        self._t = 0.0
+        self._since = self._t = 0.0
 
     def attach(self, devices: Mapping[str, Any]) -> None:
         """Take the valves of the rig.
@@ -215,15 +223,20 @@ class Locking:
             self.estimate = self._controller.estimate
             self._from = tuple(command)
             return command
-        self._following = False
-        wanted = self.pressures[cycle.place]
-        if t < cycle.lock:
-            goal, share = tuple(wanted), min((t - cycle.start) / _RAMP, 1.0)
-        else:
+        wanted = tuple(self.pressures[cycle.place])
+        since = t - cycle.start
+        if t >= cycle.lock:
             goal, share = tuple(p - self.below for p in wanted), 1.0
+        elif self._following and since < _HALT[1]:
+            low = self._base * len(wanted) / sum(wanted)
+            goal, share = tuple(low * p for p in wanted), min(since / _HALT[0], 1.0)
+        else:
+            if self._following:
+                self._following, self._since = False, since
+            goal, share = wanted, min((since - self._since) / _RAMP, 1.0)
         now = tuple(a + share * (b - a) for a, b in zip(self._from or goal, goal, strict=True))
         if share >= 1.0:
-            self._from = goal
+            self._from, self._since = goal, 0.0
         return self._command(*now)
 
     def _set_valves(self, shut: bool) -> None:

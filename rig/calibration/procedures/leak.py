@@ -31,9 +31,10 @@ References
 ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristics.
 """
 
+import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -73,6 +74,7 @@ _WIDE: Final = 40e3
 """By so much a chamber has to be above its regulator for the exhaust to stand wide open, Pa."""
 
 _LEAST_ROWS: Final = 3
+_SOFT: Final = 0.3
 _SLIPPED: Final = 0.5e-3
 """A rod that moves further meanwhile has slipped, m: what its air does then is not isothermal."""
 
@@ -100,7 +102,7 @@ class _Waits(NamedTuple):
     left : ndarray
         Logarithm of the pressure right after over that before, as if the volume had stayed.
     volume : ndarray
-        Of the chamber beyond that with its rod all the way out, m³.
+        Of the chamber but for a part that is always the same, m³.
     """
 
     place: "Array"
@@ -136,6 +138,7 @@ class Leak:
         cycles = _cycles(profile, done)
         wider, notes = relaxed(profile)
         wider, more = unseen(wider, _GIVE)
+        wider = _softer(wider)
         controller = make_controller(wider, "pid")
         motion = leaning(wider, cycles, _BETWEEN, controller)
         first = {cycle.place: cycle.start for cycle in reversed(list(cycles.cycles()))}
@@ -144,8 +147,8 @@ class Leak:
             for place, start in first.items()
         }
         locking = Locking(
-            cycles, motion, controller, pressures, command_type(profile),
-            pneumatics_of(profile).regulators,
+            cycles, motion, controller, pressures, profile.mechanism_settings.base_pressure,
+            command_type(profile), pneumatics_of(profile).regulators,
         )  # fmt: skip
         return Excitation(cycles, locking, locking, "pid", wider, (*notes, *more), approach=3.0)
 
@@ -185,6 +188,22 @@ class Leak:
                 len(_WAITS), panels, notes=notes,
             ),
         )  # fmt: skip
+
+
+def _softer(profile: Profile) -> Profile:
+    """Return the profile with a controller that is at rest when it is at its place.
+
+    Where is of no matter; but a pair of little friction that hunts would be let go on its way.
+    A joint's ring has more of it.
+    """
+    if profile.mechanism == "joint":
+        return profile
+    pid: Any = profile.controllers["pid"]
+    soft = dataclasses.replace(
+        pid, proportional=_SOFT * pid.proportional, integral=_SOFT**2 * pid.integral,
+        derivative=_SOFT * pid.derivative,
+    )  # fmt: skip
+    return dataclasses.replace(profile, controllers={**profile.controllers, "pid": soft})
 
 
 def _check_locks(profile: Profile) -> None:
@@ -237,13 +256,14 @@ def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: 
                 continue
             v_0, v_1 = (settings.area * (settings.stroke - float(x)) for x in (x_0, x_1))
             # The tube's volume beside the cylinder's is not known: the wires' give is small.
-            swelled = (v_1 - v_0) / (0.5 * settings.area * settings.stroke + v_1)
+            tube = 0.5 * settings.area * settings.stroke
+            swelled = (v_1 - v_0) / (tube + v_1)
             after = np.rint((opened["t"] - opened["t"][0]) / period).astype(int)
             trace = np.full(after[-1] + 1, np.nan)
             trace[after] = opened[monitor] + ATMOSPHERE
             traces.append((trace, shut.mean(monitor) + ATMOSPHERE))
             start = math.log(before.mean(monitor) + ATMOSPHERE) - swelled
-            rows.append((float(place), cycle.open - cycle.lock, start, v_1))
+            rows.append((float(place), cycle.open - cycle.lock, start, tube + v_1))
         length = min((len(trace) for trace, _ in traces), default=0)
         seen = np.array([trace[:length] - behind for trace, behind in traces])
         if len(rows) < 5:
@@ -255,7 +275,9 @@ def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: 
             raise CalibrationRefused(_nothing_seen(channel, seen, [time for _, time, *_ in rows]))
         pressures = np.array([trace[wide] for trace, _ in traces])
         table = np.array(rows)
-        table[:, 2] = np.log(pressures).mean(axis=1) - table[:, 2]
+        # What leaves, by leak and exhaust, leaves a chamber that crept larger in proportion later.
+        left = np.log(pressures).mean(axis=1) - table[:, 2]
+        table[:, 2] = left * table[:, 3] / table[:, 3].mean()
         parts.append(table)
     return _Waits(*np.concatenate(parts).T)
 

@@ -9,7 +9,9 @@ and the repetitions tell how well it is known. Time counts from the cycle that s
 set-point, not from the plan: where in a cycle a plan has its step would else pass for scatter.
 A first step up and down is not judged: it comes from wherever the regulator's hysteresis was left,
 and those that follow come from where the one before has left it. Air fills faster than it leaves:
-the mean of both directions is what a controller can use, and each direction has its own scatter.
+the middle of both directions is what a controller can use. Each direction has its own scatter,
+which often one of the two makes up alone: the interval has the degrees of freedom that are left
+then (Welch and Satterthwaite), and not those of two directions that scatter alike.
 """
 
 import math
@@ -18,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, interval
+from rig.calibration.estimates import Estimate, middle_of
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
 from rig.calibration.mechanism import open_loop, pneumatics_of, relaxed
@@ -31,7 +33,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-REPEATS: Final = 6
+REPEATS: Final = 10
 _HEIGHT: Final = 40e3
 _RAMP: Final = 1e-3
 _DWELL: Final = 0.6
@@ -103,16 +105,12 @@ class Response:
                         known = _step(t, (model.bandwidth, model.damping, 1e-3, *q[3:]))
                         panels.append(_panel(f"{channel}, {side}", t, pressure, fitted, known))
                 found[side] = np.array(rows)
-            mean = 0.5 * (found["up"].mean(axis=0) + found["down"].mean(axis=0))
-            variance = 0.25 * sum(rows.var(axis=0, ddof=1) / REPEATS for rows in found.values())
             for index, (name, unit) in enumerate(
                 (("bandwidth", "rad/s"), ("damping", "1"), ("dead_time", "s"))
             ):
-                std = float(np.sqrt(variance[index]))
-                estimates.append(
-                    interval(f"{channel}.{name}", mean[index], unit, std, 2.0 * (REPEATS - 1))
-                )
-            means.append(mean)
+                up, down = (rows[:, index].tolist() for rows in found.values())
+                estimates.append(middle_of(f"{channel}.{name}", unit, up, down))
+            means.append(np.array([e.value for e in estimates[-3:]]))
         bandwidth, damping, _ = np.mean(means, axis=0)
         values = {
             "regulator_response": {

@@ -7,7 +7,7 @@ import pytest
 
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
-from rig.calibration.estimates import fit
+from rig.calibration.estimates import fit, middle_of
 from rig.calibration.excitation import Leaning, Strokes
 from rig.calibration.mechanism import pneumatics_of, reach, relaxed
 from rig.calibration.recording import CalibrationRefused, Stretch
@@ -111,6 +111,20 @@ def test_an_uneven_design_has_honest_intervals():
         held.append(slope.low <= 3.0 <= slope.high)
     assert found.freedom_of((0.0, 1.0)) < 4.0 < found.freedom_of((1.0, 0.0))
     assert 0.92 <= np.mean(held) <= 0.985
+
+
+def test_the_middle_of_unlike_groups_has_honest_intervals():
+    """One direction makes up all of the scatter: as many degrees of freedom as it has."""
+    rng = np.random.default_rng(2)
+    held = [
+        e.low <= 2.0 <= e.high
+        for _ in range(600)
+        for up, down in [(3.0 + rng.standard_normal(5), 1.0 + 0.05 * rng.standard_normal(5))]
+        for e in [middle_of("x", "s", up.tolist(), down.tolist())]
+    ]
+    assert 0.93 <= np.mean(held) <= 0.975
+    alike = middle_of("x", "s", [1.0, 1.0], [2.0, 2.0])
+    assert (alike.value, alike.low, alike.high) == (1.5, 1.5, 1.5)
 
 
 def test_a_slip_is_told_by_the_pull_that_made_it():
