@@ -41,5 +41,5 @@ def test_experiment_within_its_bounds(case, tmp_path):
     assert manifest["status"] == "ok"
     assert manifest["backend"] == "vcan"
     for counts in manifest["buses"].values():
-        assert counts["refused"] == counts["error_frames"] == 0
+        assert counts["refused"] == counts["error_frames"] == counts["dropped"] == 0
         assert counts["frames_in"] > 1000

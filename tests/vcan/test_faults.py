@@ -157,6 +157,17 @@ def test_nobody_answers(tmp_path):
     assert f"rig simulate cylinder --on {LINK}" in talk
 
 
+def test_a_bit_rate_that_only_the_controller_notices(tmp_path):
+    """The interface is as the profile says and the devices are not: nobody acknowledges."""
+    with run(tmp_path) as program:
+        program.wait_for("recording to")
+        pause(0.5)
+        send(0x20000004, bytes((0, 0x20, 0, 0, 0, 0, 0, 0)))
+        assert program.end() == 3, program.talk
+    assert "error passive" in program.talk
+    assert "bit rate (ip -details link show)" in program.talk
+
+
 def test_devices_that_vanish_in_a_run(tmp_path):
     with simulate("cylinder", LINK, *RATE) as devices, run(tmp_path) as program:
         program.wait_for("run …")
