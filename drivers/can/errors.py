@@ -110,6 +110,11 @@ class BusErrors:
             raise self._trouble
 
     @property
+    def fault(self) -> DeviceFault | None:
+        """The first fault, if there was one."""
+        return self._trouble
+
+    @property
     def latched(self) -> bool:
         """Whether there was a fault; from then on only what is safe is sent."""
         return self._trouble is not None

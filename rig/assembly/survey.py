@@ -77,11 +77,21 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
         try:
             found = _surveyor(entry.protocol)(bus, MonotonicClock(), numbers)
         except Exception as error:  # each interface has errors of its own
-            raise DeviceFault(name, f"the interface refused a frame: {error}") from error
+            raise _refusal(name, error) from error
         finally:
             close_bus(bus)
         answers += compare(name, expected, {item.node: item for item in found})
     return answers
+
+
+def _refusal(bus: str, error: Exception) -> DeviceFault:
+    """Return what an interface's refusal means, in the words that a run would use."""
+    from drivers.can.errors import BusErrors
+
+    errors = BusErrors(bus, 0)
+    errors.refuse(error)
+    fault = errors.fault
+    return DeviceFault(bus, str(error) if fault is None else fault.what)
 
 
 def expected_on(profile: Profile, bus: str) -> list[Expected]:

@@ -6,6 +6,7 @@ the tests on SocketCAN, ``tests/vcan/test_faults.py``.
 
 import contextlib
 import ctypes
+import errno
 import os
 import pty
 import struct
@@ -104,6 +105,31 @@ def test_a_group_that_is_none(refused):
     said = refused("udp_multicast:nowhere.invalid")
     assert "nowhere.invalid" in said
     assert "properly shut down" not in said, "python-can's own complaint helps nobody"
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.ENOBUFS, "the interface's transmit queue is full: nobody acknowledges the frames"),
+        (errno.ENETDOWN, "the interface went down while in use"),
+        (errno.EIO, "the interface refused a frame"),
+    ],
+    ids=errno.errorcode.get,
+)
+def test_an_interface_that_refuses_the_questions_of_check(number, words, monkeypatch, capfd):
+    class Refusing:
+        def drain(self, limit):
+            return []
+
+        def send_data(self, can_id, data):
+            raise OSError(number, os.strerror(number))
+
+        def shutdown(self):
+            pass
+
+    monkeypatch.setattr("drivers.can.open_bus", lambda settings: Refusing())
+    assert invoke(["check", "cylinder", "--on", "can0"]) == 3
+    assert f"error: can0: {words}" in capfd.readouterr().err
 
 
 def test_an_adapter_that_is_pulled_may_complain_when_it_is_closed():
