@@ -15,6 +15,8 @@ from controllers.compiled import inlined, kernel_of
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Vector
 
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
 _MOST_ITERATIONS = 20
 _MOST_STEP = 0.15
 """Of tan(tilt / 2) in one iteration; from home to 60 degrees it takes four."""
@@ -122,7 +124,7 @@ class ForwardKinematics:
             raise unexplained(shortening)
         self._p = (p_x, p_y)
         self._ahead = step_ahead((last_x, last_y), self._p)
-        return ForwardPose(axis, residuals)
+        return _new(ForwardPose, (axis, residuals))
 
 
 def unexplained(shortening: Quadruple) -> ValueError:

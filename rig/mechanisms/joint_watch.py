@@ -47,6 +47,7 @@ class JointWatch:
     ) -> None:
         limits, alarms, friction = settings.limits, settings.alarms, settings.friction
         self._limits = limits
+        self._most_tilt = limits.tilt + limits.tilt_excess
         self._marker = settings.geometry.marker
         self._encoders = tuple(encoders)
         self._give = settings.area / settings.wire_stiffness
@@ -100,25 +101,23 @@ class JointWatch:
         LimitExceeded
             A rod is too fast or the tilt too great.
         """
-        if not math.isfinite(sum(state.rods) + sum(state.pressures)):
+        _, rods, pressures, sample = state
+        if not math.isfinite(sum(rods) + sum(pressures)):
             raise SafetyError(f"a reading is not a number: {state}")
-        self._before, self._last = self._last, state.rods
+        self._before, self._last = self._last, rods
         self._step, self._then = now - self._then, now
-        self._pressures.take(state.pressures, now)
-        self._pressures.check(now)
-        self._check_speed(state.rods, now)
+        self._pressures.check(pressures, now)
+        self._check_speed(rods, now)
         self._cycle += 1
         if self._cycle % _POSE_EVERY == 0:
             unstretched = self._unstretched(state)
-            self._work.check(
-                state.rods, state.pressures, lambda: self._wires.explain_swap(unstretched)
-            )
-            self._wires.check(state.rods, unstretched, state.pressures, now)
+            self._work.check(rods, pressures, lambda: self._wires.explain_swap(unstretched))
+            self._wires.check(rods, unstretched, pressures, now)
             if self._camera is not None:
-                self._check_camera(self._camera, state.camera, now)
-            tilt, bound = tilt_of(self._wires.axis), self._limits.tilt + self._limits.tilt_excess
-            if tilt > bound:
-                raise LimitExceeded("tilt of the ring", tilt, 0.0, bound, "rad")
+                self._check_camera(self._camera, sample, now)
+            tilt = tilt_of(self._wires.axis)
+            if tilt > self._most_tilt:
+                raise LimitExceeded("tilt of the ring", tilt, 0.0, self._most_tilt, "rad")
 
     def explain(self, error: Exception, state: JointState) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the rig shows.
@@ -142,7 +141,7 @@ class JointWatch:
         limits = self._limits
         tilt = tilt_of(self._wires.axis)
         return (
-            Margin("tilt", 1.0 - tilt / (limits.tilt + limits.tilt_excess)),
+            Margin("tilt", 1.0 - tilt / self._most_tilt),
             Margin("wire agreement", 1.0 - self._wires.residual / limits.residual),
         )
 
@@ -185,7 +184,5 @@ class JointWatch:
     def _unstretched(self, state: JointState) -> Quadruple:
         """Return the rods less what the wires stretch under the measured pressures."""
         give = self._give
-        first, second, third, fourth = (
-            rod - give * pressure for rod, pressure in zip(state.rods, state.pressures, strict=True)
-        )
-        return first, second, third, fourth
+        (a, b, c, d), (p, q, r, s) = state.rods, state.pressures
+        return a - give * p, b - give * q, c - give * r, d - give * s

@@ -169,7 +169,10 @@ class JointCircle:
 
     def at(self, t: float) -> JointReference:
         """Return the desired motion at `t`."""
-        stage = next((stage for stage in self._stages if t < stage.end), self._stages[-1])
+        stage = self._stages[-1]
+        for stage in self._stages:
+            if t < stage.end:
+                break
         into = t - stage.start
         if into < stage.rise:
             start = axis_from_tilt(stage.before, stage.azimuth)

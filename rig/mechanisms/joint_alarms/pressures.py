@@ -61,33 +61,38 @@ class PressureWatch:
         """Take the setpoints of this cycle, Pa gauge."""
         self._setpoints = setpoints
 
-    def take(self, pressures: Quadruple, now: float) -> None:
-        """Take this cycle's readings, Pa gauge, and move the model to `now` (s)."""
-        self._pressures = pressures
-        step = now - self._then
-        self._then = now
-        if not self._channels or not self._setpoints or step <= 0.0:
-            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
-            return
-        deviation = self._settings.deviation
-        pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
-        setpoints = self._setpoints
-        for k, channel in enumerate(self._channels):
-            channel.rate = (channel.rate + pull * (setpoints[k] - channel.expected)) * brake
-            channel.expected += step * channel.rate
-            off = channel.off = pressures[k] - channel.expected
-            if -deviation <= off <= deviation:
-                channel.well_at = now
-                channel.held = pressures[k]
-
-    def check(self, now: float) -> None:
-        """Raise if a pressure has been off for too long.
+    def check(self, pressures: Quadruple, now: float) -> None:
+        """Take this cycle's readings (Pa gauge), and raise if one has been off for too long.
 
         Raises
         ------
         SafetyError
             It names the channel and the likeliest cause.
         """
+        self._pressures = pressures
+        step = now - self._then
+        self._then = now
+        setpoints = self._setpoints
+        if not self._channels or not setpoints or step <= 0.0:
+            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
+            return
+        deviation = self._settings.deviation
+        pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
+        worst: _Channel | None = None
+        for k, channel in enumerate(self._channels):
+            expected, pressure = channel.expected, pressures[k]
+            channel.rate = rate = (channel.rate + pull * (setpoints[k] - expected)) * brake
+            channel.expected = expected = expected + step * rate
+            channel.off = off = pressure - expected
+            if -deviation <= off <= deviation:
+                channel.well_at = now
+                channel.held = pressure
+            elif worst is None or channel.well_at < worst.well_at:
+                worst = channel
+        if worst is not None and now - worst.well_at > self._settings.time:
+            self._raise(now)
+
+    def _raise(self, now: float) -> None:
         settings = self._settings
         for k, channel in enumerate(self._channels):
             if now - channel.well_at > settings.time:
