@@ -102,30 +102,32 @@ class PoseStep:
     def __init__(
         self, settings: StepSettings, geometry: SphericalJointGeometry, inverse: InverseKinematics
     ) -> None:
-        import numpy as np
-
         self._distribution = TensionDistribution(geometry)
         wires, regular, vanishing = self._distribution.constants
         searched, search_home = ForwardKinematics(geometry).constants
         area, compliance, least, lowest, most, middle, decay, ahead, ring, wire, slide = settings
         self._least = least
         self._inverse = inverse
-        self._constants = np.array(
-            [
-                *(area, compliance, least, lowest, most, middle, decay, ahead, vanishing),
-                *(ring, wire, slide, float(regular is not None)),
-                *_flat((wires, regular or wires, searched, search_home, inverse.home)),
-            ]
-        )
-        self._memory = np.zeros(kernel.REMEMBERED)
-        self._before: Callable[..., Any] = kernel_of(
-            kernel.before_natural if inverse.is_natural else kernel.before
-        )
-        self._after: Callable[..., Quadruple] = kernel_of(kernel.after)
+        self._constants: kernel.Numbers = [
+            *(area, compliance, least, lowest, most, middle, decay, ahead, vanishing),
+            *(ring, wire, slide, float(regular is not None)),
+            *_flat((wires, regular or wires, searched, search_home, inverse.home)),
+        ]
+        self._memory: kernel.Numbers = [0.0] * kernel.REMEMBERED
+        self._before: Callable[..., Any] = kernel.before
+        self._after: Callable[..., Quadruple] = kernel.after
+        if inverse.is_natural:  # the others are there to be compared
+            self._compile()
+
+    def _compile(self) -> None:
+        import numpy as np
+
+        self._constants, self._memory = np.array(self._constants), np.array(self._memory)
+        self._before, self._after = kernel_of(kernel.before_natural), kernel_of(kernel.after)
 
     def reset(self) -> None:
         """Forget the past."""
-        self._memory[:] = 0.0
+        self._memory[:] = [0.0] * kernel.REMEMBERED
 
     def before(
         self,
@@ -186,12 +188,12 @@ class PoseStep:
     def pushed(self, hold: Quadruple, first: float, second: float) -> Quadruple:
         """Return the setpoints (Pa gauge) that push the pairs (N) over what holds the pose."""
         tensions = self.pose.kept_taut(kernel.spread(hold, (first, second)), self._least)
-        return kernel.setpoints(self._constants.tolist(), tensions)
+        return kernel.setpoints(self._constants, tensions)
 
     @property
     def pose(self) -> PoseTensions:
         """What tensions do in the pose that was worked out last."""
-        memory = self._memory.tolist()
+        memory = [float(number) for number in self._memory]
         places = (kernel.SHARES, kernel.FIRST, kernel.SECOND)
         return PoseTensions(*(kernel.four(memory, place) for place in places))
 
