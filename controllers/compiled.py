@@ -11,16 +11,10 @@ from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+_SHARED = Path(__file__).parent / "singularity"
+"""What kernels of several rigs call."""
+
 _WAITING: list[Callable[..., Any]] = []
-
-
-def compiled(function: Function) -> Function:
-    """Compile a function, from the cache if its file did not change.
-
-    Numba's cache watches the file of the function alone: what it calls has to be in the same
-    file, or changes there would go unnoticed.
-    """
-    return _compile(function)
 
 
 def inlined(function: Function) -> Function:
@@ -38,7 +32,8 @@ def inlined(function: Function) -> Function:
 def kernel_of(function: Function) -> Function:
     """Return an `inlined` function compiled, once in a process; see `compile_kernel`.
 
-    The cache is that of the function's folder: what it calls has to be there too.
+    The cache is that of the function's folder: what it calls has to be there, or in what is
+    shared.
     """
 
     def build(digest: int) -> Function:
@@ -85,6 +80,6 @@ def _compile(function: Function) -> Function:
 
 def _digest(folder: Path) -> int:
     digest = 0
-    for path in sorted(folder.glob("*.py")):
+    for path in sorted((*folder.glob("*.py"), *_SHARED.glob("*.py"))):
         digest = zlib.crc32(path.read_bytes(), digest)
     return digest

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from controllers.arm.kinematics import Dimensions, tool_axis_in_forearm
 from controllers.arm.types import Joints, Vector
 from controllers.compiled import inlined
+from controllers.singularity.two_link import Frame, two_link_frame, two_link_parts
 
 
 class Scale(NamedTuple):
@@ -32,42 +33,14 @@ class Scale(NamedTuple):
 
 
 @inlined
-def elbow_frame(arm: Dimensions, q2: float, q3: float) -> tuple[float, float, float, float]:
-    """Return the arm's radial direction and what moving along it costs.
-
-    Parameters
-    ----------
-    arm : Dimensions
-        The arm.
-    q2, q3 : float
-        rad.
-
-    Returns
-    -------
-    sine, cosine : float
-        Of ``q2 + alpha``, the direction z' of the wrist centre from the vertical.
-    radius : float
-        r_s, m. With equal links it is signed, ``2 a cos(q3 / 2)``, so that the direction does not
-        jump where the wrist passes through the shoulder.
-    lever : float
-        ``a3 C_beta``, m: q2 turns by ``lever / r_s`` of what q3 turns back.
+def elbow_frame(arm: Dimensions, q2: float, q3: float) -> Frame:
+    """Return the arm's radial direction and what moving along it costs; see `two_link_frame`.
 
     References
     ----------
     Miyata et al., eq. (5), (6), which leave out ``a2 = a3``; there the half angle is exact.
     """
-    half = 0.5 * (q3 + arm.elbow_angle)
-    if arm.a2 == arm.a3:
-        lever = arm.a3 * math.cos(half)
-        return math.sin(q2 + half), math.cos(q2 + half), 2.0 * lever, lever
-    q23 = q2 + q3 + arm.elbow_angle
-    x = arm.a2 * math.sin(q2) + arm.a3 * math.sin(q23)
-    z = arm.a2 * math.cos(q2) + arm.a3 * math.cos(q23)
-    short = arm.a2 - arm.a3
-    c = math.cos(half)
-    radius = math.sqrt(short * short + 4.0 * arm.a2 * arm.a3 * c * c)
-    lever = arm.a3 * (arm.a2 * (2.0 * c * c - 1.0) + arm.a3) / radius
-    return x / radius, z / radius, radius, lever
+    return two_link_frame(arm.a2, arm.a3, q2, q3 + arm.elbow_angle)
 
 
 @inlined
@@ -87,30 +60,28 @@ def position_rates(arm: Dimensions, q: Joints, v: Vector, scale: Scale) -> Vecto
 
     Notes
     -----
-    The third entry of the paper's eq. (6) reads ``-r``; with ``-r_s`` it is the inverse. Where c
-    is exactly zero, q1 is left alone: the velocity there is zero or the caller's b is.
+    Where c is exactly zero, q1 is left alone: the velocity there is zero or the caller's b is.
 
     References
     ----------
     Miyata et al., eq. (2), (5), (6).
     """
     c1, s1 = math.cos(q[0]), math.sin(q[0])
-    sine, cosine, radius, lever = elbow_frame(arm, q[1], q[2])
-    c = radius * sine
+    frame = elbow_frame(arm, q[1], q[2])
+    c = frame.radius * frame.sine
     along_y = c1 * v[1] - s1 * v[0]
     turn = along_y / c if c != 0.0 else 0.0
     # The shoulder's offset makes q1 move the wrist within the arm's plane, too.
     in_plane = c1 * v[0] + s1 * v[1] + arm.offset * turn
-    across = cosine * in_plane - sine * v[2]
-    radial = sine * in_plane + cosine * v[2]
-    swing = across / radius if radius != 0.0 else 0.0
+    swing, stretch, bend = two_link_parts(arm.a2, arm.a3, frame, in_plane, v[2])
     b = scale.linear
-    stretch = scale.per_elbow * radial / (arm.a2 * arm.a3)
-    if arm.a2 == arm.a3 and abs(radius) < arm.a2:
+    if arm.a2 == arm.a3 and abs(frame.radius) < arm.a2:
         # Folded: S3 vanishes as well, but radius / S3 is 1 / sin(q3 / 2).
+        radial = frame.sine * in_plane + frame.cosine * v[2]
         fold = b * radial / (2.0 * arm.a3 * math.sin(0.5 * (q[2] + arm.elbow_angle)))
         return b * turn, b * swing + fold, -2.0 * fold
-    return b * turn, b * swing + lever * stretch, -radius * stretch
+    per = scale.per_elbow
+    return b * turn, b * swing + per * stretch, per * bend
 
 
 @inlined

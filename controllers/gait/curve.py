@@ -8,6 +8,8 @@ straight knee.
 
 import math
 
+from controllers.compiled import kernel_of
+from controllers.gait import curve_kernel
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import inverse
 from controllers.gait.phases import LegPath, Phase
@@ -56,16 +58,14 @@ class PhaseCurve:
     """
 
     def __init__(self, geometry: LegGeometry, phase: Phase, period: float) -> None:
-        from controllers.gait import curve_kernel
-
         self.phase = phase
         self._period = period
         self._geometry = geometry
         self._legs = right, left = phase.legs(geometry)
         leading = int(path_length(left) > path_length(right))
         self._leading = self._legs[leading]
-        self._kernel = curve_kernel
-        self._follow = curve_kernel.follow
+        self._follow = kernel_of(curve_kernel.follow)
+        self._rates = kernel_of(curve_kernel.rates)
         self._packed = curve_kernel.pack(geometry.thigh, geometry.shank, right, left, leading)
         self.begin()
 
@@ -103,7 +103,8 @@ class PhaseCurve:
 
     def rates(self) -> tuple[float, float]:
         """Return the norm of the twelve joint rates and the path's speed (m), up to one scale."""
-        return self._kernel.rates(self._packed, self.joints, self.path)
+        norm, speed = self._rates(self._packed, self.joints, self.path)
+        return norm, speed
 
     def follow_joints(self, length: float) -> None:
         """Go on by a length of the curve of all twelve joints, rad."""
@@ -139,7 +140,7 @@ class PhaseCurve:
         self.path = xi
 
     def _refuse(self, outcome: int) -> None:
-        if outcome == self._kernel.TANGENTIAL:
+        if outcome == curve_kernel.TANGENTIAL:
             raise InfeasibleMotion(
                 f"{self.phase.name}: both legs are straight and the path runs along the reach of "
                 "one of them; no direction is singled out."

@@ -1,15 +1,12 @@
-"""The arm's closed form is the ray that the legs follow, too: one core, at the singularity as well.
-
-`controllers.singularity.ray` has the ray of any chain; each rig's law has it multiplied out.
-"""
+"""The arm's closed form is the ray of its whole Jacobian, at the elbow's singularity as well."""
 
 import numpy as np
 import pytest
 from arm_cases import GEOMETRIES, random_joints
+from matrix_rays import path_ray
 
 from controllers.arm.decomposition import Scale, joint_rates
 from controllers.arm.kinematics import dimensions_of, jacobian_columns, singularity_indices
-from controllers.singularity.ray import path_ray
 
 STILL = (0.0, 0.0, 0.0)
 

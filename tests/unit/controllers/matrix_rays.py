@@ -1,4 +1,4 @@
-"""The ray (adj(J) u, det J): along which joints and path move together.
+"""The ray (adj(J) u, det J) of any chain, by singular values: what closed forms are held against.
 
 A path asks for ``J q' = u xi'``. Its solutions form a ray in the space of joint rates and path
 rate, ``(q', xi') = b (adj(J) u, det J)`` with a free scale b; the ray exists where ``J^-1`` does
@@ -100,51 +100,3 @@ def null_ray(jacobian: Array, direction: Array, previous: Ray | None = None) -> 
         sign = 1.0 if vector @ last >= 0.0 else -1.0
     vector = sign * vector / np.linalg.norm(vector)
     return Ray(vector[:-1], float(vector[-1]))
-
-
-def joint_ray(one: Ray, other: Ray) -> Ray:
-    """Return the ray of two chains on one path, with one path rate for both.
-
-    ``(det_2 adj(J_1) u_1, det_1 adj(J_2) u_2, det_1 det_2)``, which is the adjugate of the
-    block-diagonal Jacobian of eq. (3); scaled, because products of two determinants get tiny.
-    A chain without demand must be left out, not given as a zero ray: if it is singular it would
-    stop the other one. Where both are singular the result is zero; see `rank_two_start`.
-    """
-    scale = max(abs(one.path), abs(other.path))
-    if scale == 0.0:
-        nothing = np.zeros(len(one.joints) + len(other.joints))
-        return Ray(nothing, 0.0)
-    first, second = one.path / scale, other.path / scale
-    return Ray(np.concatenate((second * one.joints, first * other.joints)), first * second * scale)
-
-
-def rank_two_start(one: float, other: float) -> tuple[float, float]:
-    """Return by what two rays are scaled to leave a path point where both chains are singular.
-
-    There any two scales solve ``J q' = u xi'`` with ``xi' = 0``. Only one pair of them starts a
-    curve: along the joints the determinants grow from zero as ``s_k (grad det_k · adj_k u_k)``,
-    and the path rates, ``det_k / s_k`` each, must agree.
-
-    Parameters
-    ----------
-    one, other : float
-        Growth of each determinant along its own ray, ``grad det · (adj(J) u)``.
-
-    Returns
-    -------
-    one, other : float
-        Scales, with the signs that let both determinants' magnitudes grow; the larger is 1.
-
-    Raises
-    ------
-    ValueError
-        A determinant does not grow to first order: the path is tangential to the singularity.
-    """
-    if one == 0.0 or other == 0.0:
-        raise ValueError(
-            "both chains are singular and the path runs along a singularity: no direction is "
-            "singled out."
-        )
-    first, second = abs(one) ** -0.5, abs(other) ** -0.5
-    larger = max(first, second)
-    return first / larger, second / larger
