@@ -15,6 +15,8 @@ _ADVICE = {
     "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
     "msgpack not installed": "pip install 'python-can[multicast]'",
     "No such file": "look for it with: ls /dev/serial/by-id",
+    "insufficient permissions": "the kernel may have a driver for it, which needs none: "
+    "ip -brief link show type can",
     "configure socket": "give this host a way for multicast: "
     "sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev lo",
 }

@@ -14,14 +14,14 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("can")
+can = pytest.importorskip("can")
 pytest.importorskip("serial")
 
-from drivers.canopen.bus import CanopenBus
-from drivers.canopen.settings import CanBusSettings
-from rig.cli import invoke
-from rig.hal import MonotonicClock
-from rig.run_folder import RunFolder
+from drivers.canopen.bus import CanopenBus  # noqa: E402
+from drivers.canopen.settings import CanBusSettings  # noqa: E402
+from rig.cli import invoke  # noqa: E402
+from rig.hal import MonotonicClock  # noqa: E402
+from rig.run_folder import RunFolder  # noqa: E402
 
 COMMANDS = {
     "check": ("check", "cylinder"),
@@ -99,6 +99,27 @@ def test_an_interface_that_python_can_does_not_know(refused):
     said = refused("slcam:/dev/ttyACM0")
     assert "'slcam' not supported; there are " in said
     assert ", slcan, socketcan, " in said
+
+
+@pytest.mark.parametrize(
+    ("interface", "complaint", "advice"),
+    [
+        ("gs_usb", "No module named 'usb'", "pip install 'python-can[gs-usb]'"),
+        ("gs_usb", "Access denied (insufficient permissions)", "ip -brief link show type can"),
+        (
+            "udp_multicast",
+            "could not create or configure socket",
+            "ip route add 224.0.0.0/4 dev lo",
+        ),
+    ],
+)
+def test_what_else_python_can_may_say(refused, monkeypatch, interface, complaint, advice):
+    def refuse(**options):
+        raise OSError(complaint)
+
+    monkeypatch.setattr(can, "Bus", refuse)
+    assert f"{complaint}; " in (said := refused(f"{interface}:239.74.163.2"))
+    assert advice in said
 
 
 def test_a_group_that_is_none(refused):
