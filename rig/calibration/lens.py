@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.calibration.lens_fit import LENS, fit_weighted
 from rig.calibration.recording import CalibrationRefused
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ _LEAST_SPREAD: Final = 0.5
 
 _FROM_VIDEO: Final = 40
 """So many frames are taken from a video, spread over it."""
-
-_FOUND: Final = ("fx", "fy", "cx", "cy", "k1", "k2")
 
 
 class Intrinsics(Protocol):
@@ -224,7 +223,7 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
     camera = np.array([[guess.fx, 0.0, guess.cx], [0.0, guess.fy, guess.cy], [0.0, 0.0, 1.0]])
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
     corners = [each.astype(np.float32) for each in views.corners]
-    _, matrix, bend, turns, places, stds, *_ = cv2.calibrateCameraExtended(
+    _, matrix, bend, turns, places = cv2.calibrateCamera(
         [grid] * len(corners), corners, views.size, camera, np.zeros(5), flags=flags
     )
     normals = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
@@ -233,15 +232,13 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
             "the board faced the camera alike in every view: focal length and distance cannot be "
             f"told apart; tilt it by {np.degrees(_LEAST_TILT):.0f} deg and more, to all sides"
         )
-    projected = [
-        cv2.projectPoints(grid, turn, place, matrix, bend)[0].reshape(-1, 2)
-        for turn, place in zip(turns, places, strict=True)
-    ]
-    found = (matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *bend.ravel()[:2])
+    first = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *bend.ravel()[:2]])
+    poses = np.hstack([np.array(each, float).reshape(-1, 3) for each in (turns, places)])
+    found = fit_weighted(board.corners, views.corners, first, poses)
     return FittedLens(
-        dict(zip(_FOUND, map(float, found), strict=True)),
-        dict(zip(_FOUND, map(float, stds.ravel()[:6]), strict=True)),
-        views.corners - np.array(projected),
+        dict(zip(LENS, found.values.tolist(), strict=True)),
+        dict(zip(LENS, found.stds.tolist(), strict=True)),
+        found.residuals,
     )
 
 

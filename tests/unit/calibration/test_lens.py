@@ -24,7 +24,7 @@ def profile():
     return load_profile("joint", REGISTRY, (), find_configs())
 
 
-def made(tilt=0.5, spread=1.0, count=12):
+def made(tilt=0.5, spread=1.0, count=12, noise=0.05):
     """Return the corners of a board in views of a lens, with noise."""
     rng = np.random.default_rng(4)
     matrix = np.array([[TRUE["fx"], 0, TRUE["cx"]], [0, TRUE["fy"], TRUE["cy"]], [0, 0, 1.0]])
@@ -35,7 +35,7 @@ def made(tilt=0.5, spread=1.0, count=12):
         corner = spread * 0.03 * np.array([(-1) ** k, (-1) ** (k // 2)])
         place = np.array([*(corner - [0.036, 0.024]), 0.42])
         shown = cv2.projectPoints(BOARD.corners, turn, place, matrix, bend)[0].reshape(-1, 2)
-        rows.append(shown + 0.05 * rng.standard_normal(shown.shape))
+        rows.append(shown + noise * rng.standard_normal(shown.shape))
     return Views((), SIZE, tuple(f"{k}" for k in range(count)), np.array(rows), count)
 
 
@@ -45,6 +45,22 @@ def test_finds_the_lens_within_its_intervals(profile):
     for name, true in TRUE.items():
         assert abs(found.values[name] - true) < 3.5 * found.stds[name], name
     assert np.sqrt(np.mean(found.residuals**2)) == pytest.approx(0.05, rel=0.1)
+
+
+def test_intervals_hold_when_some_views_are_sharper_than_others(profile):
+    guess = profile.devices["camera"].settings.intrinsics
+    rng = np.random.default_rng(7)
+    exact = made(noise=0.0)
+    errors = []
+    for _ in range(25):
+        blur = rng.uniform(0.02, 0.15, (len(exact.corners), 1, 2))  # across and down, by view
+        noisy = exact.corners + blur * rng.standard_normal(exact.corners.shape)
+        found = fit_lens(exact._replace(corners=noisy), BOARD, guess)
+        errors.append([(found.values[name] - TRUE[name]) / found.stds[name] for name in TRUE])
+    held = np.abs(errors) < 1.96
+    # 150 errors: 90 % is 3 standard deviations below 95 %.
+    assert 0.90 <= held.mean() <= 0.99
+    assert np.std(errors, axis=0) == pytest.approx(np.ones(6), abs=0.35)
 
 
 def test_a_board_that_always_faces_the_camera_is_refused(profile):
