@@ -7,7 +7,11 @@ import zlib
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -46,7 +50,7 @@ def kernel_of(function: Function) -> Function:
     return compile_kernel(build, Path(function.__code__.co_filename).parent)
 
 
-def compile_kernel(build: Callable[[int], Function], folder: Path | None = None) -> Function:
+def compile_kernel(build: Callable[[int], Function], *folders: Path) -> Function:
     """Compile the kernel that `build` makes, from the cache if the sources did not change.
 
     Parameters
@@ -54,8 +58,8 @@ def compile_kernel(build: Callable[[int], Function], folder: Path | None = None)
     build : callable
         Takes the digest of the sources and returns a function that closes over it. Numba's cache
         watches only the kernel's own file, but what a function closes over is part of its key.
-    folder : Path, optional
-        Of the sources; that of `build` itself if not given.
+    folders : Path
+        Of the sources; that of `build` itself if none is given.
 
     Returns
     -------
@@ -66,7 +70,61 @@ def compile_kernel(build: Callable[[int], Function], folder: Path | None = None)
 
     while _WAITING:
         register_jitable(error_model="numpy")(_WAITING.pop())
-    return _compile(build(_digest(folder or Path(build.__code__.co_filename).parent)))
+    return _compile(build(_digest(*folders or (Path(build.__code__.co_filename).parent,))))
+
+
+def memory_of(thing: object) -> "NDArray[np.uint8]":
+    """Lay an object's numbers out in memory, where kernels read and write them by their names.
+
+    A method that is `inlined` and works on numbers alone takes a record for its ``self`` as well,
+    ``memory.view(record_type(thing))[0]``: so one source serves Python, tests and kernels. It is
+    handed over as plain bytes, because numba takes longer to recognise a structured array than
+    many a law to run.
+
+    Parameters
+    ----------
+    thing : object
+        Its attributes are numbers, booleans or objects like it.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Bytes of the record; it starts with the attributes' values.
+
+    Raises
+    ------
+    TypeError
+        An attribute is something else.
+    """
+    import numpy as np
+
+    return np.array([_values(thing)], record_type(thing)).view(np.uint8)
+
+
+def record_type(thing: object) -> "np.dtype[np.void]":
+    """Return the structured type of `memory_of`: its fields are the object's attributes.
+
+    Whole numbers are floating-point there, so that the type does not depend on what they are now.
+    """
+    import numpy as np
+
+    fields: list[Any] = []
+    for name, value in vars(thing).items():
+        if isinstance(value, bool):
+            fields.append((name, np.bool_))
+        elif isinstance(value, float | int):
+            fields.append((name, np.float64))
+        elif hasattr(value, "__dict__"):
+            fields.append((name, record_type(value)))
+        else:
+            raise TypeError(f"{type(thing).__name__}.{name} is {value!r}, which is no number")
+    return np.dtype(fields, align=True)
+
+
+def _values(thing: object) -> tuple[Any, ...]:
+    return tuple(
+        _values(value) if hasattr(value, "__dict__") else value for value in vars(thing).values()
+    )
 
 
 def _compile(function: Function) -> Function:
@@ -78,8 +136,9 @@ def _compile(function: Function) -> Function:
         return cast(Function, numba.njit(error_model="numpy")(function))
 
 
-def _digest(folder: Path) -> int:
+def _digest(*folders: Path) -> int:
     digest = 0
-    for path in sorted((*folder.glob("*.py"), *_SHARED.glob("*.py"))):
-        digest = zlib.crc32(path.read_bytes(), digest)
+    for folder in (*folders, _SHARED):
+        for path in sorted(folder.glob("*.py")):
+            digest = zlib.crc32(path.read_bytes(), digest)
     return digest

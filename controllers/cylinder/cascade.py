@@ -1,13 +1,14 @@
 """Cascade of position and velocity loops on an observer that is fed with measured pressures."""
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Any
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.cylinder.differential import DifferentialRange, RegulatorLead
-from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
+from controllers.compiled import memory_of
+from controllers.cylinder.cascade_law import CascadeLaw, Output, compiled_step
+from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.types import (
     PairCommand,
     PairEstimate,
@@ -15,19 +16,10 @@ from controllers.cylinder.types import (
     PairReference,
     PairState,
 )
-from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
-_REST_SPEED, _REST_TIME = 5e-5, 0.1
-"""A reference rests if it is slower than this (m/s) and stays so for this time (s): a sine that
-turns round does not."""
-_STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
-"""A pair that moves less than this (m) in this time (s) sticks. On its bristles it may creep."""
-
-_CREEP_SPEED = 3e-3
-"""Slower than this (m/s) a pair may stick short of its reference; one that still slides towards
-it needs no push, and would overshoot with one."""
+_REST = (0.0,) * 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +95,8 @@ class CascadeSettings:
 class Cascade:
     """Position over velocity over force, with an observer, feedforward, integral and lead.
 
+    The law itself is `CascadeLaw`: numbers, which run as Python until `compile` is called.
+
     Parameters
     ----------
     settings : CascadeSettings
@@ -122,46 +116,28 @@ class Cascade:
 
     def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
         self._settings = settings
-        self._position_rate = settings.position_rate
-        self._force_trust = settings.force_trust
-        self._disturbance_gain = settings.disturbance_gain
-        self._trim_limit = settings.trim_limit
         self._area = model.area
-        self._per_area = 1.0 / model.area
-        self._range = DifferentialRange(model, settings.pressure_floor, settings.differential_limit)
-        self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
-        self._feedforward = Feedforward(settings.feedforward, model, period)
-        gains = observer_gains(settings.observer_bandwidth, model.mass, period)
-        self._observer = ForceObserver(gains, model.mass, period)
-        self._standstill = StandstillDetector(_STILL_DISTANCE, _STILL_TIME, period)
-        self._velocity_gain = model.mass * settings.velocity_rate
-        self._moving_step = settings.integral * period
-        self._holding_step = settings.hold_integral * period
-        self._disturbance_share = 1.0 - math.exp(-settings.disturbance_bandwidth * period)
-        self._trim_step = settings.trim_rate * period
-        self._delay = period if settings.delay is None else settings.delay
-        self._integral = 0.0
-        self._residual = 0.0
-        self._trim = 0.0
-        self._started = False
+        self._law = CascadeLaw(settings, model, period)
+        self._step: Callable[..., Output] = CascadeLaw.step
+        self._memory: Any = self._law
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity at the time of use, and the disturbance of the observer."""
         self.correction = 0.0
         """Force of the last update that came from errors and not from the reference, N."""
 
+    def compile(self) -> None:
+        """Run compiled from now on, for a loop: in a third of the time, after seconds once."""
+        self._step = compiled_step(self._law)
+        self._step(memory_of(self._law), *_REST)  # the first call is what compiles
+        self._memory = memory_of(self._law)
+
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
-        differential = self._range.clip(state.agonist - state.antagonist)
-        force = self._area * (state.agonist - state.antagonist)
-        self._standstill.reset(state.position)
-        self._observer.reset(state.position, self._force_trust * force)
-        self._lead.reset(differential)
-        self._feedforward.reset()
-        self._integral = self._area * differential
-        self._residual = 0.0
-        self._trim = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, -force)
+        difference = state.agonist - state.antagonist
+        self._law.reset(state.position, difference)
+        if self._memory is not self._law:
+            self._memory = memory_of(self._law)
+        self.estimate = PairEstimate(0.0, -self._area * difference)
 
     def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
         """Return the setpoints for this period.
@@ -173,44 +149,10 @@ class Cascade:
         load : float
             Force that the motion is known to take beyond the pair's own, N: what hangs on it.
         """
-        lead, observer = self._lead, self._observer
-        _, measured, agonist, antagonist = state
-        wanted, wanted_velocity, wanted_acceleration = reference
-        difference = agonist - antagonist
-        force = self._area * difference
-        trusted = self._force_trust * force
-        sticks = self._standstill.update(measured)
-        observer.update(measured, trusted)
-        position, velocity = observer.predict(self._delay)
-        error = wanted - position
-        disturbance = observer.disturbance + trusted - force
-        rests = abs(wanted_velocity) + _REST_TIME * abs(wanted_acceleration) < _REST_SPEED
-        feedforward = self._feedforward.update(
-            reference, error if -_CREEP_SPEED < velocity < _CREEP_SPEED else 0.0
+        _, position, agonist, antagonist = state
+        wanted, velocity, acceleration = reference
+        first, second, speed, disturbance, self.correction = self._step(
+            self._memory, position, agonist - antagonist, wanted, velocity, acceleration, load
         )
-        feedforward += load
-        direct = feedforward + self._velocity_gain * (
-            wanted_velocity - velocity + self._position_rate * error
-        )
-        integral = self._integral
-        if self._disturbance_gain > 0.0:
-            # What the feedforward and the integral do not explain of the observed disturbance.
-            missing = -disturbance - feedforward - integral
-            self._residual += self._disturbance_share * (missing - self._residual)
-            direct += self._disturbance_gain * self._residual
-        if not self._started:
-            self._started = True
-            integral -= direct
-        wish = direct + integral
-        self.correction = wish - feedforward
-        trim = self._trim
-        setpoint = lead.update(self._per_area * wish) + trim
-        if lead.saturation * error <= 0.0:
-            integral += (self._holding_step if sticks and rests else self._moving_step) * error
-        self._integral = integral - self._feedforward.learn(integral)
-        # What the regulators are off, seen by their own monitors, needs no position error.
-        trim += self._trim_step * (lead.pressure - difference)
-        most = self._trim_limit
-        self._trim = -most if trim < -most else most if trim > most else trim
-        self.estimate = _new(PairEstimate, (velocity, disturbance))
-        return self._range.split(setpoint)
+        self.estimate = _new(PairEstimate, (speed, disturbance))
+        return _new(PairCommand, (first, second))

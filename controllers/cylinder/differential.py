@@ -51,15 +51,21 @@ class DifferentialRange:
         limit = self.limit  # compared, because min() and max() take five times as long
         return -limit if differential < -limit else limit if differential > limit else differential
 
-    def split(self, differential: float) -> PairCommand:
-        """Return the setpoints for the nearest differential (Pa) that both chambers can take."""
+    def share(self, differential: float) -> tuple[float, float]:
+        """Return the setpoints for the nearest differential that both chambers can take, Pa."""
         limit = self.limit
-        if not -limit <= differential <= limit:
-            differential = self.clip(differential)
+        if differential < -limit:
+            differential = -limit
+        elif differential > limit:
+            differential = limit
         half = 0.5 * differential
         base, lifted = self._base, self._floor + abs(half)
         mean = lifted if lifted > base else base
-        return _new(PairCommand, (mean + half, mean - half))
+        return mean + half, mean - half
+
+    def split(self, differential: float) -> PairCommand:
+        """Return `share` as a command."""
+        return _new(PairCommand, self.share(differential))
 
 
 class RegulatorLead:

@@ -5,8 +5,12 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.cylinder.types import PairModel, PairReference
+from controllers.compiled import inlined
+from controllers.cylinder.types import PairModel
 from controllers.friction import PreslidingFriction, SmoothFriction
+
+_turn_round = inlined(PreslidingFriction.update)
+_follow = inlined(SmoothFriction.force)
 
 _LEAST_SPEED = 0.5e-3
 """Below this desired speed (m/s) a pair may stick, and the integral says nothing of sliding."""
@@ -66,26 +70,21 @@ class Feedforward:
     """
 
     def __init__(self, settings: FeedforwardSettings, model: PairModel, period: float) -> None:
+        gain = settings.gain
+        coulomb = gain * model.coulomb
         self._mass = model.mass
-        self._sliding = 0.9 * (settings.gain * model.coulomb)
+        self._sliding = 0.9 * coulomb
         self._learning_step = settings.learning_rate * period
         self._error_rate = settings.error_rate
-        self._memory: PreslidingFriction | None = None
-        gain = settings.gain
-        if settings.friction == "presliding":
-            self._memory = PreslidingFriction(
-                gain * model.coulomb, settings.distance, model.viscous, period
-            )
-            self._friction = self._memory.update
-        else:
-            top = model.breakaway if settings.friction == "stribeck" else model.coulomb
-            self._friction = SmoothFriction(
-                gain * model.coulomb,
-                gain * top,
-                model.stribeck_velocity,
-                model.viscous,
-                settings.rounding,
-            ).force
+        self._remembers = settings.friction == "presliding"
+        self._memory = PreslidingFriction(coulomb, settings.distance, model.viscous, period)
+        self._curve = SmoothFriction(
+            coulomb,
+            gain * model.breakaway if settings.friction == "stribeck" else coulomb,
+            model.stribeck_velocity,
+            model.viscous,
+            settings.rounding,
+        )
         self._nominal = 0.0
         self._speed = 0.0
         self.scale = 1.0
@@ -95,16 +94,18 @@ class Feedforward:
         """Forget which way the pair was asked to move, and what was learnt."""
         self._nominal = self._speed = 0.0
         self.scale = 1.0
-        if self._memory is not None:
-            self._memory.reset()
+        self._memory.reset()
 
-    def update(self, reference: PairReference, error: float) -> float:
-        """Return the force (N) for a reference, given the position error (m)."""
-        _, velocity, acceleration = reference
+    def update(self, velocity: float, acceleration: float, error: float) -> float:
+        """Return the force (N) for a desired motion (m/s, m/s²), given the position error (m)."""
         self._speed = abs(velocity)
         if -_NEAR < error < _NEAR:
             velocity += self._error_rate * error
-        self._nominal = nominal = self._friction(velocity)
+        if self._remembers:
+            nominal = _turn_round(self._memory, velocity)
+        else:
+            nominal = _follow(self._curve, velocity)
+        self._nominal = nominal
         return self._mass * acceleration + self.scale * nominal
 
     def learn(self, integral: float) -> float:

@@ -125,7 +125,9 @@ class PidFriction:
         self._motion.update(state.position)
         position, velocity = self._motion.predict(self._period)
         error = reference.position - position
-        feedforward = self._per_area * (self._feedforward.update(reference, error) + load)
+        feedforward = self._per_area * (
+            self._feedforward.update(reference.velocity, reference.acceleration, error) + load
+        )
         direct = (
             settings.proportional * error
             + settings.derivative * (reference.velocity - velocity)

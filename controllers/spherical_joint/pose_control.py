@@ -186,6 +186,9 @@ class PoseController:
             self.law(settings.pair, pair, period),
             self.law(settings.pair, pair, period),
         )
+        for law in self._laws:
+            if hasattr(law, "compile"):
+                law.compile()
         wound = 0.5 * math.pi - model.geometry.ring_half_angle
         friction = settings.ball_friction
         self._steps = PoseStep(

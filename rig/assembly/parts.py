@@ -76,9 +76,12 @@ def make_controller(profile: Profile, name: str) -> Any:
     key = controller_key(REGISTRY, profile.mechanism, name)
     controller = REGISTRY.load("controller", key)
     try:
-        return controller(profile.controllers[name], model, profile.loop.period)
+        made = controller(profile.controllers[name], model, profile.loop.period)
     except InfeasibleMotion as error:
         raise MotionRefused(str(error)) from error
+    if hasattr(made, "compile"):
+        made.compile()
+    return made
 
 
 def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any]:

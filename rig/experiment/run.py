@@ -13,6 +13,7 @@ from rig.config import dump_resolved
 from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
+from rig.experiment.rehearsal import rehearse
 from rig.hal import DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
@@ -120,6 +121,8 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     doubts = _check_calibrations(plan, backend) if heed_calibrations else []
+    if not backend.is_simulated:
+        rehearse(plan)
     frame_log = None if frames is None else make_frame_log(plan.profile, backend)
     rig = build_rig(plan.profile, backend, on, frame_log)
     try:

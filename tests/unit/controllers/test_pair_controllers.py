@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from controllers.compiled import memory_of
 from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
 from controllers.cylinder.pid import Pid
@@ -299,11 +300,11 @@ def test_feedforward_learns_what_the_integral_holds_against_friction(model):
     for k in range(4000):
         velocity = 5e-3 if k // 500 % 2 == 0 else -5e-3
         needed = 1.5 * math.copysign(6.5 + 30.0 * 5e-3, velocity)
-        force = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        force = feedforward.update(velocity, 0.0, 0.0) + integral
         integral += 0.1 * (needed - force)
-        before = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        before = feedforward.update(velocity, 0.0, 0.0) + integral
         integral -= feedforward.learn(integral)
-        after = feedforward.update(PairReference(0.0, velocity, 0.0), 0.0) + integral
+        after = feedforward.update(velocity, 0.0, 0.0) + integral
         assert after == pytest.approx(before, abs=1e-9)
     assert feedforward.scale == pytest.approx(1.5, rel=0.02)
     assert abs(integral) < 0.1
@@ -312,10 +313,35 @@ def test_feedforward_learns_what_the_integral_holds_against_friction(model):
 def test_a_pair_at_rest_teaches_nothing_and_lessons_are_bounded(model):
     feedforward = Feedforward(FeedforwardSettings(gain=1.0, learning_rate=50.0), model, PERIOD)
     for _ in range(1000):
-        feedforward.update(PairReference(0.0, 20e-3, 0.0), 0.0)
-    feedforward.update(PairReference(0.0, 0.0, 0.0), 0.0)
+        feedforward.update(20e-3, 0.0, 0.0)
+    feedforward.update(0.0, 0.0, 0.0)
     assert feedforward.learn(5.0) == 0.0
     for _ in range(10_000):
-        feedforward.update(PairReference(0.0, 20e-3, 0.0), 0.0)
+        feedforward.update(20e-3, 0.0, 0.0)
         feedforward.learn(1e3)
     assert feedforward.scale == 3.0
+
+
+def test_compiled_cascade_is_the_same_law(model):
+    plain, compiled = build(Cascade, model), build(Cascade, model)
+    compiled.compile()
+    for start in (0.0, 1e-3):  # the second time from anew
+        for controller in (plain, compiled):
+            controller.reset(PairState(0.0, start, 120_000, 110_000))
+        for state, reference in wander(2000):
+            for load in (0.0, 3.0):
+                assert compiled.update(state, reference, load) == plain.update(
+                    state, reference, load
+                )
+                assert compiled.estimate == plain.estimate
+                assert compiled.correction == plain.correction
+
+
+def test_only_numbers_are_laid_out_for_a_kernel():
+    class Named:
+        def __init__(self):
+            self.gain = 1.0
+            self.name = "agonist"
+
+    with pytest.raises(TypeError, match=r"Named\.name is 'agonist', which is no number"):
+        memory_of(Named())

@@ -1,0 +1,172 @@
+"""The cascade's law as numbers: one source for Python and for the loop, where it is compiled."""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from controllers.compiled import compile_kernel, inlined, record_type
+from controllers.cylinder.differential import DifferentialRange, RegulatorLead
+from controllers.cylinder.feedforward import Feedforward
+from controllers.cylinder.types import PairModel
+from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
+
+if TYPE_CHECKING:
+    from controllers.cylinder.cascade import CascadeSettings
+
+Output = tuple[float, float, float, float, float]
+"""Setpoints (Pa), velocity (m/s), disturbance (N), force because of errors (N)."""
+
+_REST_SPEED, _REST_TIME = 5e-5, 0.1
+"""A reference rests if it is slower than this (m/s) and stays so for this time (s): a sine that
+turns round does not."""
+_STILL_DISTANCE, _STILL_TIME = 5e-6, 0.04
+"""A pair that moves less than this (m) in this time (s) sticks. On its bristles it may creep."""
+
+_CREEP_SPEED = 3e-3
+"""Slower than this (m/s) a pair may stick short of its reference; one that still slides towards
+it needs no push, and would overshoot with one."""
+
+# What the law calls of its parts. They take a record for their `self` as they take an object.
+_sticks = inlined(StandstillDetector.update)
+_observe = inlined(ForceObserver.update)
+_predict = inlined(ForceObserver.predict)
+_feed_forward = inlined(Feedforward.update)
+_learn = inlined(Feedforward.learn)
+_lead = inlined(RegulatorLead.update)
+_share = inlined(DifferentialRange.share)
+
+
+class CascadeLaw:
+    """What `Cascade` computes each period, and what it remembers. Numbers only, see `memory_of`.
+
+    Parameters
+    ----------
+    settings : CascadeSettings
+        Bandwidths and gains.
+    model : PairModel
+        Pressures, area, mass, friction, regulators.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, settings: "CascadeSettings", model: PairModel, period: float) -> None:
+        self._position_rate = settings.position_rate
+        self._velocity_gain = model.mass * settings.velocity_rate
+        self._force_trust = settings.force_trust
+        self._disturbance_gain = settings.disturbance_gain
+        self._disturbance_share = 1.0 - math.exp(-settings.disturbance_bandwidth * period)
+        self._moving_step = settings.integral * period
+        self._holding_step = settings.hold_integral * period
+        self._trim_step = settings.trim_rate * period
+        self._trim_limit = settings.trim_limit
+        self._delay = period if settings.delay is None else settings.delay
+        self._area = model.area
+        self._per_area = 1.0 / model.area
+        self._range = DifferentialRange(model, settings.pressure_floor, settings.differential_limit)
+        self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
+        self._feedforward = Feedforward(settings.feedforward, model, period)
+        gains = observer_gains(settings.observer_bandwidth, model.mass, period)
+        self._observer = ForceObserver(gains, model.mass, period)
+        self._standstill = StandstillDetector(_STILL_DISTANCE, _STILL_TIME, period)
+        self._integral = 0.0
+        self._residual = 0.0
+        self._trim = 0.0
+        self._started = False
+
+    def reset(self, position: float, difference: float) -> None:
+        """Start at a measured position (m) and difference of the pressures (Pa)."""
+        differential = self._range.clip(difference)
+        self._standstill.reset(position)
+        self._observer.reset(position, self._force_trust * self._area * difference)
+        self._lead.reset(differential)
+        self._feedforward.reset()
+        self._integral = self._area * differential
+        self._residual = self._trim = 0.0
+        self._started = False
+
+    def step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        """Advance by one period.
+
+        Parameters
+        ----------
+        measured, difference : float
+            Position of the pair, m, and agonist's over antagonist's pressure, Pa.
+        wanted, wanted_velocity, wanted_acceleration : float
+            Reference, m, m/s, m/s².
+        load : float
+            Force that the motion is known to take beyond the pair's own, N.
+        """
+        lead, observer, feedforward = self._lead, self._observer, self._feedforward
+        force = self._area * difference
+        trusted = self._force_trust * force
+        sticks = _sticks(self._standstill, measured)
+        _observe(observer, measured, trusted)
+        position, velocity = _predict(observer, self._delay)
+        error = wanted - position
+        disturbance = observer.disturbance + trusted - force
+        rests = abs(wanted_velocity) + _REST_TIME * abs(wanted_acceleration) < _REST_SPEED
+        creeps = -_CREEP_SPEED < velocity < _CREEP_SPEED
+        known = load + _feed_forward(
+            feedforward, wanted_velocity, wanted_acceleration, error if creeps else 0.0
+        )
+        direct = known + self._velocity_gain * (
+            wanted_velocity - velocity + self._position_rate * error
+        )
+        integral = self._integral
+        if self._disturbance_gain > 0.0:
+            # What the feedforward and the integral do not explain of the observed disturbance.
+            missing = -disturbance - known - integral
+            self._residual += self._disturbance_share * (missing - self._residual)
+            direct += self._disturbance_gain * self._residual
+        if not self._started:
+            self._started = True
+            integral -= direct
+        wish = direct + integral
+        trim = self._trim
+        setpoint = _lead(lead, self._per_area * wish) + trim
+        if lead.saturation * error <= 0.0:
+            integral += (self._holding_step if sticks and rests else self._moving_step) * error
+        self._integral = integral - _learn(feedforward, integral)
+        # What the regulators are off, seen by their own monitors, needs no position error.
+        trim += self._trim_step * (lead.pressure - difference)
+        most = self._trim_limit
+        self._trim = -most if trim < -most else most if trim > most else trim
+        first, second = _share(self._range, setpoint)
+        return first, second, velocity, disturbance, wish - known
+
+
+_step = inlined(CascadeLaw.step)
+
+
+def compiled_step(law: CascadeLaw) -> Callable[..., Output]:
+    """Return `CascadeLaw.step` compiled; it takes the law's memory (see `memory_of`) first."""
+    return _kernel(record_type(law))
+
+
+@cache
+def _kernel(kind: Any) -> Callable[..., Output]:
+    def build(digest: int) -> Callable[..., Output]:
+        def kernel(
+            memory: Any, measured: float, difference: float, wanted: float, wanted_velocity: float,
+            wanted_acceleration: float, load: float,
+        ) -> Output:  # fmt: skip
+            _ = digest
+            law = memory.view(kind)[0]
+            return _step(
+                law, measured, difference, wanted, wanted_velocity, wanted_acceleration, load
+            )
+
+        return kernel
+
+    here = Path(__file__).parent
+    return compile_kernel(build, here, here.parent)

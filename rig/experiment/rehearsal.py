@@ -1,0 +1,75 @@
+"""The first cycles of a run, gone through in simulation before a real rig is opened.
+
+What a cycle calls for the first time is compiled or imported then, which takes from some ten
+milliseconds to seconds: on a rig the loop would have stalled. Simulated time does not mind.
+"""
+
+import logging
+from collections.abc import Sequence
+from typing import Any
+
+from rig.assembly import Backend, build_rig
+from rig.experiment.plan import Plan
+from rig.hal import RigError
+from rig.runtime.loop import Loop, Timings
+from rig.runtime.states import RigState, StateMachine
+from rig.runtime.stop import StopRequests
+
+_CYCLES = 50
+_TIMINGS = Timings(energise=0.01, approach=60.0, release=0.0)
+"""Control takes over at once and has not come to the motion when the rehearsal ends."""
+
+_LOG = logging.getLogger(__name__)
+
+
+def rehearse(plan: Plan) -> None:
+    """Let the plan's controller hold a simulated rig for a moment.
+
+    A rehearsal that fails is no reason to refuse the rig itself, which may well be another than
+    the simulated one; it is logged.
+
+    Parameters
+    ----------
+    plan : Plan
+        Its controller is reset when control of the rig itself begins.
+    """
+    states = StateMachine()
+    states.move(RigState.IDLE)
+    stop = StopRequests()
+    fault: Exception | None
+    try:
+        with build_rig(plan.profile, Backend.SIM) as rig:
+            rig.mechanism.controller = plan.controller
+            rig.mechanism.motion = plan.motion
+            rig.arm(torque=getattr(plan.motion, "has_torque", True))
+            loop: Loop[Any, Any, Any] = Loop(
+                clock=rig.clock,
+                period=plan.profile.loop.period,
+                buses=tuple(rig.buses.values()),
+                devices=tuple(rig.devices.values()),
+                mechanism=rig.mechanism,
+                controller=plan.controller,
+                states=states,
+            )
+            fault = loop.run(
+                plan.motion, recorder=_Few(stop), events=_unheard, stop=stop, timings=_TIMINGS
+            ).fault
+    except (RigError, ImportError) as error:  # a rig's computer may lack what simulation takes
+        fault = error
+    if fault is not None:
+        _LOG.warning("the rehearsal in simulation ended early: %s", fault)
+
+
+class _Few:
+    """Records nothing, and asks for the end after some cycles."""
+
+    def __init__(self, stop: StopRequests) -> None:
+        self._stop = stop
+
+    def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
+        if cycle >= _CYCLES:
+            self._stop.request()
+
+
+def _unheard(*_: object) -> None:
+    pass

@@ -1,0 +1,72 @@
+"""Before a real rig is opened, a simulated one is held: its loop finds everything compiled."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from rig.assembly import Backend
+from rig.experiment import run as running
+from rig.experiment.plan import load_plan
+from rig.hal import ConnectionFailed
+
+SCRIPT = """
+import json, sys
+from pathlib import Path
+from numba.core import event
+from rig.assembly import Backend
+from rig.experiment.plan import load_plan
+from rig.experiment.rehearsal import rehearse
+from rig.experiment.run import run_experiment
+from rig.runtime.loop import Loop
+
+compiled, run = [], Loop.run
+
+def watched(loop, *args, **options):
+    with event.install_recorder("numba:compiler_lock") as seen:
+        outcome = run(loop, *args, **options)
+    compiled.append(len(seen.buffer))
+    return outcome
+
+Loop.run = watched
+plan = load_plan(sys.argv[1])
+rehearse(plan)
+result = run_experiment(plan, Backend.SIM, Path(sys.argv[2]), report=False)
+print(json.dumps([*compiled, result.exit_code]))
+"""
+
+
+@pytest.mark.parametrize(
+    "experiment",
+    [
+        "joint-poses",
+        pytest.param("joint-circle-camera", marks=pytest.mark.slow),
+        pytest.param("cylinder-step", marks=pytest.mark.slow),
+    ],
+)
+def test_nothing_is_compiled_in_the_loop_after_a_rehearsal(experiment, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, experiment, str(tmp_path)],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    rehearsed, ran, code = json.loads(done.stdout)  # arms and legs compile when they plan
+    assert rehearsed > 0
+    assert ran == 0
+    assert code == 0
+    assert "rehearsal" not in done.stderr
+
+
+@pytest.mark.parametrize(("backend", "times"), [(Backend.SIM, 0), (Backend.HARDWARE, 1)])
+def test_only_a_real_rig_is_rehearsed(backend, times, tmp_path, monkeypatch):
+    rehearsed = []
+
+    def refuse(*_):
+        raise ConnectionFailed("can0", "there is none")
+
+    monkeypatch.setattr(running, "rehearse", rehearsed.append)
+    monkeypatch.setattr(running, "build_rig", refuse)
+    plan = load_plan("cylinder-sine")
+    with pytest.raises(ConnectionFailed):
+        running.run_experiment(plan, backend, tmp_path, heed_calibrations=False)
+    assert rehearsed == [plan] * times
