@@ -49,6 +49,8 @@ class Draws(NamedTuple):
         Of servo joints and the links between them.
     leaks : tuple of float
         Sonic conductance of each chamber's leak, m³/(s Pa).
+    stribeck : float
+        Share of the seals' Stribeck velocity.
     """
 
     channels: Mapping[str, tuple[float, ...]]
@@ -59,6 +61,7 @@ class Draws(NamedTuple):
     camera_angle: tuple[float, float, float]
     joints: JointDraws = JointDraws()
     leaks: tuple[float, ...] = (0.0,) * _CHANNELS
+    stribeck: float = 0.0
 
 
 PER_CHANNEL = (
@@ -81,7 +84,11 @@ def draw(bounds: Bounds, seed: int) -> Draws:
     joints = draw_joints(bounds, seed)
     # No chamber is tight if any may leak: between a third of the bound and the whole of it.
     leaks = tuple((2.0 * bounds.leak + share) / 3.0 for share in values(bounds.leak, _CHANNELS))
-    return Draws(channels, friction, wire_offset, geometry, position, angle, joints, leaks)  # type: ignore[arg-type]
+    (stribeck,) = values(bounds.stribeck, 1)
+    return Draws(
+        channels, friction, wire_offset, geometry,
+        position, angle, joints, leaks, stribeck,  # type: ignore[arg-type]
+    )  # fmt: skip
 
 
 def perturb_plant(settings: Any, draws: Draws) -> Any:
@@ -89,6 +96,8 @@ def perturb_plant(settings: Any, draws: Draws) -> Any:
     changes: dict[str, Any] = {}
     if hasattr(settings, "friction_scale"):
         changes["friction_scale"] = settings.friction_scale * (1.0 + draws.friction)
+    if hasattr(settings, "stribeck_scale"):
+        changes["stribeck_scale"] = settings.stribeck_scale * (1.0 + draws.stribeck)
     if hasattr(settings, "home"):
         changes["home"] = settings.home + draws.wire_offset
     return replace(settings, **changes) if changes else settings

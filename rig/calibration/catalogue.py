@@ -11,12 +11,13 @@ def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     from rig.calibration.procedures.encoders import Encoders
     from rig.calibration.procedures.friction import Friction
     from rig.calibration.procedures.leak import Leak
+    from rig.calibration.procedures.pair_friction import PairFriction
     from rig.calibration.procedures.regulators import Regulators
     from rig.calibration.procedures.response import Response
     from rig.calibration.procedures.wires import Wires
 
     every: tuple[Procedure | Lens, ...] = (
-        Regulators(), Encoders(), Wires(), Response(), Friction(), Leak(),
+        Regulators(), Encoders(), Wires(), Response(), PairFriction(), Friction(), Leak(),
         *_of_cameras(), *_of_servos(),
     )  # fmt: skip
     # Two mechanisms may have procedures of one name, which do different things.

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+_SOFT = 0.3
 _RESIDUAL = 8e-3
 _DISAGREEMENT = 40e-3
 """Of a joint's rods, and of its camera and rods, before they have been calibrated, m."""
@@ -127,6 +128,22 @@ def follower(profile: Profile) -> tuple[Profile, str]:
     return dataclasses.replace(
         profile, controllers={**profile.controllers, "cascade": blind}
     ), "cascade"
+
+
+def softer(profile: Profile) -> Profile:
+    """Return the profile with a controller that is at rest when it is at its place.
+
+    Where exactly is of no matter; but a pair of little friction that hunts would be let go on its
+    way. A joint's ring has more of it, and keeps its controller.
+    """
+    if profile.mechanism == "joint":
+        return profile
+    pid: Any = profile.controllers["pid"]
+    soft = dataclasses.replace(
+        pid, proportional=_SOFT * pid.proportional, integral=_SOFT**2 * pid.integral,
+        derivative=_SOFT * pid.derivative,
+    )  # fmt: skip
+    return dataclasses.replace(profile, controllers={**profile.controllers, "pid": soft})
 
 
 def reach(profile: Profile, share: float) -> float:

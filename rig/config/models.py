@@ -79,6 +79,8 @@ class Perturbation:
         Of a rod's encoder, 1 and m.
     friction : float
         Of all friction, as a share of it.
+    stribeck : float
+        Of the seals' Stribeck velocity, as a share of it.
     wire_offset : float
         Of the rod extension at which the wires are taut, m.
     leak : float
@@ -111,6 +113,7 @@ class Perturbation:
     encoder_scale: Annotated[float, Unit("1"), Interval(ge=0, le=0.2)] = 0.0
     encoder_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.02)] = 0.0
     friction: Annotated[float, Unit("1"), Interval(ge=0, le=0.9)] = 0.0
+    stribeck: Annotated[float, Unit("1"), Interval(ge=0, le=0.9)] = 0.0
     wire_offset: Annotated[float, Unit("m"), Interval(ge=0, le=0.01)] = 0.0
     leak: Annotated[float, Unit("m^3/(s Pa)"), Interval(ge=0, le=1e-8)] = 0.0
     geometry: Annotated[float, Unit("1"), Interval(ge=0, le=0.1)] = 0.0

@@ -25,8 +25,15 @@ _ENCODERS = (
     "loop.rate=500",
 )
 _WIRES = ("simulation.perturbation.wire_offset=2 mm", "loop.rate=100")
-_FRICTION = ("simulation.perturbation.friction=0.3",)
-_LEAK = ("simulation.perturbation.leak=2e-12 m^3/(s Pa)", "simulation.perturbation.friction=0.3")
+_FRICTION = (
+    "simulation.perturbation.friction=0.3",
+    "simulation.perturbation.stribeck=0.3",
+)
+_LEAK = (
+    "simulation.perturbation.leak=2e-12 m^3/(s Pa)",
+    "simulation.perturbation.friction=0.3",
+    "loop.rate=500",
+)
 
 DRAWN = {
     "regulators": _REGULATORS,
@@ -88,18 +95,23 @@ def true_of_response(profile, seed, procedure, folders):
 
 
 def true_of_friction(profile, seed, procedure, folders):
+    """Return the friction that the chambers have to overcome.
+
+    The piston that pulls has more pressure behind it than the other one, and so more friction: the
+    seat carries a little less than the chambers' pulls.
+    """
     plant = make_plant(profile)
     units, seat = plant.parameters, plant.pair_parameters[0]["seat"]
-    base = profile.mechanism_settings.base_pressure
-    loaded = units["pressure_friction"].sum() * base + 2.0 * seat * units["area"][0] * base
-    true = {
-        ("cylinder", "friction.coulomb"): units["coulomb"].sum() + loaded,
-        ("cylinder", "friction.viscous"): units["viscous"].sum(),
-    }
-    # Seals with little friction do not slip often enough to tell their breakaway.
+    base, area = profile.mechanism_settings.base_pressure, units["area"][0]
+    loaded = units["pressure_friction"].sum() * base + 2.0 * seat * area * base
+    share = 1.0 / (1.0 + seat * units["pressure_friction"].mean() / area)
     breakaway = ("cylinder", "friction.breakaway")
-    found = _noiseless(profile, procedure, folders)
-    return true | ({breakaway: found[breakaway]} if breakaway in found else {})
+    return {
+        ("cylinder", "friction.coulomb"): share * (units["coulomb"].sum() + loaded),
+        ("cylinder", "friction.viscous"): share * units["viscous"].sum(),
+        ("cylinder", "friction.stribeck_velocity"): units["stribeck_velocity"][0],
+        breakaway: _noiseless(profile, procedure, folders)[breakaway],
+    }
 
 
 def true_of_leak(profile, seed, procedure, folders):

@@ -53,7 +53,7 @@ class AntagonisticPairPlant(PneumaticPlant):
     def __init__(self, settings: PlantSettings, seed: int) -> None:
         self.settings = settings
         units, monitors = np.random.default_rng(seed).spawn(2)
-        seals = scale_seals(settings.seals, settings.friction_scale)
+        seals = scale_seals(settings.seals, settings.friction_scale, settings.stribeck_scale)
         self.pair = np.zeros(1, PAIR_STATE)
         super().__init__(settings, seals, units=units, monitors=monitors, line=self.pair)
         seat = seals.seat * (1.0 + settings.friction_spread * units.uniform(-1.0, 1.0))

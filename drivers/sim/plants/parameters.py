@@ -72,13 +72,16 @@ def draw_channel(
     return tuple(values[name] for name in PARAMETERS.names or ())
 
 
-def scale_seals(name: str, scale: float) -> SealFriction:
-    """Return the seals of that name with all friction multiplied by `scale`."""
+def scale_seals(name: str, scale: float, stribeck_scale: float = 1.0) -> SealFriction:
+    """Return the seals of that name with all friction multiplied by `scale`.
+
+    The Stribeck velocity has a factor of its own.
+    """
     nominal = SEALS[name]
     return SealFriction(
         coulomb=nominal.coulomb * scale,
         breakaway=nominal.breakaway * scale,
-        stribeck_velocity=nominal.stribeck_velocity,
+        stribeck_velocity=nominal.stribeck_velocity * stribeck_scale,
         viscous=nominal.viscous * scale,
         pressure=nominal.pressure * scale,
         seat=nominal.seat * scale,

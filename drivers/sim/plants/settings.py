@@ -182,6 +182,8 @@ class PlantSettings:
         ``standard`` or ``low-speed``.
     friction_scale : float
         Factor on all friction: seals and seat.
+    stribeck_scale : float
+        Factor on the seals' Stribeck velocity.
     friction_spread : float
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
@@ -196,6 +198,7 @@ class PlantSettings:
 
     seals: Literal["standard", "low-speed"] = "standard"
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8

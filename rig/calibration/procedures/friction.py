@@ -66,7 +66,7 @@ class Friction:
 
     name = "friction"
     title = "friction of the pairs: Coulomb, viscous, breakaway"
-    mechanisms = ("cylinder", "joint")
+    mechanisms = ("joint",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""

@@ -31,10 +31,9 @@ References
 ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristics.
 """
 
-import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -49,6 +48,7 @@ from rig.calibration.mechanism import (
     pneumatics_of,
     reach,
     relaxed,
+    softer,
     unseen,
 )
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
@@ -74,7 +74,6 @@ _WIDE: Final = 40e3
 """By so much a chamber has to be above its regulator for the exhaust to stand wide open, Pa."""
 
 _LEAST_ROWS: Final = 3
-_SOFT: Final = 0.3
 _SLIPPED: Final = 0.5e-3
 """A rod that moves further meanwhile has slipped, m: what its air does then is not isothermal."""
 
@@ -138,7 +137,7 @@ class Leak:
         cycles = _cycles(profile, done)
         wider, notes = relaxed(profile)
         wider, more = unseen(wider, _GIVE)
-        wider = _softer(wider)
+        wider = softer(wider)
         controller = make_controller(wider, "pid")
         motion = leaning(wider, cycles, _BETWEEN, controller)
         first = {cycle.place: cycle.start for cycle in reversed(list(cycles.cycles()))}
@@ -188,22 +187,6 @@ class Leak:
                 len(_WAITS), panels, notes=notes,
             ),
         )  # fmt: skip
-
-
-def _softer(profile: Profile) -> Profile:
-    """Return the profile with a controller that is at rest when it is at its place.
-
-    Where is of no matter; but a pair of little friction that hunts would be let go on its way.
-    A joint's ring has more of it.
-    """
-    if profile.mechanism == "joint":
-        return profile
-    pid: Any = profile.controllers["pid"]
-    soft = dataclasses.replace(
-        pid, proportional=_SOFT * pid.proportional, integral=_SOFT**2 * pid.integral,
-        derivative=_SOFT * pid.derivative,
-    )  # fmt: skip
-    return dataclasses.replace(profile, controllers={**profile.controllers, "pid": soft})
 
 
 def _check_locks(profile: Profile) -> None:
