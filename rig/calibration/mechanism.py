@@ -35,8 +35,8 @@ class Pneumatics(NamedTuple):
         Start of the names of the log's columns of the rods.
     inwards : bool
         Whether these say how far a rod is pulled in from home, or how far it stands out.
-    home : float
-        Extension of the rods at home as it is believed, m.
+    homes : tuple of float
+        Extension of each rod at home as it is believed, m.
     """
 
     regulators: str
@@ -46,12 +46,12 @@ class Pneumatics(NamedTuple):
     highest: float
     rods: str
     inwards: bool
-    home: float
+    homes: tuple[float, ...]
 
     def extension(self, stretch: Stretch, channel: str) -> "NDArray[np.float64]":
         """Return how far a rod stands out by its encoder, m, shape (n,)."""
         shown = stretch[f"{self.rods}_{channel}"]
-        return self.home - shown if self.inwards else shown
+        return self.homes[self.channels.index(channel)] - shown if self.inwards else shown
 
 
 def pneumatics_of(profile: Profile) -> Pneumatics:
@@ -65,6 +65,7 @@ def pneumatics_of(profile: Profile) -> Pneumatics:
         encoders = tuple(settings.encoders)
         least, most = settings.limits.tension
         low, high = max(low, least / settings.area), min(high, most / settings.area)
+    offsets = (0.0, 0.0) if pair else settings.wire_offsets
     span = high - low
     return Pneumatics(
         settings.regulators,
@@ -74,7 +75,7 @@ def pneumatics_of(profile: Profile) -> Pneumatics:
         high - 0.08 * span,
         rods="reading.position" if pair else "reading.rod",
         inwards=not pair,
-        home=settings.home,
+        homes=tuple(settings.home + offset for offset in offsets),
     )
 
 

@@ -116,7 +116,8 @@ class SphericalJoint:
         self._tensions_at.compile()
         self._checked = False
         # Bound once: what every cycle asks for.
-        self._home, self._area = settings.home, settings.area
+        self._homes = tuple([settings.home + offset for offset in settings.wire_offsets])
+        self._area = settings.area
         self._marker = settings.geometry.marker
         self._positions = tuple(encoder.position for encoder in encoders)
         self._sample: CameraSample | None = None
@@ -192,13 +193,13 @@ class SphericalJoint:
 
     def read(self, now: float) -> JointState:
         """Assemble the joint's state; see `Mechanism.read`."""
-        home, area = self._home, self._area
+        homes, area = self._homes, self._area
         pressures, oldest = self._regulators.pressure()
         latest = None
         rods = []
         for k, position in enumerate(self._positions):
             (extension,), t = position()
-            rods.append(home - extension)
+            rods.append(homes[k] - extension)
             if t < oldest:
                 oldest, latest = t, k
         self._age = age = now - oldest

@@ -12,6 +12,7 @@ from rig.mechanisms.joint_alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint_tolerances import JointTolerances
 
 Four = tuple[str, str, str, str]
+_Length = Annotated[float, Unit("m")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +106,8 @@ class JointSettings:
         Cylinder bore, rod diameter and stroke, m.
     home : float
         Rod extension of every cylinder when the ring is upright, m.
+    wire_offsets : tuple of float
+        How much further than that each of them stands out there, m.
     moving_mass : float
         Mass referred to a pair's position: two pistons and the ring, kg.
     base_pressure : float
@@ -140,6 +143,7 @@ class JointSettings:
     friction: JointFriction
     limits: JointLimits
     geometry: SphericalJointGeometry = field(default_factory=SphericalJointGeometry)
+    wire_offsets: tuple[_Length, _Length, _Length, _Length] = (0.0,) * 4
     wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
     alarms: JointAlarmSettings = field(default_factory=JointAlarmSettings)
     regulator_response: RegulatorModel = field(default_factory=RegulatorModel)

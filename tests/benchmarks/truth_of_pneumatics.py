@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 from drivers.sim.perturbation import draw
+from drivers.sim.plants.spherical_joint_parameters import home_lengths
 from rig.assembly.simulated import make_plant
 from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.recording import Recording
@@ -45,7 +46,7 @@ DRAWN = {
     "joint-locked leak": _LEAK,
     "joint regulators": _REGULATORS,
     "joint encoders": _ENCODERS,
-    "joint wires": _WIRES,
+    "joint wires": (*_WIRES, "plant.wire_offset=0.5 mm"),
     "joint response": (),
 }
 
@@ -82,8 +83,17 @@ def true_of_wires(profile, seed, procedure, folders):
     plant = profile.plant.settings
     offset = draw(profile.simulation.perturbation, seed).wire_offset
     pull = _area(plant) * profile.mechanism_settings.base_pressure
-    return {
-        (profile.mechanism, "home"): plant.home + offset,
+    homes = {"home": plant.home + offset}
+    if profile.mechanism == "joint":
+        made = make_plant(profile)
+        lengths = home_lengths(
+            made.wire_parameters, profile.mechanism_settings.geometry.ball_radius
+        )
+        own = [
+            long - free for long, free in zip(lengths, made.wire_parameters["free"], strict=True)
+        ]
+        homes = {"home": sum(own) / len(own)} | {f"home.ch{k + 1}": x for k, x in enumerate(own)}
+    return {(profile.mechanism, name): value for name, value in homes.items()} | {
         (profile.mechanism, "wire.stiffness"): plant.wire.stiffness,
         (profile.mechanism, "wire.stretch"): pull / plant.wire.stiffness,
     }

@@ -12,6 +12,9 @@ on both ways, which puts the mean of both off by f_1 l; the intercept is correct
 soft the bristles are, c, is seen where the pressure turns round: there the friction changes from
 f to -f as 2 f exp(-way / l) over the first steps, which are small.
 
+Of a joint this is the mean of all rods, which hardly depends on how the ring stands; for what the
+single ones have beyond it, see `rig.calibration.wire_offsets`.
+
 References
 ----------
 P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
@@ -19,16 +22,17 @@ P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from rig.calibration.estimates import fit, interval
+from rig.calibration.estimates import Estimate, fit, interval
 from rig.calibration.excitation import PressureSteps
 from rig.calibration.instruments import Instrument
 from rig.calibration.mechanism import open_loop, pneumatics_of, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
+from rig.calibration.wire_offsets import inclinometers, wire_offsets
 from rig.config import Profile
 
 if TYPE_CHECKING:
@@ -60,8 +64,8 @@ class Wires:
         return (profile.mechanism,)
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: the encoders measure it."""
-        return ()
+        """Return none for a pair: the encoders measure it; for a joint, how its ring stands."""
+        return () if profile.mechanism == "cylinder" else inclinometers(tuple(_read(profile)))
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
@@ -124,10 +128,19 @@ class Wires:
             "residual (µm)", pull, 1e3 * extension, 1e3 * (extension - residuals),
             np.full_like(pull, 1e3 * settings.home), 1e3,
         )  # fmt: skip
+        values: dict[str, Any] = {"home": quantity(home, "m")}
+        single: tuple[Estimate, ...] = ()
+        notes: tuple[str, ...] = ()
+        if profile.mechanism == "joint":
+            wires = wire_offsets(profile, recording, readings, _read(profile), 1.0 / give)
+            if wires is None:
+                notes = ("nobody read the inclinometer on the ring: single wires are not told",)
+            else:
+                values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
+                single = wires.estimates
         return (
             Finding(
-                profile.mechanism,
-                {"home": quantity(home, "m")},
+                profile.mechanism, values,
                 (
                     interval(
                         "home", home, "m",
@@ -135,8 +148,10 @@ class Wires:
                     ),
                     found.estimate("wire.stiffness", "N/m", (0, 1e-3 / give**2, 0, 0), 1.0 / give),
                     found.estimate("wire.stretch", "m", (0, 1e-3 * base, 0, 0), give * base),
+                    *single,
                 ),
                 residuals, "m", _BOUND, len(set(groups.tolist())), (panel,),
+                notes=notes,
             ),
         )  # fmt: skip
 
@@ -186,6 +201,18 @@ def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
     yield "", high - 3.0 * spacing, 0
     for k in reversed(range(LEVELS)):
         yield f"sweep {sweep + 1} down {k + 1}", low + shift + (k + 0.2) * spacing, -1
+
+
+def _read(profile: Profile) -> dict[str, int]:
+    """Return the stretches in which the inclinometer on a joint's ring is read, and their sides."""
+    return {
+        name: side
+        for sweep in range(SWEEPS)
+        for name, side in (
+            (f"sweep {sweep + 1} up 1", 1), (f"sweep {sweep + 1} up {LEVELS}", 1),
+            (f"sweep {sweep + 1} down {LEVELS}", -1), (f"sweep {sweep + 1} down 1", -1),
+        )
+    }  # fmt: skip
 
 
 def _means(profile: Profile, recording: Recording, names: Sequence[str]) -> tuple["Array", "Array"]:

@@ -53,7 +53,7 @@ class Made:
                 for look, pressure in seen.items():
                     shown = pressure - ATMOSPHERE + noise * rng.standard_normal(60)
                     slipped = 1e-3 if name in slips and look != "before" else 0.0
-                    rod = pneumatics.home - x - slipped if pneumatics.inwards else x + slipped
+                    rod = pneumatics.homes[k] - x - slipped if pneumatics.inwards else x + slipped
                     looks[look][f"reading.pressure_{channel}"] = shown
                     looks[look][f"{pneumatics.rods}_{channel}"] = np.full(60, rod)
             for look, columns in looks.items():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
 from rig.calibration.estimates import fit, middle_of
@@ -58,7 +59,7 @@ class TestWires:
             name = ends.get(round(float(t), 6))
             if name:
                 x = self.HOME - give * (self.HOME - x_before)
-                shown = pneumatics.home - x if pneumatics.inwards else x
+                shown = pneumatics.homes[0] - x if pneumatics.inwards else x
                 rows[name] = {f"{pneumatics.rods}_{c}": shown for c in pneumatics.channels} | {
                     f"reading.pressure_{c}": pull / settings.area for c in pneumatics.channels
                 }
@@ -72,6 +73,43 @@ class TestWires:
         found = {e.name: e.value for e in finding.estimates}
         assert found["home"] == pytest.approx(self.HOME, abs=0.5e-6)
         assert found["wire.stiffness"] == pytest.approx(self.STIFFNESS, rel=2e-3)
+
+    def test_finds_each_wire_by_how_the_ring_stands(self, profile):
+        """The first rod is 0.8 mm off and the ring leans by 1 deg towards its anchor."""
+        if profile.mechanism == "cylinder":
+            assert procedures(profile)["wires"].instruments(profile) == ()
+            return
+        recording, lean, off = self.recording(profile), math.radians(1.0), (0.8e-3, 0.0, 0.0, 0.0)
+        inverse = InverseKinematics(profile.mechanism_settings.geometry)
+        pulled = inverse.shortening((math.sin(lean), 0.0, math.cos(lean)))
+        for row in recording._rows.values():
+            for k, channel in enumerate(("ch1", "ch2", "ch3", "ch4")):
+                row[f"reading.rod_{channel}"] += pulled[k] - off[k]
+        instruments = procedures(profile)["wires"].instruments(profile)
+        readings = {
+            i.name: dict.fromkeys(i.stretches, lean if i.name.endswith("x") else 0.0)
+            for i in instruments
+        }
+        (finding,) = procedures(profile)["wires"].identify(profile, recording, readings)
+        found = {e.name: e.value for e in finding.estimates}
+        for k, each in enumerate(off):
+            assert found[f"home.ch{k + 1}"] == pytest.approx(self.HOME + each, abs=5e-6)
+        offsets = [float(text.split()[0]) for text in finding.values["wire_offsets"]]
+        assert offsets == pytest.approx([0.6e-3, -0.2e-3, -0.2e-3, -0.2e-3], abs=5e-6)
+        assert not finding.notes
+
+        del readings["inclinometer y"]["sweep 2 up 1"]
+        with pytest.raises(CalibrationRefused, match="along y was not read in 1 of 12"):
+            procedures(profile)["wires"].identify(profile, recording, readings)
+        readings["inclinometer x"]["sweep 1 up 1"] = 0.3
+        readings["inclinometer y"]["sweep 2 up 1"] = 0.0
+        with pytest.raises(CalibrationRefused, match="put it upright"):
+            procedures(profile)["wires"].identify(profile, recording, readings)
+
+    def test_of_single_wires_it_says_nothing_without_an_inclinometer(self, profile):
+        (finding,) = procedures(profile)["wires"].identify(profile, self.recording(profile), {})
+        assert "wire_offsets" not in finding.values
+        assert len(finding.notes) == (profile.mechanism == "joint")
 
     def test_tells_rods_that_do_not_give(self, profile):
         with pytest.raises(CalibrationRefused, match="too little to tell where the wires are"):
