@@ -23,6 +23,8 @@ class JointTolerances:
         Of each rod's zero after encoders and wires have been calibrated; standard deviation, m.
     stiffness : float
         Of the wires, as a share of it; standard deviation.
+    viscous : float
+        Of the seals' viscous friction, as a share of it.
     """
 
     length: Annotated[float, Unit("1"), Gt(0), Le(0.2)] = 0.02
@@ -30,3 +32,4 @@ class JointTolerances:
     part: Annotated[float, Unit("m"), Gt(0), Le(5e-3)] = 20e-6
     zero: Annotated[float, Unit("m"), Gt(0), Le(5e-3)] = 50e-6
     stiffness: Annotated[float, Unit("1"), Gt(0), Le(1)] = 0.1
+    viscous: Annotated[float, Unit("1"), Gt(0), Le(1)] = 0.3

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, interval
+from rig.calibration.estimates import Estimate
 from rig.calibration.joint.parameters import Prior
+from rig.calibration.propagation import half_width
 from rig.calibration.recording import CalibrationRefused
 
 if TYPE_CHECKING:
@@ -51,17 +52,21 @@ class Posterior(NamedTuple):
         What was known beforehand.
     values : ndarray, shape (p,)
         The parameters.
-    covariance : ndarray, shape (p, p)
-        Of the parameters.
+    sampling : ndarray, shape (p, p)
+        Covariance of what the scatter of the data makes of them.
+    known : ndarray, shape (p, p + k)
+        What an error of one standard deviation of each prior and each of the further measurements
+        makes of them.
     freedom : float
-        Degrees of freedom that it rests on.
+        Degrees of freedom that the scatter rests on.
     used : ndarray of bool, shape (n,)
         Which rows were no outliers.
     """
 
     priors: Sequence[Prior]
     values: "Array"
-    covariance: "Array"
+    sampling: "Array"
+    known: "Array"
     freedom: float
     used: "NDArray[np.bool_]"
 
@@ -72,14 +77,24 @@ class Posterior(NamedTuple):
 
     def std(self, name: str) -> float:
         """Return the standard deviation of a parameter."""
-        k = [p.name for p in self.priors].index(name)
-        return float(np.sqrt(self.covariance[k, k]))
+        k = self._index(name)
+        return float(np.sqrt(self.sampling[k, k] + self.known[k] @ self.known[k]))
 
     def estimate(self, name: str, shown: str | None = None, shift: float = 0.0) -> Estimate:
         """Return a parameter with its interval, under another name and shifted if wanted."""
-        k = [p.name for p in self.priors].index(name)
-        value, unit = float(self.values[k]) + shift, self.priors[k].unit
-        return interval(shown or name, value, unit, self.std(name), self.freedom)
+        k = self._index(name)
+        even = np.array([prior.even for prior in self.priors])
+        rest = np.concatenate((self.known[k, : len(even)][~even], self.known[k, len(even) :]))
+        half = half_width(
+            float(np.sqrt(self.sampling[k, k])), self.freedom, float(np.linalg.norm(rest)),
+            self.known[k, : len(even)][even].tolist(),
+        )  # fmt: skip
+        value = float(self.values[k]) + shift
+        unit = self.priors[k].unit
+        return Estimate(shown or name, value, unit, self.std(name), value - half, value + half)
+
+    def _index(self, name: str) -> int:
+        return [prior.name for prior in self.priors].index(name)
 
     @property
     def dominated(self) -> tuple[str, ...]:
@@ -94,8 +109,10 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
     -----
     The residuals of a block depend on each other: friction and what the model leaves out change
     slowly. So the data weigh as much less, beside the priors, as the blocks' scores scatter more
-    than those of independent rows; the covariance of the estimate is
-    ``H^-1 (M + P) H^-1`` with the blocks' scores in M and the priors' precision P.
+    than those of independent rows; the covariance of the estimate is ``H^-1 (M + B' B) H^-1``
+    with the blocks' scores in M and in B the slopes of what was known beforehand, each over its
+    standard deviation. A tolerance is no normal distribution: what lies anywhere within one
+    enters the interval as that.
 
     Raises
     ------
@@ -151,10 +168,11 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
         if settled:
             break
         weight = 1.0 / np.sqrt(inflated)
-    covariance = inverse @ (weight**4 * meat + belief) @ inverse
+    known = inverse @ np.roll(found.jac[count:], len(q), axis=0).T
     return Posterior(
-        tuple(priors), mean + std * q, covariance * np.outer(std, std), len(groups) - 1.0, kept
-    )
+        tuple(priors), mean + std * q, weight**4 * inverse @ meat @ inverse * np.outer(std, std),
+        known * std[:, None], len(groups) - 1.0, kept,
+    )  # fmt: skip
 
 
 def _near(rows: "Array") -> "NDArray[np.bool_]":

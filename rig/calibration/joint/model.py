@@ -35,9 +35,12 @@ class Sightings(NamedTuple):
     pulls : ndarray, shape (n, 4)
         Of the chambers then, N.
     senses : ndarray, shape (n, 4)
-        Which way friction acts, -1 … 1: 1 while a rod pulls in.
+        Friction of the seals over their Coulomb friction at base pressure: positive while a rod
+        pulls in, more than 1 while it is slow.
     turns : ndarray, shape (n, 4)
         How those grow with the logarithm of the way over which friction turns round.
+    loads : ndarray, shape (n, 4)
+        What friction grows by over its growth with the pull, which does not fall with speed, N.
     blocks : ndarray of int, shape (n,)
         Stretch of the recording that each frame is from.
     t : ndarray, shape (n,)
@@ -52,6 +55,7 @@ class Sightings(NamedTuple):
     pulls: "Array"
     senses: "Array"
     turns: "Array"
+    loads: "Array"
     blocks: "NDArray[np.int64]"
     t: "Array"
     late: float = 0.0
@@ -171,9 +175,8 @@ def extensions_seen(values: Values, seen: Sightings, mounted: "Array") -> "Array
     friction = np.array([values[f"friction_{k}"] for k in WIRES])
     offset = np.array([values[f"offset_{k}"] for k in WIRES])
     shortening = upright - wires.lengths(axes_seen(values, seen.rays, mounted))
-    load = friction + values["load"] * (seen.pulls - seen.pulls.mean())
     senses = seen.senses + values["reversal"] * seen.turns
-    lost = load * senses + values["viscous"] * seen.speeds
+    lost = friction * senses + values["load"] * seen.loads + values["viscous"] * seen.speeds
     stretch = values["compliance"] * (seen.pulls - lost)
     # The frame shows the ring of another instant; the rods have moved since.
     moved = (values["lateness"] - seen.late) * seen.speeds

@@ -52,12 +52,15 @@ class Prior(NamedTuple):
         SI.
     mean, std : float
         In `unit`.
+    even : bool
+        Whether it lies anywhere within a tolerance, rather than near the mean.
     """
 
     name: str
     unit: str
     mean: float
     std: float
+    even: bool = False
 
 
 def drawing_of(profile: Profile) -> SphericalJointGeometry:
@@ -81,26 +84,28 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     tolerance = settings.tolerance
     camera = profile.devices[settings.camera].nominal
     part, length = _FLAT * tolerance.part, _FLAT * tolerance.length
-    rows = [Prior(name, "m", v, length * v) for name in LENGTHS for v in [getattr(drawing, name)]]
+    dimensions = [(name, getattr(drawing, name)) for name in LENGTHS]
+    rows = [Prior(name, "m", size, length * size, True) for name, size in dimensions]
     if height is not None and settings.geometry != drawing:
         rows[-1] = Prior("marker_height", "m", settings.geometry.marker_height, height)
-    rows += _each(ANGLES, "rad", drawing.anchor_angles, _FLAT * tolerance.angle)
+    rows += _each(ANGLES, "rad", drawing.anchor_angles, _FLAT * tolerance.angle, even=True)
     rows += _each(CAMERA, "m", camera.position_camera_in_base, _MOUNTED)
     rows += _each(CAMERA_ANGLES, "rad", (0.0,) * 3, _TURNED)
     rows += [Prior("lateness", "s", 0.0, _LATE), Prior("home", "m", settings.home, _HOMED)]
     rows += _each((f"offset_{k}" for k in WIRES), "m", (0.0,) * 4, tolerance.zero)
     compliance = 1.0 / settings.wire_stiffness
     rows += [Prior("compliance", "m/N", compliance, tolerance.stiffness * compliance)]
-    seal = 0.5 * settings.friction.coulomb
+    # A pair has two seals.
+    seal, damping = 0.5 * settings.friction.coulomb, 0.5 * settings.friction.viscous
     rows += _each((f"friction_{k}" for k in WIRES), "N", (seal,) * 4, 0.5 * seal)
-    # Seals that are shaken by the dither damp less than seals that slide.
-    damping = 0.25 * settings.friction.viscous
-    rows += [Prior("viscous", "N s/m", damping, damping), Prior("load", "1", 0.0, _LOADED)]
-    rows += [Prior("reversal", "1", 0.0, _REVERSED)]
+    rows += [Prior("viscous", "N s/m", damping, _FLAT * tolerance.viscous * damping, True)]
+    rows += [Prior("load", "1", 0.0, _LOADED), Prior("reversal", "1", 0.0, _REVERSED)]
     names = [f"{name}_{k}" for k in WIRES for name in PARTS]
-    rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part)
+    rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part, even=True)
     return tuple(rows)
 
 
-def _each(names: Iterable[str], unit: str, means: Sequence[float], std: float) -> list[Prior]:
-    return [Prior(name, unit, mean, std) for name, mean in zip(names, means, strict=True)]
+def _each(
+    names: Iterable[str], unit: str, means: Sequence[float], std: float, *, even: bool = False
+) -> list[Prior]:
+    return [Prior(name, unit, mean, std, even) for name, mean in zip(names, means, strict=True)]

@@ -1,7 +1,7 @@
 """From the log of a joint to frames: where the camera saw the marker, and the rods just then."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_HALF: Final = 5e-3
+_HALF: Final = 2e-3
 """A rod's speed is its way from so long before to so long after, s."""
 
 _REVERSAL: Final = 30e-6
@@ -34,8 +34,58 @@ _LEAST_TRAVEL: Final = 10e-3
 """Every rod has to move so far, m."""
 
 
+class Track(NamedTuple):
+    """What the rods did all the time; n rows, a column for each of the rods.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        When that was, s.
+    rods, pulls : ndarray, shape (n, 4)
+        Extension of each rod, m, and pull of its chamber, N.
+    senses, turns, loads : ndarray, shape (n, 4)
+        See `Sightings`.
+    """
+
+    t: "Array"
+    rods: "Array"
+    pulls: "Array"
+    senses: "Array"
+    turns: "Array"
+    loads: "Array"
+
+    def at(self, t: "Array", column: "Array") -> "Array":
+        """Return some columns at other times, shape (m, 4)."""
+        return np.column_stack([np.interp(t, self.t, each) for each in column.T])
+
+
+def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Track:
+    """Return what the rods did over stretches that follow each other.
+
+    As a whole: how friction acts on a rod that rests is known from how it came there.
+    """
+    settings = profile.mechanism_settings
+    parts = [recording[name] for name in names]
+
+    def column(name: str) -> "Array":
+        return np.concatenate([part[name] for part in parts])
+
+    t = column("t") - column("reading.age")
+    base = settings.area * settings.base_pressure
+    columns = []
+    for channel in pneumatics_of(profile).channels:
+        rod = column(f"reading.rod_{channel}")  # its shortening from home
+        limit = limits_of(rod, t, settings.friction)
+        slow, quick = (senses_of(rod, limit, _REVERSAL * by) for by in (_STEP, 1.0 / _STEP))
+        turn = (slow - quick) / (2.0 * np.log(_STEP))
+        sense, plain = (senses_of(rod, most, _REVERSAL) for most in (limit, np.ones_like(rod)))
+        pull = settings.area * column(f"reading.pressure_{channel}")
+        columns.append((settings.home - rod, pull, sense, turn, (pull - base) * plain))
+    return Track(t, *(np.column_stack(each) for each in zip(*columns, strict=True)))
+
+
 def sightings_of(
-    profile: Profile, recording: Recording, names: Sequence[str], late: float = 0.0
+    profile: Profile, recording: Recording, names: Sequence[str], track: Track, late: float = 0.0
 ) -> Sightings:
     """Return the frames of some stretches.
 
@@ -47,6 +97,8 @@ def sightings_of(
         The log.
     names : sequence of str
         The stretches, each a block.
+    track : Track
+        What the rods did.
     late : float
         By how much later than its stamp says a frame came than it was exposed, s, as far as that
         is known: the rods are taken so much earlier.
@@ -56,9 +108,16 @@ def sightings_of(
     CalibrationRefused
         The marker was out of sight for too long.
     """
-    parts = [_frames(profile, recording[name], name, k, late) for k, name in enumerate(names)]
-    columns: Any = zip(*(part[:-1] for part in parts), strict=True)
-    return Sightings._make([*(np.concatenate(column) for column in columns), late])
+    frames = [_frames(profile, recording[name], name) for name in names]
+    rays, stamps = (np.concatenate(each) for each in zip(*frames, strict=True))
+    blocks = np.repeat(np.arange(len(names)), [len(stamp) for _, stamp in frames])
+    at = stamps - late
+    known = (at > track.t[0] + _HALF) & (at < track.t[-1] - _HALF)
+    rays, at, blocks = rays[known], at[known], blocks[known]
+    rods, pulls, senses, turns, loads = (track.at(at, column) for column in track[1:])
+    before, after = (track.at(at + step, track.rods) for step in (-_HALF, _HALF))
+    speeds = (before - after) / (2.0 * _HALF)
+    return Sightings(rays, rods, speeds, pulls, senses, turns, loads, blocks, at, late)
 
 
 def check_travel(profile: Profile, seen: Sightings) -> None:
@@ -78,14 +137,13 @@ def check_travel(profile: Profile, seen: Sightings) -> None:
             )
 
 
-def _frames(profile: Profile, rows: Stretch, name: str, block: int, late: float) -> Sightings:
-    settings = profile.mechanism_settings
-    camera = profile.devices[settings.camera].settings
+def _frames(profile: Profile, rows: Stretch, name: str) -> tuple["Array", "Array"]:
+    """Return ray and stamp of each frame of a stretch."""
+    camera = profile.devices[profile.mechanism_settings.camera].settings
     t, age = rows["t"], rows["reading.marker_age"]
     stamp = t - age
     fresh = np.diff(stamp, prepend=stamp[0]) > _FRESH / camera.frame_rate
-    # The rods are only known since the stretch began.
-    fresh &= (age >= 0.0) & (stamp - late > t[0] + _HALF)
+    fresh &= age >= 0.0
     expected = (t[-1] - t[0]) * camera.frame_rate
     if np.count_nonzero(fresh) < _SEEN * expected:
         raise CalibrationRefused(
@@ -96,42 +154,48 @@ def _frames(profile: Profile, rows: Stretch, name: str, block: int, late: float)
     # Whatever lens and pose its driver believes in: back from there, the ray is what was seen.
     turn = rotation(np.array(camera.rotation_base_from_camera))
     rays = (marker - camera.position_camera_in_base) @ turn
-    rays /= rays[:, 2:]
-    at, sampled = stamp[fresh] - late, t - rows["reading.age"]
-    columns = []
-    for channel in pneumatics_of(profile).channels:
-        rod = rows[f"reading.rod_{channel}"]  # its shortening from home
-        later, before = (np.interp(at + step, sampled, rod) for step in (_HALF, -_HALF))
-        pull = settings.area * np.interp(at, sampled, rows[f"reading.pressure_{channel}"])
-        slow, quick = senses_of(rod, _REVERSAL * _STEP), senses_of(rod, _REVERSAL / _STEP)
-        sense = np.interp(at, sampled, senses_of(rod, _REVERSAL))
-        turn = np.interp(at, sampled, slow - quick) / (2.0 * np.log(_STEP))
-        shown = settings.home - np.interp(at, sampled, rod)
-        columns.append((shown, (later - before) / (2.0 * _HALF), pull, sense, turn))
-    rods, speeds, pulls, senses, turns = (
-        np.column_stack(each) for each in zip(*columns, strict=True)
-    )
-    block_of = np.full(len(at), block)
-    return Sightings(rays, rods, speeds, pulls, senses, turns, block_of, at, late)
+    return rays / rays[:, 2:], stamp[fresh]
 
 
-def senses_of(rod: "Array", reversal: float) -> "Array":
-    """Return which way friction acts on a rod, -1 … 1, for its way over time.
+def limits_of(rod: "Array", t: "Array", friction: Any) -> "Array":
+    """Return how much friction a seal can hold at each instant, over what it holds when quick.
 
     Parameters
     ----------
     rod : ndarray, shape (n,)
         Its shortening, m.
+    t : ndarray, shape (n,)
+        When, s.
+    friction : object
+        What is believed: breakaway, coulomb, stribeck_velocity.
+    """
+    speed = np.gradient(rod, t)
+    excess = max(friction.breakaway / friction.coulomb - 1.0, 0.0)
+    return np.asarray(1.0 + excess * np.exp(-((speed / friction.stribeck_velocity) ** 2)))
+
+
+def senses_of(rod: "Array", limit: "Array", reversal: float) -> "Array":
+    """Return friction on a rod over its Coulomb friction, for its way over time; 1: it pulls in.
+
+    Parameters
+    ----------
+    rod : ndarray, shape (n,)
+        Its shortening, m.
+    limit : ndarray, shape (n,)
+        See `limits_of`.
     reversal : float
         Way over which friction turns round, m.
 
     Notes
     -----
-    Dahl's model: friction turns round over a short way, not at once.
+    Dahl's model with a limit that falls with the speed, solved for each step as if its speed
+    were even: friction turns round over a short way, not at once.
     """
+    step = np.diff(rod, prepend=rod[0])
+    keep = np.exp(-np.abs(step) / (reversal * limit))
+    gain = np.sign(step) * limit * (1.0 - keep)
     sense, senses = 0.0, []
-    for step in np.diff(rod, prepend=rod[0]).tolist():
-        way = step / reversal
-        sense = min(max(sense + way - abs(way) * sense, -1.0), 1.0)
+    for share, more in zip(keep.tolist(), gain.tolist(), strict=True):
+        sense = share * sense + more
         senses.append(sense)
     return np.array(senses)

@@ -15,7 +15,7 @@ from rig.calibration.joint.fitting import Data, Posterior, fit_posterior
 from rig.calibration.joint.model import Sightings, axes_seen, extensions_seen, rod_slopes
 from rig.calibration.joint.parameters import ANGLES, WIRES, Values, drawing_of, priors_of
 from rig.calibration.joint.rosette import UPRIGHT, Rosette
-from rig.calibration.joint.sightings import check_travel, sightings_of
+from rig.calibration.joint.sightings import check_travel, sightings_of, track_of
 from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.procedure import Excitation, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
@@ -37,9 +37,10 @@ _FRAMES: Final = 700
 
 _ROD_NOISE: Final = 5e-6
 _AXIS_NOISE: Final = 10e-6
-_TWIST: Final = 3e-3
+_TWIST: Final = 30e-3
 """Of a rod's stretch (m), the marker in a frame (m), the ring about its axis (rad); E, rms. Only
-their proportions matter."""
+their proportions matter. The ring turns about its axis by a milliradian, but for a whole petal and
+the other way on the way back: what tells only together with it is left out of every frame."""
 
 _ABSENCE: Final = 1.2
 """The marker may be out of sight for so long, s."""
@@ -198,7 +199,8 @@ def solve(
     petals = [name for name in names if name != UPRIGHT]
     settings = profile.mechanism_settings
     mounted = np.array(profile.devices[settings.camera].nominal.rotation_base_from_camera)
-    upright = sightings_of(profile, recording, [UPRIGHT]).rays.mean(axis=0, keepdims=True)
+    track = track_of(profile, recording, names)
+    upright = sightings_of(profile, recording, [UPRIGHT], track).rays.mean(axis=0, keepdims=True)
     priors = priors_of(profile, height)
     turned = sum(drawing_of(profile).anchor_angles)
     part = settings.tolerance.part / np.sqrt(3.0)
@@ -213,7 +215,7 @@ def solve(
     values = {p.name: p.mean for p in priors}
     late, settled, rounds = 0.0, False, 0
     while not settled:
-        seen = _thinned(sightings_of(profile, recording, petals, late))
+        seen = _thinned(sightings_of(profile, recording, petals, track, late))
         check_travel(profile, seen)
         whitening = _whitening(values, seen, mounted)
 

@@ -44,12 +44,15 @@ def rows(profile):
         believed, position_camera_in_base=PLACE, rotation_base_from_camera=(math.pi, 0.02, -0.01)
     )
     eye, driver, wires = View(real), View(believed), ExactWires(TRUE)
+    settings = profile.mechanism_settings
+    # A seal that slides takes from its wire's stretch what viscous friction is believed to hold.
+    lag = 0.5 * settings.friction.viscous / settings.wire_stiffness
     upright = wires.lengths(natural_rotation((0.0, 0.0, 1.0)))
     rng = np.random.default_rng(1)
     table = []
     frame, seen, stamp = -1, (0.0, 0.0, 0.0), -1.0
     for t in np.arange(0.0, ROSETTE.duration, 1.0 / RATE).tolist():
-        lengths = wires.lengths(natural_rotation(ROSETTE.at(t).axis))
+        lengths = wires.lengths(natural_rotation(ROSETTE.at(t - lag).axis))
         rods = [h - x + 1e-6 * rng.standard_normal() for h, x in zip(upright, lengths, strict=True)]
         if int(60.0 * t) > frame:  # the sample came LATE longer ago than its stamp says
             frame = int(60.0 * t)
