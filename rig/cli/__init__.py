@@ -56,6 +56,9 @@ def invoke(arguments: list[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else arguments
     if words in (["--help"], ["-h"]) and _columns() >= _WIDE_ENOUGH:
         return _print_help()
+    # The matrices here are small: threads that wait for work would cost the loop its processor,
+    # and a fit on a busy machine several times its time.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from rig.cli.commands import invoke as invoke_click
 
     return invoke_click(words)

@@ -242,6 +242,19 @@ def test_help_leaves_click_alone():
     subprocess.run([sys.executable, "-c", script], check=True, env=environment, capture_output=True)
 
 
+def test_linear_algebra_runs_in_one_thread():
+    script = (
+        "import json, sys; from pathlib import Path; from rig.cli import invoke; invoke(['list'])\n"
+        "import numpy; numpy.ones((400, 400)) @ numpy.ones((400, 400))\n"
+        "print(len(list(Path('/proc/self/task').iterdir())))"
+    )
+    free = {name: value for name, value in os.environ.items() if "THREADS" not in name}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=free, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines()[-1] == "1"
+
+
 def test_a_reader_that_leaves_is_no_error():
     command = [sys.executable, "-c", "from rig.cli import main; main()", "schema", "profile"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
