@@ -52,7 +52,7 @@ _SHARE: Final = 0.8
 """Of the permitted positions that the glides use."""
 
 _MOVING: Final = 5e-3
-_EVEN: Final = 0.3
+_EVEN: Final = 0.06
 """A pair that changes its speed faster than this is breaking away or being caught, m/s²."""
 
 _THIN: Final = 10

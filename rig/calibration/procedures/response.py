@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-REPEATS: Final = 10
+REPEATS: Final = 16
 _HEIGHT: Final = 40e3
 _RAMP: Final = 1e-3
 _DWELL: Final = 0.6
