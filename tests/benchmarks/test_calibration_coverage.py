@@ -30,9 +30,13 @@ def test_coverage(procedure, tmp_path, table):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("procedure", ["regulators", "encoders"])
-def test_coverage_of_a_few(procedure, tmp_path):
-    rows = [row for seed in range(8) for row in calibrate(procedure, seed, tmp_path)]
+@pytest.mark.parametrize(
+    ("procedure", "calibrations"),
+    [("regulators", 8), ("encoders", 8), ("joint lens", 8), ("joint camera", 8),
+     ("joint geometry", 4)],
+)  # fmt: skip
+def test_coverage_of_a_few(procedure, calibrations, tmp_path):
+    rows = [row for seed in range(calibrations) for row in calibrate(procedure, seed, tmp_path)]
     inside, count = (sum(values) for values in zip(*covered(rows).values(), strict=True))
     # Quantities of one calibration err together: the binomial bound would be too narrow.
     assert inside / count >= 0.85

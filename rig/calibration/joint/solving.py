@@ -45,6 +45,10 @@ the other way on the way back: what tells only together with it is left out of e
 _ABSENCE: Final = 1.2
 """The marker may be out of sight for so long, s."""
 
+_SHRUNK: Final = 0.9
+"""How much of its area the marker may lack or have too much: how much it leans follows from the
+pose that is looked for."""
+
 _SETTLED: Final = 50e-6
 _ROUNDS: Final = 3
 """The latency is fitted anew until it changes by less, s; so often at most."""
@@ -128,10 +132,15 @@ def relaxed(profile: Profile) -> tuple[Profile, tuple[str, ...]]:
     mechanism = dataclasses.replace(settings, limits=wider, alarms=alarms)
     entry = profile.devices[settings.camera]
     absence = max(entry.settings.max_absence, _ABSENCE)
-    patient = dataclasses.replace(entry.settings, max_absence=absence)
+    marker = dataclasses.replace(
+        entry.settings.marker, area_tolerance=max(entry.settings.marker.area_tolerance, _SHRUNK)
+    )
+    patient = dataclasses.replace(entry.settings, max_absence=absence, marker=marker)
     devices = {**profile.devices, settings.camera: dataclasses.replace(entry, settings=patient)}
     notes += (
         f"{settings.camera}.max_absence is {absence:g} s: a wrong pose puts rays beside the sphere",
+        f"{settings.camera}.marker.area_tolerance is {marker.area_tolerance:g}: a wrong pose tells "
+        "wrongly how much it leans",
         "alarms.swapped.share is 1",
     )
     return dataclasses.replace(profile, mechanism_settings=mechanism, devices=devices), notes
