@@ -7,6 +7,7 @@ the rig, pulled along at a speed that falls. On it the seals' own viscous fricti
 sliding, down to the speed below which friction falls faster with the speed than that can hold.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final, NamedTuple
@@ -72,9 +73,12 @@ class Glides:
     bases : tuple of float
         Mean pressures of the pairs of glides, Pa gauge.
     fastest, slowest : float
-        Speed of the spring's end at the beginning and at the end, m/s.
+        Speed of the spring's end at the beginning, and which it comes near, m/s.
     slowing : float
-        Time between the two, s.
+        Time constant with which it does, s: the slower the pair is, the more slowly it changes,
+        since its seals' bristles follow only after some way.
+    longest : float
+        Time after which a glide is over, s.
     stiffness : float
         Of the spring, N/m.
     rate : float
@@ -88,8 +92,9 @@ class Glides:
     travel: Annotated[float, Unit("m"), Gt(0)]
     bases: tuple[Annotated[float, Unit("Pa"), Gt(0)], ...]
     fastest: Annotated[float, Unit("m/s"), Gt(0)] = 0.04
-    slowest: Annotated[float, Unit("m/s"), Gt(0)] = 0.008
-    slowing: Annotated[float, Unit("s"), Gt(0)] = 1.1
+    slowest: Annotated[float, Unit("m/s"), Gt(0)] = 0.010
+    slowing: Annotated[float, Unit("s"), Gt(0)] = 0.45
+    longest: Annotated[float, Unit("s"), Gt(0)] = 1.6
     stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 500.0
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 30.0
@@ -98,7 +103,7 @@ class Glides:
 
     def glides(self) -> Iterator[Glide]:
         """Yield the glides in their order."""
-        each = self.move + self.rest + self.most / self.rate + 1.3 * self.slowing
+        each = self.move + self.rest + self.most / self.rate + self.longest
         for k, base in enumerate(base for base in self.bases for _ in (0, 1)):
             side = 1 if k % 2 == 0 else -1
             start = k * each
@@ -118,8 +123,8 @@ class Glides:
 
     def way(self, t: float) -> float:
         """Return how far the spring's end is pulled `t` seconds after the pair broke away, m."""
-        t = min(t, self.slowing)
-        return t * (self.fastest - 0.5 * (self.fastest - self.slowest) * t / self.slowing)
+        faster = (self.fastest - self.slowest) * self.slowing
+        return self.slowest * t + faster * (1.0 - math.exp(-t / self.slowing))
 
 
 class Gliding:
@@ -214,7 +219,7 @@ class Gliding:
             stopped = since > _CAUGHT and way - self._mark[1] < _STUCK[1]
             self._mark = (t, way)
             beyond = glide.side * state.position > settings.travel
-            if stopped or beyond or since > settings.slowing:
+            if stopped or beyond or since > settings.longest:
                 self._finish()
 
     def _finish(self) -> None:

@@ -52,9 +52,9 @@ class Signals(NamedTuple):
     load: "Array"
 
 
-def bump_of(period: float) -> tuple["Array", "Array", "Array"]:
-    """Return the bump and its two derivatives by time, for sums over samples."""
-    width = max(2 * round(0.5 * BUMP / period) + 1, 7)
+def bump_of(period: float, length: float = BUMP) -> tuple["Array", "Array", "Array"]:
+    """Return the bump of that length (s) and its two derivatives by time, for sums over samples."""
+    width = max(2 * round(0.5 * length / period) + 1, 7)
     omega = 2.0 * math.pi / ((width + 1) * period)
     u = omega * period * (np.arange(width) - 0.5 * (width - 1))
     rise = 1.0 + np.cos(u)
@@ -64,9 +64,11 @@ def bump_of(period: float) -> tuple["Array", "Array", "Array"]:
     return rise**2 / weight, first / weight, second / weight
 
 
-def smooth(force: "Array", position: "Array", load: "Array", period: float) -> Signals:
-    """Return signals weighed with the bump; derivatives are exact for it."""
-    bump, first, second = bump_of(period)
+def smooth(
+    force: "Array", position: "Array", load: "Array", period: float, length: float = BUMP
+) -> Signals:
+    """Return signals weighed with the bump of that length (s); derivatives are exact for it."""
+    bump, first, second = bump_of(period, length)
     x = position - position[0]
     return Signals(
         np.correlate(force, bump, "valid"),

@@ -51,11 +51,15 @@ _BASES: Final = (1.0, 0.8, 1.2, 0.9, 1.1)
 _SHARE: Final = 0.8
 """Of the permitted positions that the glides use."""
 
-_MOVING: Final = 5e-3
-_EVEN: Final = 0.06
-"""A pair that changes its speed faster than this is breaking away or being caught, m/s²."""
+_BUMP: Final = 0.041
+"""Width of the bump that glides are weighed with, s: they change slowly."""
 
-_THIN: Final = 10
+_MOVING: Final = 5e-3
+_EVEN: Final = 2.5
+"""A pair that changes its speed by a larger share of it in a second is breaking away or being
+caught: seals need tens of micrometres to settle on a new speed's friction, 1/s."""
+
+_THIN: Final = 14
 _LEAST_ROWS: Final = 10
 _TOLD: Final = 0.4
 """A Stribeck velocity is told if its interval is no wider than this share of it either way."""
@@ -161,38 +165,41 @@ def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
     """
     period, settings = profile.loop.period, profile.mechanism_settings
     usual = 2.0 * settings.area * settings.base_pressure
-    width = len(bump_of(period)[0])
+    width = len(bump_of(period, _BUMP)[0])
     rows: list[tuple[float, ...]] = []
     for number, glide in enumerate(glides.glides()):
         (pair,) = pairs_of(profile, recording[glide.name])
-        signals = smooth(pair.force, pair.position, pair.load, period)
-        force, velocity, acceleration = (
+        sharp = smooth(pair.force, pair.position, pair.load, period)
+        way = glide.side * float(pair.position[-1] - pair.position[0])
+        signals = smooth(pair.force, pair.position, pair.load, period, _BUMP)
+        pull, velocity, acceleration = (
             glide.side * x for x in (signals.force, signals.velocity, signals.acceleration)
         )
         moving = np.flatnonzero(velocity > _MOVING)
-        way = glide.side * float(signals.position[-1] - signals.position[0])
         if not len(moving) or way < 0.3 * glides.travel:
             raise CalibrationRefused(
-                f"{glide.name}: the pair moved by {1e3 * way:.3g} mm with {force.max():.3g} N, "
+                f"{glide.name}: the pair moved by {1e3 * way:.3g} mm with {pull.max():.3g} N, "
                 f"about {2e3 * glides.travel:.2g} mm are needed: a rod is stuck, the supply is "
                 "shut, or there is more friction than that"
             )
-        # A bump that is centred where the pair starts has seen the force half a bump later.
-        peak = int(np.argmax(force[: moving[0] + width // 2]))
         load = signals.load - usual
-        rows.append((number, glide.side, force[peak], 0.0, 0.0, load[peak]))
+        start = int(moving[0])
+        # Where a narrower bump is centred when the pair starts, the force was a little later.
+        broke = int(np.argmax(glide.side * sharp.velocity > _MOVING)) + len(bump_of(period)[0]) // 2
+        most = float((glide.side * sharp.force[:broke]).max())
+        rows.append((number, glide.side, most, 0.0, 0.0, load[start]))
         # Nothing but the glide itself: what happens after it has stopped is none.
-        stopped = np.flatnonzero(velocity[moving[0] :] < 0.5 * _MOVING)
-        end = moving[0] + (int(stopped[0]) if len(stopped) else len(velocity) - int(moving[0]))
-        even = np.flatnonzero((np.abs(acceleration) < _EVEN) & (velocity > _MOVING))
-        even = even[(even >= moving[0] + width) & (even < end - width)][::_THIN]
+        stopped = np.flatnonzero(velocity[start:] < 0.5 * _MOVING)
+        end = start + (int(stopped[0]) if len(stopped) else len(velocity) - start)
+        even = np.flatnonzero((np.abs(acceleration) < _EVEN * velocity) & (velocity > _MOVING))
+        even = even[(even >= start + width) & (even < end - width)][::_THIN]
         if len(even) < _LEAST_ROWS:
             raise CalibrationRefused(
                 f"{glide.name}: the pair slid evenly in {len(even)} places, {_LEAST_ROWS} are "
                 "needed: something catches it"
             )
         rows += [
-            (number, glide.side, force[k], velocity[k], acceleration[k], load[k])
+            (number, glide.side, pull[k], velocity[k], acceleration[k], load[k])
             for k in even.tolist()
         ]
     return _Glides(*np.array(rows, float).T)
