@@ -39,6 +39,9 @@ _HOMED = 5e-3
 _LOADED = 0.03
 """What friction of the seals may grow with the chamber's pull, as a share of it. E."""
 
+_LEAST_FRICTION = 0.1
+"""Of a pair: a belief that there is none is none of which a share could be taken, N and N s/m."""
+
 _REVERSED = 0.5
 """Natural logarithm of how far the way over which friction turns round is known. E."""
 
@@ -96,7 +99,8 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     compliance = 1.0 / settings.wire_stiffness
     rows += [Prior("compliance", "m/N", compliance, tolerance.stiffness * compliance)]
     # A pair has two seals.
-    seal, damping = 0.5 * settings.friction.coulomb, 0.5 * settings.friction.viscous
+    seal = 0.5 * max(settings.friction.coulomb, _LEAST_FRICTION)
+    damping = 0.5 * max(settings.friction.viscous, _LEAST_FRICTION)
     rows += _each((f"friction_{k}" for k in WIRES), "N", (seal,) * 4, 0.5 * seal)
     rows += [Prior("viscous", "N s/m", damping, _FLAT * tolerance.viscous * damping, True)]
     rows += [Prior("load", "1", 0.0, _LOADED), Prior("reversal", "1", 0.0, _REVERSED)]

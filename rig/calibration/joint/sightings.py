@@ -30,6 +30,9 @@ _SEEN: Final = 0.5
 _FRESH: Final = 0.25
 """A stamp is another frame's if it is later by this share of the frames' interval."""
 
+_LEAST_FORCE: Final = 0.1
+"""Keeps a belief without friction defined, N."""
+
 _LEAST_TRAVEL: Final = 10e-3
 """Every rod has to move so far, m."""
 
@@ -170,7 +173,7 @@ def limits_of(rod: "Array", t: "Array", friction: Any) -> "Array":
         What is believed: breakaway, coulomb, stribeck_velocity.
     """
     speed = np.gradient(rod, t)
-    excess = max(friction.breakaway / friction.coulomb - 1.0, 0.0)
+    excess = max(friction.breakaway - friction.coulomb, 0.0) / max(friction.coulomb, _LEAST_FORCE)
     return np.asarray(1.0 + excess * np.exp(-((speed / friction.stribeck_velocity) ** 2)))
 
 

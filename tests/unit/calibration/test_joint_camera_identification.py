@@ -15,6 +15,7 @@ from rig.calibration.catalogue import procedures
 from rig.calibration.joint.model import Wires, axes_seen
 from rig.calibration.joint.parameters import priors_of
 from rig.calibration.joint.rosette import Rosette
+from rig.calibration.joint.sightings import limits_of, senses_of, track_of
 from rig.calibration.procedures.camera import ROSETTE
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import find_configs, load_profile
@@ -131,9 +132,32 @@ def test_the_camera_is_found_beside_a_wrong_geometry(profile, rows):
         estimate = found[f"position.{axis}"]
         assert abs(estimate.value - place) < 3.0 * estimate.std
     assert found["latency"].value == pytest.approx(0.04 + LATE, abs=0.3e-3)
+    # What a tolerance tells alone is stated as what lies anywhere within it: 95 % of 2 %.
+    height = found["position.z"]
+    assert 0.5 * (height.high - height.low) == pytest.approx(0.95 * 0.02 * PLACE[2], rel=0.05)
     assert np.sqrt(np.mean(finding.residuals**2)) < 8e-6
     assert finding.values["latency"].endswith(" s")
     assert len(finding.values["position_camera_in_base"]) == 3
+
+
+def test_friction_turns_round_over_a_way_and_is_greater_on_a_slow_rod(profile):
+    friction = dataclasses.replace(
+        profile.mechanism_settings.friction, coulomb=2.0, breakaway=3.0, stribeck_velocity=8e-3
+    )
+    t = np.arange(0.0, 0.2, 1e-3)
+    for speed, most in ((80e-3, 1.0), (0.8e-3, 1.0 + 0.5 * math.exp(-0.01))):
+        rod = speed * np.where(t < 0.1, t, 0.2 - t)
+        senses = senses_of(rod, limits_of(rod, t, friction), 10e-6)
+        assert senses[98] == pytest.approx(most, rel=0.01)
+        assert senses[-1] == pytest.approx(-most, rel=0.01)
+
+
+def test_a_resting_rod_keeps_the_friction_that_it_came_with(profile, rows):
+    still = rows.copy()
+    still[:, 7] = np.interp(still[:, 1], [0.0, 1.0, 1.5], [5e-3, 5e-3, 9e-3])
+    names = [segment.name for segment in ROSETTE.segments]
+    track = track_of(profile, recording(still), names)
+    assert (track.senses[track.t > 2.0, 1] > 0.9).all()
 
 
 def refused(profile, rows, what):
