@@ -38,6 +38,11 @@ PROMISED = {
         "marker_rms_0.2hz": 0.07e-3,
         "radial_rms_0.2hz": 0.03e-3,
     },
+    "joint-circle-learning-fast": {
+        "wire_rms": 0.05e-3,
+        "marker_rms": 0.07e-3,
+        "radial_rms": 0.03e-3,
+    },
     "joint-poses": {"wire_hold_rms": 0.03e-3},
     "joint-poses-low-speed": {"wire_hold_rms": 0.005e-3},
     "joint-wide": {"paper_wire_error_20deg": 12e-9, "paper_wire_error_60deg": 38e-6},
