@@ -260,14 +260,11 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
     except ValueError as error:
         raise CalibrationRefused(f"the friction: {error}") from error
     slowest = float(rows.velocity[rows.velocity > 0.0].min())
-    return (
-        found,
-        None,
-        [
-            f"the pair slides down to {1e3 * slowest:.2g} mm/s without its friction turning up: its "
-            "Stribeck velocity is not told, and stays what it was believed to be"
-        ],
+    note = (
+        f"the pair slides down to {1e3 * slowest:.2g} mm/s without its friction turning up: its "
+        "Stribeck velocity is not told, and stays what it was believed to be"
     )
+    return found, None, [note]
 
 
 def _left(rows: _Glides, q: "Array") -> "Array":
