@@ -28,7 +28,6 @@ SECONDS = 7.5
 ROUNDS = 5
 THREADED_CYCLES = 500
 WANTED = 0.1
-BOUND = 0.12  # for a machine that has other things to do
 NEAR = 1e3  # the two sides' setpoints while the sine runs, median of the difference, Pa
 
 pytestmark = pytest.mark.benchmark
@@ -50,12 +49,11 @@ def test_cycle_cost(tmp_path, table, monkeypatch):
                 rounds[name].append(cost)
     ratios = {}
     for name, costs in rounds.items():
-        # Round by round: a host that lends its processor elsewhere slows both sides of a round.
-        each = [ours / cost for ours, cost in zip(rounds["rig"], costs, strict=True)]
-        ratios[name] = median(each)
+        # The best round of either side: what else the machine does only adds, and not to both.
+        ratios[name] = min(rounds["rig"]) / min(costs)
         table(
             what=name,
-            us=1e6 * median(costs),
+            us=1e6 * min(costs),
             rig_over_it=ratios[name],
             rounds=" ".join(f"{1e6 * cost:.1f}" for cost in costs),
         )
@@ -66,8 +64,8 @@ def test_cycle_cost(tmp_path, table, monkeypatch):
         reached=max(drained, threaded) <= WANTED,
         frames_in_per_cycle=sum(len(frames) for frames in fed) / len(fed),
     )
-    assert drained <= BOUND
-    assert threaded <= BOUND
+    assert drained <= WANTED
+    assert threaded <= WANTED
 
 
 class FarEnd(SocketCanBus):
