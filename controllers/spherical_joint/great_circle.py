@@ -21,25 +21,24 @@ def great_circle(start: Vector, end: Vector, duration: float, t: float) -> Joint
     t : float
         s.
     """
-    across = tuple(
-        b - a * sum(x * y for x, y in zip(start, end, strict=True))
-        for a, b in zip(start, end, strict=True)
-    )
-    length = math.hypot(*across)
+    (ax, ay, az), (bx, by, bz) = start, end
+    shared = ax * bx + ay * by + az * bz
+    x, y, z = bx - ax * shared, by - ay * shared, bz - az * shared
+    length = math.hypot(x, y, z)
     if length < 1e-12:
         return JointReference(end, _ZERO, _ZERO)
-    travel = math.atan2(length, sum(x * y for x, y in zip(start, end, strict=True)))
-    angle, rate, rise = minimum_jerk(0.0, travel, duration, t)
-    ahead = [x / length for x in across]
+    angle, rate, rise = minimum_jerk(0.0, math.atan2(length, shared), duration, t)
+    x, y, z = x / length, y / length, z / length
     c, s = math.cos(angle), math.sin(angle)
-    axis = [c * a + s * b for a, b in zip(start, ahead, strict=True)]
-    along = [c * b - s * a for a, b in zip(start, ahead, strict=True)]
+    axis = (c * ax + s * x, c * ay + s * y, c * az + s * z)
+    dx, dy, dz = c * x - s * ax, c * y - s * ay, c * z - s * az
+    inwards = rate * rate
     return JointReference(
-        (axis[0], axis[1], axis[2]),
-        (rate * along[0], rate * along[1], rate * along[2]),
+        axis,
+        (rate * dx, rate * dy, rate * dz),
         (
-            rise * along[0] - rate * rate * axis[0],
-            rise * along[1] - rate * rate * axis[1],
-            rise * along[2] - rate * rate * axis[2],
+            rise * dx - inwards * axis[0],
+            rise * dy - inwards * axis[1],
+            rise * dz - inwards * axis[2],
         ),
     )
