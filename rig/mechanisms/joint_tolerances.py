@@ -23,8 +23,9 @@ class JointTolerances:
         Of each rod's zero after encoders and wires have been calibrated; standard deviation, m.
     stiffness : float
         Of the wires, as a share of it; standard deviation.
-    viscous : float
-        Of the seals' viscous friction, as a share of it.
+    friction : float
+        Of the seals' viscous friction, and of what breakaway exceeds Coulomb friction by, as a
+        share of each.
     """
 
     length: Annotated[float, Unit("1"), Gt(0), Le(0.2)] = 0.02
@@ -32,4 +33,4 @@ class JointTolerances:
     part: Annotated[float, Unit("m"), Gt(0), Le(5e-3)] = 20e-6
     zero: Annotated[float, Unit("m"), Gt(0), Le(5e-3)] = 50e-6
     stiffness: Annotated[float, Unit("1"), Gt(0), Le(1)] = 0.1
-    viscous: Annotated[float, Unit("1"), Gt(0), Le(1)] = 0.3
+    friction: Annotated[float, Unit("1"), Gt(0), Le(1)] = 0.3

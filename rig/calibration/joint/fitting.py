@@ -49,14 +49,16 @@ class Posterior(NamedTuple):
     Parameters
     ----------
     priors : sequence of Prior
-        What was known beforehand.
+        What was known beforehand of what was fitted.
+    considered : sequence of Prior
+        Of what was not.
     values : ndarray, shape (p,)
         The parameters.
     sampling : ndarray, shape (p, p)
         Covariance of what the scatter of the data makes of them.
-    known : ndarray, shape (p, p + k)
-        What an error of one standard deviation of each prior and each of the further measurements
-        makes of them.
+    even, normal : ndarray, shape (p, m)
+        What an error of one standard deviation of each thing that was known beforehand makes of
+        them: what lies anywhere within a tolerance, and the rest.
     freedom : float
         Degrees of freedom that the scatter rests on.
     used : ndarray of bool, shape (n,)
@@ -64,30 +66,32 @@ class Posterior(NamedTuple):
     """
 
     priors: Sequence[Prior]
+    considered: Sequence[Prior]
     values: "Array"
     sampling: "Array"
-    known: "Array"
+    even: "Array"
+    normal: "Array"
     freedom: float
     used: "NDArray[np.bool_]"
 
     @property
     def by_name(self) -> dict[str, float]:
         """The parameters."""
-        return dict(zip([p.name for p in self.priors], self.values.tolist(), strict=True))
+        values = dict(zip([p.name for p in self.priors], self.values.tolist(), strict=True))
+        return values | {p.name: p.mean for p in self.considered}
 
     def std(self, name: str) -> float:
         """Return the standard deviation of a parameter."""
         k = self._index(name)
-        return float(np.sqrt(self.sampling[k, k] + self.known[k] @ self.known[k]))
+        known = self.even[k] @ self.even[k] + self.normal[k] @ self.normal[k]
+        return float(np.sqrt(self.sampling[k, k] + known))
 
     def estimate(self, name: str, shown: str | None = None, shift: float = 0.0) -> Estimate:
         """Return a parameter with its interval, under another name and shifted if wanted."""
         k = self._index(name)
-        even = np.array([prior.even for prior in self.priors])
-        rest = np.concatenate((self.known[k, : len(even)][~even], self.known[k, len(even) :]))
         half = half_width(
-            float(np.sqrt(self.sampling[k, k])), self.freedom, float(np.linalg.norm(rest)),
-            self.known[k, : len(even)][even].tolist(),
+            float(np.sqrt(self.sampling[k, k])), self.freedom,
+            float(np.linalg.norm(self.normal[k])), self.even[k].tolist(),
         )  # fmt: skip
         value = float(self.values[k]) + shift
         unit = self.priors[k].unit
@@ -112,7 +116,8 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
     than those of independent rows; the covariance of the estimate is ``H^-1 (M + B' B) H^-1``
     with the blocks' scores in M and in B the slopes of what was known beforehand, each over its
     standard deviation. A tolerance is no normal distribution: what lies anywhere within one
-    enters the interval as that.
+    enters the interval as that, and so does an error of what was considered and not fitted
+    (Schmidt).
 
     Raises
     ------
@@ -123,9 +128,14 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
     ----------
     R. M. Bell and D. F. McCaffrey, "Bias reduction in standard errors for linear regression with
     multi-stage samples", Survey Methodology 28(2), 2002 (CR3).
+    S. F. Schmidt, "Application of state-space methods to navigation problems", Advances in Control
+    Systems 3, 1966: parameters that are considered.
     """
     from scipy.optimize import least_squares
 
+    considered = [p for p in priors if p.considered]
+    priors = [p for p in priors if not p.considered]
+    fixed = {p.name: p.mean for p in considered}
     names = [p.name for p in priors]
     mean, std = np.array([p.mean for p in priors]), np.array([p.std for p in priors])
     groups = np.unique(data.blocks)
@@ -136,11 +146,12 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
         )
 
     def at(q: "Array") -> dict[str, float]:
-        return dict(zip(names, (mean + std * q).tolist(), strict=True))
+        return fixed | dict(zip(names, (mean + std * q).tolist(), strict=True))
 
-    q, weight = (np.array([start[name] for name in names]) - mean) / std, 1.0
+    q, wanted = (np.array([start[name] for name in names]) - mean) / std, 1.0
     used = np.ones(len(data.blocks), bool)
     for _ in range(_ROUNDS):
+        weight = wanted
 
         def rest(q: "Array", used: "NDArray[np.bool_]" = used, weight: float = weight) -> "Array":
             values = at(q)
@@ -167,11 +178,22 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
         settled = abs(weight * np.sqrt(inflated) - 1.0) < 0.1 and bool((used == kept).all())
         if settled:
             break
-        weight = 1.0 / np.sqrt(inflated)
-    known = inverse @ np.roll(found.jac[count:], len(q), axis=0).T
+        wanted = 1.0 / np.sqrt(inflated)
+    known = inverse @ found.jac[count:].T * std[:, None]
+    known, further = known[:, -len(q) :], known[:, : -len(q)]
+    # What the fit makes of an error in what it was told.
+    slopes = [
+        weight * data.misfit(at(q) | {p.name: p.mean + p.std})[kept].ravel() - found.fun[:count]
+        for p in considered
+    ]
+    told = -(inverse @ found.jac[:count].T @ np.array(slopes).reshape(-1, count).T) * std[:, None]
+    even, loose = np.array([p.even for p in priors]), np.array([p.even for p in considered], bool)
     return Posterior(
-        tuple(priors), mean + std * q, weight**4 * inverse @ meat @ inverse * np.outer(std, std),
-        known * std[:, None], len(groups) - 1.0, kept,
+        priors, considered, mean + std * q,
+        weight**4 * inverse @ meat @ inverse * np.outer(std, std),
+        np.hstack([known[:, even], told[:, loose]]),
+        np.hstack([known[:, ~even], told[:, ~loose], further]),
+        len(groups) - 1.0, kept,
     )  # fmt: skip
 
 

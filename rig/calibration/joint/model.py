@@ -39,6 +39,8 @@ class Sightings(NamedTuple):
         pulls in, more than 1 while it is slow.
     turns : ndarray, shape (n, 4)
         How those grow with the logarithm of the way over which friction turns round.
+    falls : ndarray, shape (n, 4)
+        How they grow with the share by which breakaway exceeds Coulomb friction more than believed.
     loads : ndarray, shape (n, 4)
         What friction grows by over its growth with the pull, which does not fall with speed, N.
     blocks : ndarray of int, shape (n,)
@@ -55,6 +57,7 @@ class Sightings(NamedTuple):
     pulls: "Array"
     senses: "Array"
     turns: "Array"
+    falls: "Array"
     loads: "Array"
     blocks: "NDArray[np.int64]"
     t: "Array"
@@ -175,7 +178,7 @@ def extensions_seen(values: Values, seen: Sightings, mounted: "Array") -> "Array
     friction = np.array([values[f"friction_{k}"] for k in WIRES])
     offset = np.array([values[f"offset_{k}"] for k in WIRES])
     shortening = upright - wires.lengths(axes_seen(values, seen.rays, mounted))
-    senses = seen.senses + values["reversal"] * seen.turns
+    senses = seen.senses + values["reversal"] * seen.turns + values["excess"] * seen.falls
     lost = friction * senses + values["load"] * seen.loads + values["viscous"] * seen.speeds
     stretch = values["compliance"] * (seen.pulls - lost)
     # The frame shows the ring of another instant; the rods have moved since.

@@ -57,6 +57,9 @@ class Prior(NamedTuple):
         In `unit`.
     even : bool
         Whether it lies anywhere within a tolerance, rather than near the mean.
+    considered : bool
+        Whether it stays what it is believed to be, whatever the data say, since they would
+        take it for what the model leaves out; its error is passed on to the others.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Prior(NamedTuple):
     mean: float
     std: float
     even: bool = False
+    considered: bool = False
 
 
 def drawing_of(profile: Profile) -> SphericalJointGeometry:
@@ -102,7 +106,8 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     seal = 0.5 * max(settings.friction.coulomb, _LEAST_FRICTION)
     damping = 0.5 * max(settings.friction.viscous, _LEAST_FRICTION)
     rows += _each((f"friction_{k}" for k in WIRES), "N", (seal,) * 4, 0.5 * seal)
-    rows += [Prior("viscous", "N s/m", damping, _FLAT * tolerance.viscous * damping, True)]
+    rows += [Prior("viscous", "N s/m", damping, _FLAT * tolerance.friction * damping, True)]
+    rows += [Prior("excess", "1", 0.0, _FLAT * tolerance.friction, True, True)]
     rows += [Prior("load", "1", 0.0, _LOADED), Prior("reversal", "1", 0.0, _REVERSED)]
     names = [f"{name}_{k}" for k in WIRES for name in PARTS]
     rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part, even=True)

@@ -46,7 +46,7 @@ class Track(NamedTuple):
         When that was, s.
     rods, pulls : ndarray, shape (n, 4)
         Extension of each rod, m, and pull of its chamber, N.
-    senses, turns, loads : ndarray, shape (n, 4)
+    senses, turns, falls, loads : ndarray, shape (n, 4)
         See `Sightings`.
     """
 
@@ -55,6 +55,7 @@ class Track(NamedTuple):
     pulls: "Array"
     senses: "Array"
     turns: "Array"
+    falls: "Array"
     loads: "Array"
 
     def at(self, t: "Array", column: "Array") -> "Array":
@@ -79,11 +80,17 @@ def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Tr
     for channel in pneumatics_of(profile).channels:
         rod = column(f"reading.rod_{channel}")  # its shortening from home
         limit = limits_of(rod, t, settings.friction)
-        slow, quick = (senses_of(rod, limit, _REVERSAL * by) for by in (_STEP, 1.0 / _STEP))
+        raised = 1.0 + _STEP * (limit - 1.0)
+        slow, quick, more = (
+            senses_of(rod, most, _REVERSAL * by)
+            for most, by in ((limit, _STEP), (limit, 1.0 / _STEP), (raised, 1.0))
+        )
         turn = (slow - quick) / (2.0 * np.log(_STEP))
         sense, plain = (senses_of(rod, most, _REVERSAL) for most in (limit, np.ones_like(rod)))
+        fall = (more - sense) / (_STEP - 1.0)
         pull = settings.area * column(f"reading.pressure_{channel}")
-        columns.append((settings.home - rod, pull, sense, turn, (pull - base) * plain))
+        load = (pull - base) * plain
+        columns.append((settings.home - rod, pull, sense, turn, fall, load))
     return Track(t, *(np.column_stack(each) for each in zip(*columns, strict=True)))
 
 
@@ -117,10 +124,10 @@ def sightings_of(
     at = stamps - late
     known = (at > track.t[0] + _HALF) & (at < track.t[-1] - _HALF)
     rays, at, blocks = rays[known], at[known], blocks[known]
-    rods, pulls, senses, turns, loads = (track.at(at, column) for column in track[1:])
+    rods, pulls, senses, turns, falls, loads = (track.at(at, column) for column in track[1:])
     before, after = (track.at(at + step, track.rods) for step in (-_HALF, _HALF))
     speeds = (before - after) / (2.0 * _HALF)
-    return Sightings(rays, rods, speeds, pulls, senses, turns, loads, blocks, at, late)
+    return Sightings(rays, rods, speeds, pulls, senses, turns, falls, loads, blocks, at, late)
 
 
 def check_travel(profile: Profile, seen: Sightings) -> None:

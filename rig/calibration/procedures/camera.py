@@ -8,10 +8,12 @@ Its latency counts against the encoders: by how much a frame comes later than it
 the encoders' stamps are right. On a bus their samples are as old as SYNC is under way, which is
 part of it, and what a controller that fuses both needs.
 
-Viscous friction holds a rod back as a late camera does, in proportion to its speed: 25 N s/m at a
-wire of 80 N/mm are 0.31 ms. No motion tells the two apart, as nothing tells a seal's pull from that
-of its wire. So the profile's viscous friction is taken off, and its tolerance
-(`joint.tolerance.viscous`) makes nearly all of the latency's interval.
+Friction holds a rod back as a late camera does. Coulomb friction does not grow with speed and is
+found from the motion; viscous friction does, in proportion, as lateness does: 25 N s/m at a wire of
+80 N/mm are 0.31 ms, and no motion tells the two apart. How much more friction is at rest than in
+motion the slow rods would tell, if seals that stick and slip kept to any law. So both are what the
+profile says, and what they may be off (`joint.tolerance.friction`) makes nearly all of the
+latency's interval.
 """
 
 from collections.abc import Sequence
