@@ -107,6 +107,7 @@ class JointWatch:
         self._before, self._last = self._last, rods
         self._step, self._then = now - self._then, now
         self._pressures.check(pressures, now)
+        self._wires.follow(rods, now)
         self._check_speed(rods, now)
         self._cycle += 1
         if self._cycle % _POSE_EVERY == 0:

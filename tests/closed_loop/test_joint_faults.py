@@ -178,6 +178,16 @@ def test_what_was_wrong_from_the_start_is_named_over_the_bus(
     assert early <= found.after <= late
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("channel", [0, 1, 2, 3])
+def test_the_wire_of_an_anchor_that_slips_is_among_those_named(tmp_path, channel, seed):
+    more = (f"simulation.seed={seed}",)
+    found = run(tmp_path, Backend.SIM, plant("anchor_slipped", channel), more)
+    assert_stopped_safe(found, (f"ch{channel + 1}", "anchor"))
+    assert 0.0 <= found.after <= GRACE + CYCLES
+
+
 def test_camera_that_was_not_calibrated_is_never_used(tmp_path):
     more = (
         "devices.camera.serial=42",

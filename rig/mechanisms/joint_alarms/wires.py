@@ -13,7 +13,9 @@ from rig.hal import SafetyError
 from rig.mechanisms.joint_alarms.settings import FrozenAlarm
 
 _HISTORY = 256
-"""So many checks are remembered: a second at 1 kHz."""
+"""So many checks are remembered, a second at 1 kHz …"""
+_RUNS = 512
+"""… and the rods of so many cycles: a wire lets go within a few, between two checks."""
 _SUDDEN = 2
 """Checks within which a wire lets go; a ring that is driven takes longer for the same way."""
 _EXPLAINED = 0.5
@@ -107,6 +109,7 @@ class WireWatch:
         self._encoders = tuple(encoders)
         self._channels = tuple(channels)
         self._history: deque[_Readings] = deque(maxlen=_HISTORY)
+        self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
         self._agreed_at = -math.inf
         self._rods: Quadruple | None = None
         self._changed_at = [0.0] * 4
@@ -149,6 +152,10 @@ class WireWatch:
                 f"{self.residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
                 f"{self._limits.residual * 1e3:g} mm for {self._limits.grace:g} s]"
             )
+
+    def follow(self, rods: Quadruple, now: float) -> None:
+        """Take the rods of a cycle, whether it is checked or not."""
+        self._runs.append((now, rods))
 
     def axis_of(self, unstretched: Quadruple) -> Vector:
         """Return the axis that rods show; the last one known if they fit no pose."""
@@ -278,9 +285,13 @@ class WireWatch:
         return _speed_between(self._history[-2], self._history[-1], k)
 
     def _fastest_run(self, k: int) -> float:
-        """Return the fastest that a rod went inwards within the history, m/s."""
+        """Return the fastest that a rod went inwards lately, m/s."""
         return max(
-            (_speed_between(*two, k) for two in itertools.pairwise(self._history)), default=0.0
+            (
+                (rods[k] - before[k]) / (t - then)
+                for (then, before), (t, rods) in itertools.pairwise(self._runs)
+            ),
+            default=0.0,
         )
 
     def _residual_of(self, rods: Quadruple) -> float:
