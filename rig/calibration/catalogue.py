@@ -9,7 +9,7 @@ from rig.hal import ConfigurationError
 def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
     from rig.calibration.procedures.encoders import Encoders
-    from rig.calibration.procedures.friction import Friction
+    from rig.calibration.procedures.joint_friction import JointFriction
     from rig.calibration.procedures.leak import Leak
     from rig.calibration.procedures.pair_friction import PairFriction
     from rig.calibration.procedures.regulators import Regulators
@@ -17,7 +17,7 @@ def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     from rig.calibration.procedures.wires import Wires
 
     every: tuple[Procedure | Lens, ...] = (
-        Regulators(), Encoders(), Wires(), Response(), PairFriction(), Friction(), Leak(),
+        Regulators(), Encoders(), Wires(), Response(), PairFriction(), JointFriction(), Leak(),
         *_of_cameras(), *_of_servos(),
     )  # fmt: skip
     # Two mechanisms may have procedures of one name, which do different things.

@@ -114,14 +114,11 @@ def relaxed(profile: Profile, pair: float = 0.0) -> tuple[Profile, tuple[str, ..
 
 
 def follower(profile: Profile) -> tuple[Profile, str]:
-    """Return the profile with the controller that is to slide the pairs, and its name.
+    """Return the profile with the controller that is to slide a joint's pairs, and its name.
 
-    A pair's knows nothing of friction: a wrong belief would shake it. A joint's ring sticks
-    so much that only one that observes what holds it keeps it sliding; it does not heed a camera
-    that nobody has calibrated.
+    The ring sticks so much that only one that observes what holds it keeps it sliding; it does
+    not heed a camera that nobody has calibrated.
     """
-    if profile.mechanism == "cylinder":
-        return profile, "pid"
     settings: Any = profile.controllers["cascade"]
     blind = dataclasses.replace(
         settings, camera=dataclasses.replace(settings.camera, gain=0.0), learning=None

@@ -1,12 +1,12 @@
-"""Friction of pairs: Coulomb, viscous and breakaway, from strokes under a position controller.
+"""Friction of a joint's pairs: Coulomb, viscous and breakaway, from strokes under a controller.
 
 While both seals slide faster than the Stribeck effect reaches, the force of the chambers is
 
     f = c_0 + c_1 x + (F_c + D (T - T_0)) sgn v + B v + M a,
 
-T being the sum of the pair's tensions, T_0 at base pressure; c_1 is the weight of what a joint
-carries. A joint's strokes lean between its pairs, so that both move, and are done at two base
-pressures: what of the friction grows with the tensions is that on the ball.
+T being the sum of the pair's tensions, T_0 at base pressure; c_1 is the weight of what the joint
+carries. The strokes lean between its pairs, so that both move, and are done at two base pressures:
+what of the friction grows with the tensions is that on the ball.
 
 Breakaway is the greatest force between rest and a slip, over the slips of a stroke so slow that
 the pair sticks and slips. It is what a controller has to overcome; the force at which
@@ -35,13 +35,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-SPEEDS: Final = (0.03, 0.04) * 4
+SPEEDS: Final = (0.05, 0.07) * 4
 CREEP: Final = 0.002
 _RAISED: Final = 1.6
 """Base pressure of a joint's second half of the strokes, over the usual one."""
 
-_SHARE: Final = {"cylinder": 0.6, "joint": 0.9}
-"""Of what is permitted that the strokes use: a joint's pairs share the way."""
+_SHARE: Final = 0.9
+"""Of what is permitted that the strokes use: the pairs share the way."""
 
 _BETWEEN: Final = 0.25 * math.pi
 _SLIDING: Final = 2.75
@@ -49,7 +49,7 @@ _SLIDING: Final = 2.75
 
 _LEAST_ROWS: Final = 50
 _LEAST_SLIPS: Final = 5
-_BOUND: Final = {"cylinder": 0.5, "joint": 1.5}
+_BOUND: Final = 1.5
 """rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
 
 
@@ -61,8 +61,8 @@ class _Rows(NamedTuple):
     slips: tuple[list[float], ...]
 
 
-class Friction:
-    """Coulomb, viscous and breakaway friction of pairs."""
+class JointFriction:
+    """Coulomb, viscous and breakaway friction of a joint's pairs."""
 
     name = "friction"
     title = "friction of the pairs: Coulomb, viscous, breakaway"
@@ -102,18 +102,17 @@ class Friction:
         notes: list[str] = []
         broken: list[float] = []
         for pair, found in zip(pairs, fits, strict=True):
-            prefix = f"friction.{pair.name}." if pair.name else "friction."
+            prefix = f"friction.{pair.name}."
             estimates += [
                 found.parameter(1, f"{prefix}coulomb", "N"),
                 found.parameter(2, f"{prefix}viscous", "N s/m"),
             ]
-            if profile.mechanism == "joint":  # a pair's tensions are alike in all of its strokes
-                estimates.append(found.parameter(4, f"{prefix}load", "1"))
+            estimates.append(found.parameter(4, f"{prefix}load", "1"))
             panels.append(_panel_of_sliding(profile, pair, found))
             count = min(map(len, pair.slips))
             if count < _LEAST_SLIPS:
                 notes.append(
-                    f"{pair.name or 'the pair'} slipped {count} times on its slow strokes, "
+                    f"{pair.name} slipped {count} times on its slow strokes, "
                     f"{_LEAST_SLIPS} are needed: its breakaway is not told"
                 )
                 continue
@@ -127,17 +126,16 @@ class Friction:
         mean = np.mean([found.values for found in fits], axis=0)
         blocks = len(strokes.segments) - 2
         values = _values(profile, mean, float(np.mean(broken)) if broken else None)
-        bound = _BOUND[profile.mechanism]
         return (
             Finding(
-                profile.mechanism, {"friction": values}, estimates, residuals, "N", bound, blocks,
+                profile.mechanism, {"friction": values}, estimates, residuals, "N", _BOUND, blocks,
                 panels, notes=notes,
             ),
         )  # fmt: skip
 
 
 def _strokes(profile: Profile) -> Strokes:
-    return Strokes(reach(profile, _SHARE[profile.mechanism]), (*SPEEDS, CREEP))
+    return Strokes(reach(profile, _SHARE), (*SPEEDS, CREEP))
 
 
 def _pairs(profile: Profile, recording: Recording, strokes: Strokes, least: float) -> list[_Rows]:
@@ -169,36 +167,34 @@ def _pairs(profile: Profile, recording: Recording, strokes: Strokes, least: floa
             for k in sliding(signals.velocity, least, width):
                 force, x, *rest = (float(column[k]) for column in signals)
                 mine.append((float(group), force, start + x, *rest))
-    wanted = 2.0 * strokes.travel * (1.0 if profile.mechanism == "cylinder" else 0.7)
+    wanted = 2.0 * strokes.travel * 0.7
     for name, went in travel.items():
-        who = name or "the pair"
         if went < 0.5 * wanted:
             raise CalibrationRefused(
-                f"{who} moved by {1e3 * went:.3g} mm at most where {1e3 * wanted:.3g} mm were "
+                f"{name} moved by {1e3 * went:.3g} mm at most where {1e3 * wanted:.3g} mm were "
                 "asked for: a rod is stuck, or the supply is shut"
             )
         if len(rows[name]) < _LEAST_ROWS:
             raise CalibrationRefused(
-                f"{who} slid faster than {1e3 * least:.3g} mm/s in {len(rows[name])} places, "
+                f"{name} slid faster than {1e3 * least:.3g} mm/s in {len(rows[name])} places, "
                 f"{_LEAST_ROWS} are needed: too little motion to tell friction"
             )
     return [_Rows(name, np.array(found), slow[name]) for name, found in rows.items()]
 
 
 def _fit_sliding(profile: Profile, pair: _Rows) -> Fit:
-    """Fit c_0, F_c, B, M, D and, for a joint, c_1."""
+    """Fit c_0, F_c, B, M, D and c_1."""
     settings = profile.mechanism_settings
     group, force, position, velocity, acceleration, load = pair.sliding.T
     sign = np.sign(velocity)
     base = 2.0 * settings.area * settings.base_pressure
-    columns = [np.ones_like(force), sign, velocity, acceleration, sign * (load - base)]
-    start = [0.0, settings.friction.coulomb, settings.friction.viscous, settings.moving_mass, 0.1]
-    scale = [1.0, 1.0, 10.0, 0.1, 0.1]
-    if profile.mechanism == "joint":
-        columns.append(position)
-        start.append(0.0)
-        scale.append(10.0)
-    regressors = np.column_stack(columns)
+    grown = sign * (load - base)
+    regressors = np.column_stack(
+        [np.ones_like(force), sign, velocity, acceleration, grown, position]
+    )
+    believed = settings.friction
+    start = [0.0, believed.coulomb, believed.viscous, settings.moving_mass, 0.1, 0.0]
+    scale = [1.0, 1.0, 10.0, 0.1, 0.1, 10.0]
     try:
         return fit(lambda q: force - regressors @ q, start, scale, groups=group)
     except ValueError as error:
@@ -214,17 +210,13 @@ def _values(profile: Profile, mean: "Array", breakaway: float | None) -> Mapping
     believed = profile.mechanism_settings.friction
     coulomb, viscous, growth = float(mean[1]), max(float(mean[2]), 0.0), float(mean[4])
     ratio = believed.breakaway / max(believed.coulomb, 1e-9)
-    ball: dict[str, float] = {}
-    if profile.mechanism == "joint":
-        settings = profile.mechanism_settings
-        known = _on_ball(profile)
-        share = max(growth, 0.0) / known
-        ball = {"ring": share * believed.ring, "wire": share * believed.wire}
-        on_ball = share * known * 2.0 * settings.area * settings.base_pressure
-        coulomb = max(coulomb - on_ball, 0.0)
-        breakaway = None if breakaway is None else max(breakaway - on_ball, 0.0)
-    if breakaway is None:
-        breakaway = ratio * coulomb
+    settings = profile.mechanism_settings
+    known = _on_ball(profile)
+    share = max(growth, 0.0) / known
+    ball = {"ring": share * believed.ring, "wire": share * believed.wire}
+    on_ball = share * known * 2.0 * settings.area * settings.base_pressure
+    coulomb = max(coulomb - on_ball, 0.0)
+    breakaway = ratio * coulomb if breakaway is None else max(breakaway - on_ball, 0.0)
     return {
         "coulomb": quantity(coulomb, "N"),
         "breakaway": quantity(max(breakaway, coulomb), "N"),
@@ -235,8 +227,6 @@ def _values(profile: Profile, mean: "Array", breakaway: float | None) -> Mapping
 
 def _on_ball(profile: Profile) -> float:
     """Return what of a pair's friction is believed to be on the ball, over its tensions."""
-    if profile.mechanism == "cylinder":
-        return 0.0
     settings = profile.mechanism_settings
     wound = 0.5 * math.pi - settings.geometry.ring_half_angle
     # Leaning between the pairs, the ring's friction is shared by both.
@@ -247,10 +237,8 @@ def _panel_of_sliding(profile: Profile, pair: _Rows, found: Fit) -> Panel:
     believed = profile.mechanism_settings.friction
     _, force, position, velocity, acceleration, load = pair.sliding.T
     sign = np.sign(velocity)
-    zero, _, _, mass, *_ = found.values
-    friction = force - zero - mass * acceleration
-    if len(found.values) > 5:
-        friction = friction - found.values[5] * position
+    zero, _, _, mass, _, weight = found.values
+    friction = force - zero - mass * acceleration - weight * position
     return Panel(
         f"{pair.name} sliding, without inertia".strip(), "velocity (mm/s)", "friction (N)",
         "residual (N)", 1e3 * velocity, friction, friction - found.residuals,
