@@ -36,7 +36,7 @@ _SEARCH_HOME = _SEARCH + _SEARCH_COUNT
 _HOME = _SEARCH_HOME + 4
 # … and what is remembered from cycle to cycle.
 _GUESS, _ONWARD, _SEAT, _SLIP = range(0, 8, 2)
-SHARES, FIRST, SECOND, _LATER, _START, _HOLD = range(8, 32, 4)
+SHARES, FIRST, SECOND, LATER, _START, _HOLD = range(8, 32, 4)
 REMEMBERED = 32
 
 
@@ -83,8 +83,9 @@ def before(
     position, rate, rise = motion
     if anew:
         _balance(constants, memory, axis, velocity, acceleration)
-    shares, later = four(memory, SHARES), four(memory, _LATER)
-    how = FOUND if min(*shares, *later) > 0.0 else NO_TENSIONS
+    shares, later = four(memory, SHARES), four(memory, LATER)
+    # One minimum for both would miss shares that are no numbers.
+    how = FOUND if min(*shares) > 0.0 and min(*later) > 0.0 else NO_TENSIONS
     area, least = constants[_AREA], constants[_LEAST]
     hold = lifted(_scaled(4.0 * area * base, shares), shares, least)
     _put(memory, _HOLD, lifted(_scaled(4.0 * area * base, later), later, least))
@@ -106,7 +107,7 @@ def before(
     stretch = _scaled(constants[_COMPLIANCE], borne)
     wanted = _sum(position, stretch)
     settled, found, residuals = _search(constants, memory, _sum(rods, _scaled(-1.0, stretch)))
-    if not settled:
+    if how == FOUND and not settled:  # without tensions no stretch is known
         how = NO_POSE
     forces = _pair_forces(memory, pull)
     if starts:
@@ -150,7 +151,7 @@ def _balance(
     _put(memory, SHARES, shares)
     _put(memory, FIRST, first)
     _put(memory, SECOND, second)
-    _put(memory, _LATER, _tensions(constants, natural_rotation(ahead))[0])
+    _put(memory, LATER, _tensions(constants, natural_rotation(ahead))[0])
 
 
 @inlined

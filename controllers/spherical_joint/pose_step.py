@@ -202,8 +202,10 @@ class PoseStep:
         if how == kernel.NO_POSE:
             raise unexplained(step.residuals)
         later = move_axis(axis, *motion, float(self._constants[kernel.AHEAD]))
-        for place in (axis, later):
-            shares = self._distribution.at(natural_rotation(place)).shares
+        memory = [float(number) for number in self._memory]
+        for place, at in ((axis, kernel.SHARES), (later, kernel.LATER)):
+            self._distribution.at(natural_rotation(place))  # says so if a wire has no way
+            shares = kernel.four(memory, at)
             raised(shares, shares, 0.0)
 
 

@@ -129,3 +129,19 @@ def test_a_pose_without_force_closure_is_refused_by_its_wire():
     axis = axis_from_tilt(1.45, 0.8)
     with pytest.raises(SlackWire, match="would have to push"):
         steps.before(axis, (0.0,) * 3, (0.0,) * 3, RODS, PRESSURES, BASE, True, True)
+
+
+def test_a_pose_that_leads_to_one_without_force_closure_is_refused_too():
+    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    axis = axis_from_tilt(1.2, 0.8)
+    fast = (0.0, 0.0, -5.0)
+    with pytest.raises(SlackWire, match="would have to push"):
+        steps.before(axis, fast, (0.0,) * 3, RODS, PRESSURES, BASE, True, True)
+
+
+def test_an_anchor_opposite_its_adjust_point_is_refused_by_its_wire():
+    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    tilt = GEOMETRY.ring_half_angle + math.atan2(GEOMETRY.adjust_radius, GEOMETRY.adjust_depth)
+    axis = axis_from_tilt(tilt, GEOMETRY.anchor_angles[2])
+    with pytest.raises(ValueError, match="in line with ball and adjust point"):
+        steps.before(axis, (0.0,) * 3, (0.0,) * 3, RODS, PRESSURES, BASE, True, True)
