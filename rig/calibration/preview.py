@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rig.calibration.excitation import OpenLoop
+from rig.calibration.gliding import Gliding
 from rig.calibration.locking import Locking
 from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
@@ -34,6 +35,8 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         yield from _joints(motion)
     elif isinstance(motion, OpenLoop):
         yield from _pressures(motion)
+    elif isinstance(motion, Gliding):
+        yield from _glides(motion)
     else:
         yield from _positions(motion)
     if isinstance(motion, Locking):
@@ -64,6 +67,18 @@ def _pressures(motion: OpenLoop[Any, Any]) -> Iterator[str]:
         yield f"  chamber {number}: set-points {low} … {high}"
     if all(column == columns[0] for column in columns):
         yield "  all chambers alike: their pulls cancel, and no rod is meant to move"
+
+
+def _glides(motion: Gliding) -> Iterator[str]:
+    glides = motion.settings
+    low, high = (format_quantity(side * glides.travel, "m") for side in (-1.0, 1.0))
+    force, rate = format_quantity(glides.most, "N"), format_quantity(glides.rate, "N/s")
+    speed = format_quantity(glides.fastest, "m/s")
+    least, most = (format_quantity(f(glides.bases), "Pa") for f in (min, max))
+    yield f"  the pair moves {low} … {high} and glides between them, no controller holding it"
+    yield f"  to break it away, a force that rises by {rate}, up to {force}"
+    yield f"  then a spring of {glides.stiffness:g} N/m, pulled at {speed} and ever more slowly"
+    yield f"  mean pressures {least} … {most}"
 
 
 def _locks(motion: Locking) -> Iterator[str]:

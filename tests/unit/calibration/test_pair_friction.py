@@ -11,6 +11,7 @@ from controllers.cylinder.types import PairState
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
 from rig.calibration.gliding import Gliding
+from rig.calibration.preview import preview
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
 
@@ -164,3 +165,9 @@ def test_a_glide_breaks_away_slows_down_and_ends_within_its_way(profile):
     assert moving[400] < 0.035
     assert abs(pair.x) < motion.settings.travel + 3e-3
     assert speeds[-1] == 0.0
+
+
+def test_preview_says_that_no_controller_holds_the_pair(profile):
+    told = "\n".join(preview(procedures(profile)["friction"], profile, ()))
+    assert "moves -16 mm … 16 mm and glides between them, no controller holding it" in told
+    assert "mean pressures 96 kPa … 144 kPa" in told
