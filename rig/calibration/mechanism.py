@@ -13,6 +13,11 @@ if TYPE_CHECKING:
 
 
 _SOFT = 0.3
+_ABSENCE = 30.0
+_SHRUNK = 0.9
+"""For how long (s) a camera whose pose is wrong may see rays beside the marker's sphere, and how
+much of its area a marker may lack or have too much: how it leans follows from that pose."""
+
 _RESIDUAL = 8e-3
 _DISAGREEMENT = 40e-3
 """Of a joint's rods, and of its camera and rods, before they have been calibrated, m."""
@@ -101,8 +106,6 @@ def relaxed(profile: Profile, pair: float = 0.0) -> tuple[Profile, tuple[str, ..
             "disagreement": max(usual.disagreement, _DISAGREEMENT),
         }
     changed = {name: value for name, value in wanted.items() if value != getattr(usual, name)}
-    if not changed:
-        return profile, ()
     limits = dataclasses.replace(usual, **changed)
     notes = tuple(
         f"limits.{name} is {1e3 * value:g} mm instead of {1e3 * getattr(usual, name):g} mm: "
@@ -110,7 +113,34 @@ def relaxed(profile: Profile, pair: float = 0.0) -> tuple[Profile, tuple[str, ..
         for name, value in changed.items()
     )
     mechanism = dataclasses.replace(settings, limits=limits)
-    return dataclasses.replace(profile, mechanism_settings=mechanism), notes
+    relaxed_profile = dataclasses.replace(profile, mechanism_settings=mechanism)
+    if getattr(settings, "camera", None) is None:
+        return relaxed_profile, notes
+    patient, more = bear_with_camera(relaxed_profile, _ABSENCE)
+    return patient, notes + more
+
+
+def bear_with_camera(profile: Profile, absence: float) -> tuple[Profile, tuple[str, ...]]:
+    """Return a joint's profile with a camera that may err about its marker, and notes on it.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    absence : float
+        For how long the marker may be out of sight, s.
+    """
+    name = profile.mechanism_settings.camera
+    entry = profile.devices[name]
+    absence = max(entry.settings.max_absence, absence)
+    shrunk = max(entry.settings.marker.area_tolerance, _SHRUNK)
+    marker = dataclasses.replace(entry.settings.marker, area_tolerance=shrunk)
+    patient = dataclasses.replace(entry.settings, max_absence=absence, marker=marker)
+    devices = {**profile.devices, name: dataclasses.replace(entry, settings=patient)}
+    return dataclasses.replace(profile, devices=devices), (
+        f"{name}.max_absence is {absence:g} s: a wrong pose puts rays beside the sphere",
+        f"{name}.marker.area_tolerance is {shrunk:g}: a wrong pose tells wrongly how it leans",
+    )
 
 
 def follower(profile: Profile) -> tuple[Profile, str]:

@@ -16,7 +16,7 @@ from rig.calibration.joint.model import Sightings, axes_seen, extensions_seen, r
 from rig.calibration.joint.parameters import ANGLES, WIRES, Values, drawing_of, priors_of
 from rig.calibration.joint.rosette import UPRIGHT, Rosette
 from rig.calibration.joint.sightings import check_travel, sightings_of, track_of
-from rig.calibration.mechanism import pneumatics_of
+from rig.calibration.mechanism import bear_with_camera, pneumatics_of
 from rig.calibration.procedure import Excitation, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -44,10 +44,6 @@ the other way on the way back: what tells only together with it is left out of e
 
 _ABSENCE: Final = 1.2
 """The marker may be out of sight for so long, s."""
-
-_SHRUNK: Final = 0.9
-"""How much of its area the marker may lack or have too much: how much it leans follows from the
-pose that is looked for."""
 
 _SETTLED: Final = 50e-6
 _ROUNDS: Final = 3
@@ -130,20 +126,9 @@ def relaxed(profile: Profile) -> tuple[Profile, tuple[str, ...]]:
     swapped = dataclasses.replace(settings.alarms.swapped, share=1.0)
     alarms = dataclasses.replace(settings.alarms, swapped=swapped)
     mechanism = dataclasses.replace(settings, limits=wider, alarms=alarms)
-    entry = profile.devices[settings.camera]
-    absence = max(entry.settings.max_absence, _ABSENCE)
-    marker = dataclasses.replace(
-        entry.settings.marker, area_tolerance=max(entry.settings.marker.area_tolerance, _SHRUNK)
-    )
-    patient = dataclasses.replace(entry.settings, max_absence=absence, marker=marker)
-    devices = {**profile.devices, settings.camera: dataclasses.replace(entry, settings=patient)}
-    notes += (
-        f"{settings.camera}.max_absence is {absence:g} s: a wrong pose puts rays beside the sphere",
-        f"{settings.camera}.marker.area_tolerance is {marker.area_tolerance:g}: a wrong pose tells "
-        "wrongly how much it leans",
-        "alarms.swapped.share is 1",
-    )
-    return dataclasses.replace(profile, mechanism_settings=mechanism, devices=devices), notes
+    loose = dataclasses.replace(profile, mechanism_settings=mechanism)
+    patient, more = bear_with_camera(loose, _ABSENCE)
+    return patient, (*notes, *more, "alarms.swapped.share is 1")
 
 
 def swing(profile: Profile, rosette: Rosette, done: Sequence[str]) -> Excitation:
