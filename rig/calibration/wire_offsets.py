@@ -46,13 +46,14 @@ class WireOffsets(NamedTuple):
         How much further each rod stands out than all in the mean, m.
     estimates : tuple of Estimate
         Of the extension of each rod where its wire is taut and the ring upright.
-    residuals : ndarray
-        m.
+    lean, lean_std : float
+        How much shorter all wires are in the mean because the ring leans, m: to second order.
     """
 
     offsets: tuple[float, ...]
     estimates: tuple[Estimate, ...]
-    residuals: "Array"
+    lean: float
+    lean_std: float
 
 
 def inclinometers(stretches: Sequence[str]) -> tuple[Instrument, ...]:
@@ -119,7 +120,7 @@ def wire_offsets(
     )
     settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
     side = np.array([float(value) for value in sides.values()])
-    estimates, residuals = [], []
+    estimates = []
     for k, channel in enumerate(pneumatics.channels):
         parts = [recording[name] for name in sides]
         extension = np.array([pneumatics.extension(part, channel).mean() for part in parts])
@@ -132,9 +133,10 @@ def wire_offsets(
         )  # fmt: skip
         value = 1e-3 * float(found.values[0])
         estimates.append(found.estimate(f"home.{channel}", "m", (1e-3, 0.0, 0.0), value))
-        residuals.append(1e-3 * found.residuals)
     homes = [estimate.value for estimate in estimates]
     mean = sum(homes) / len(homes)
+    leans = shortened.mean(axis=1)
     return WireOffsets(
-        tuple(value - mean for value in homes), tuple(estimates), np.concatenate(residuals)
-    )
+        tuple(value - mean for value in homes), tuple(estimates),
+        float(leans.mean()), float(leans.std(ddof=1)) / math.sqrt(len(leans)),
+    )  # fmt: skip

@@ -128,7 +128,7 @@ class Wires:
             "residual (µm)", pull, 1e3 * extension, 1e3 * (extension - residuals),
             np.full_like(pull, 1e3 * settings.home), 1e3,
         )  # fmt: skip
-        values: dict[str, Any] = {"home": quantity(home, "m")}
+        values: dict[str, Any] = {}
         single: tuple[Estimate, ...] = ()
         notes: tuple[str, ...] = ()
         if profile.mechanism == "joint":
@@ -136,8 +136,10 @@ class Wires:
             if wires is None:
                 notes = ("nobody read the inclinometer on the ring: single wires are not told",)
             else:
+                home, spread = home + wires.lean, math.hypot(spread, wires.lean_std)
                 values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
                 single = wires.estimates
+        values["home"] = quantity(home, "m")
         return (
             Finding(
                 profile.mechanism, values,
