@@ -16,7 +16,7 @@ from rig.calibration.joint.model import Sightings, axes_seen, extensions_seen, r
 from rig.calibration.joint.parameters import ANGLES, WIRES, Values, drawing_of, priors_of
 from rig.calibration.joint.rosette import UPRIGHT, Rosette
 from rig.calibration.joint.sightings import check_travel, sightings_of, track_of
-from rig.calibration.mechanism import bear_with_camera, pneumatics_of
+from rig.calibration.mechanism import DISAGREEMENT, bear_with_camera, pneumatics_of
 from rig.calibration.procedure import Excitation, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -113,7 +113,7 @@ def relaxed(profile: Profile) -> tuple[Profile, tuple[str, ...]]:
     limits = settings.limits
     wider = dataclasses.replace(
         limits,
-        disagreement=max(limits.disagreement, 40e-3),
+        disagreement=max(limits.disagreement, DISAGREEMENT),
         residual=max(limits.residual, 4e-3),
     )
     notes = tuple(
