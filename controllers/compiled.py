@@ -73,11 +73,11 @@ def compile_kernel(build: Callable[[int], Function], *folders: Path) -> Function
     return _compile(build(_digest(*folders or (Path(build.__code__.co_filename).parent,))))
 
 
-def memory_of(thing: object) -> "NDArray[np.uint8]":
+def memory_of(thing: object, kind: "np.dtype[np.void]") -> "NDArray[np.uint8]":
     """Lay an object's numbers out in memory, where kernels read and write them by their names.
 
     A method that is `inlined` and works on numbers alone takes a record for its ``self`` as well,
-    ``memory.view(record_type(thing))[0]``: so one source serves Python, tests and kernels. It is
+    ``memory.view(kind)[0]``: so one source serves Python, tests and kernels. It is
     handed over as plain bytes, because numba takes longer to recognise a structured array than
     many a law to run.
 
@@ -85,26 +85,28 @@ def memory_of(thing: object) -> "NDArray[np.uint8]":
     ----------
     thing : object
         Its attributes are numbers, booleans or objects like it.
+    kind : dtype
+        Its `record_type`, which takes ten times as long to find.
 
     Returns
     -------
     ndarray, shape (n,)
         Bytes of the record; it starts with the attributes' values.
-
-    Raises
-    ------
-    TypeError
-        An attribute is something else.
     """
     import numpy as np
 
-    return np.array([_values(thing)], record_type(thing)).view(np.uint8)
+    return np.array([_values(thing)], kind).view(np.uint8)
 
 
 def record_type(thing: object) -> "np.dtype[np.void]":
     """Return the structured type of `memory_of`: its fields are the object's attributes.
 
     Whole numbers are floating-point there, so that the type does not depend on what they are now.
+
+    Raises
+    ------
+    TypeError
+        An attribute is neither a number nor an object like it.
     """
     import numpy as np
 

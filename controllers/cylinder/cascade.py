@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.compiled import memory_of
+from controllers.compiled import memory_of, record_type
 from controllers.cylinder.cascade_law import CascadeLaw, Output, compiled_step
 from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.types import (
@@ -120,6 +120,7 @@ class Cascade:
         self._law = CascadeLaw(settings, model, period)
         self._step: Callable[..., Output] = CascadeLaw.step
         self._memory: Any = self._law
+        self._kind: Any = None
         self.estimate = PairEstimate(0.0, 0.0)
         """Velocity at the time of use, and the disturbance of the observer."""
         self.correction = 0.0
@@ -127,16 +128,17 @@ class Cascade:
 
     def compile(self) -> None:
         """Run compiled from now on, for a loop: in a third of the time, after seconds once."""
-        self._step = compiled_step(self._law)
-        self._step(memory_of(self._law), *_REST)  # the first call is what compiles
-        self._memory = memory_of(self._law)
+        self._kind = record_type(self._law)
+        self._step = compiled_step(self._kind)
+        self._memory = memory_of(self._law, self._kind)
+        self._step(self._memory.copy(), *_REST)  # the first call is what compiles
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
         difference = state.agonist - state.antagonist
         self._law.reset(state.position, difference)
-        if self._memory is not self._law:
-            self._memory = memory_of(self._law)
+        if self._kind is not None:
+            self._memory = memory_of(self._law, self._kind)
         self.estimate = PairEstimate(0.0, -self._area * difference)
 
     def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:

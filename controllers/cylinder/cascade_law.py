@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from controllers.compiled import compile_kernel, inlined, record_type
+from controllers.compiled import compile_kernel, inlined
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward
 from controllers.cylinder.types import PairModel
@@ -148,13 +148,16 @@ class CascadeLaw:
 _step = inlined(CascadeLaw.step)
 
 
-def compiled_step(law: CascadeLaw) -> Callable[..., Output]:
-    """Return `CascadeLaw.step` compiled; it takes the law's memory (see `memory_of`) first."""
-    return _kernel(record_type(law))
-
-
 @cache
-def _kernel(kind: Any) -> Callable[..., Output]:
+def compiled_step(kind: Any) -> Callable[..., Output]:
+    """Return `CascadeLaw.step` compiled; it takes the law's memory (see `memory_of`) first.
+
+    Parameters
+    ----------
+    kind : dtype
+        The law's `record_type`.
+    """
+
     def build(digest: int) -> Callable[..., Output]:
         def kernel(
             memory: Any, measured: float, difference: float, wanted: float, wanted_velocity: float,

@@ -4,6 +4,7 @@ What a cycle calls for the first time is compiled or imported then, which takes 
 milliseconds to seconds: on a rig the loop would have stalled. Simulated time does not mind.
 """
 
+import copy
 import logging
 from collections.abc import Sequence
 from typing import Any
@@ -30,15 +31,18 @@ def rehearse(plan: Plan) -> None:
     Parameters
     ----------
     plan : Plan
-        Its controller is reset when control of the rig itself begins.
+        A copy of its controller holds the simulated rig; what both share is reset when control of
+        the rig itself begins.
     """
     states = StateMachine()
     states.move(RigState.IDLE)
     stop = StopRequests()
+    # What it believes of the simulated rig stays with the copy, and out of the other rig's log.
+    controller = copy.copy(plan.controller)
     fault: Exception | None
     try:
         with build_rig(plan.profile, Backend.SIM) as rig:
-            rig.mechanism.controller = plan.controller
+            rig.mechanism.controller = controller
             rig.mechanism.motion = plan.motion
             rig.arm(torque=getattr(plan.motion, "has_torque", True))
             loop: Loop[Any, Any, Any] = Loop(
@@ -47,7 +51,7 @@ def rehearse(plan: Plan) -> None:
                 buses=tuple(rig.buses.values()),
                 devices=tuple(rig.devices.values()),
                 mechanism=rig.mechanism,
-                controller=plan.controller,
+                controller=controller,
                 states=states,
             )
             fault = loop.run(

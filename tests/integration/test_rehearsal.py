@@ -4,12 +4,15 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from rig.assembly import Backend
 from rig.experiment import run as running
 from rig.experiment.plan import load_plan
+from rig.experiment.rehearsal import rehearse
 from rig.hal import ConnectionFailed
+from rig.runtime.log import read_log
 
 SCRIPT = """
 import json, sys
@@ -55,6 +58,24 @@ def test_nothing_is_compiled_in_the_loop_after_a_rehearsal(experiment, tmp_path)
     assert ran == 0
     assert code == 0
     assert "rehearsal" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "experiment",
+    ["cylinder-step", pytest.param("joint-circle-camera", marks=pytest.mark.slow)],
+)
+def test_a_rehearsal_leaves_no_trace_in_the_log(experiment, tmp_path):
+    logs = []
+    for is_rehearsed in (False, True):
+        plan = load_plan(experiment)
+        if is_rehearsed:
+            rehearse(plan)
+        out = tmp_path / str(is_rehearsed)
+        result = running.run_experiment(plan, Backend.SIM, out, report=False)
+        logs.append(read_log(result.path / "log.mcap"))
+    first, second = logs
+    own = [not column.name.startswith("timing.") for column in first.columns]
+    assert np.array_equal(first.values[:, own], second.values[:, own])
 
 
 @pytest.mark.parametrize(("backend", "times"), [(Backend.SIM, 0), (Backend.HARDWARE, 1)])

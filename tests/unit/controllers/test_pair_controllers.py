@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from controllers.compiled import memory_of
+from controllers.compiled import record_type
 from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
 from controllers.cylinder.pid import Pid
@@ -344,4 +344,4 @@ def test_only_numbers_are_laid_out_for_a_kernel():
             self.name = "agonist"
 
     with pytest.raises(TypeError, match=r"Named\.name is 'agonist', which is no number"):
-        memory_of(Named())
+        record_type(Named())
