@@ -45,7 +45,8 @@ def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path
             order = panel.x.argsort(kind="stable")
             x = panel.x[order]
             style = {"marker": ".", "ms": 2.5, "rasterized": len(x) > 2000}
-            data.plot(x, panel.before[order], color=GREY, lw=0.8, ls=(0, (4, 2)), label="before")
+            curve = panel.curve or (x, panel.before[order])
+            data.plot(*curve, color=GREY, lw=0.8, ls=(0, (4, 2)), label="before")
             data.plot(x, panel.y[order], color=BLUE, lw=0, label="measured", **style)
             data.plot(
                 x, panel.fit[order], color=VERMILION, lw=0, label="fit", **{**style, "ms": 1.5}

@@ -31,6 +31,9 @@ class Panel(NamedTuple):
         What the new and the old calibration make of `x`.
     residual_scale : float
         From the unit of the data to that of the residuals, e.g. 1e3 from mm to µm.
+    curve : tuple of ndarray, shape (m,), optional
+        x and what the old calibration makes of it, where straight lines between the data would
+        tell something else.
     """
 
     title: str
@@ -42,6 +45,7 @@ class Panel(NamedTuple):
     fit: "NDArray[np.float64]"
     before: "NDArray[np.float64]"
     residual_scale: float = 1.0
+    curve: "tuple[NDArray[np.float64], NDArray[np.float64]] | None" = None
 
 
 class Finding(NamedTuple):

@@ -293,16 +293,20 @@ def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
 
 
 def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
-    believed = profile.mechanism_settings.friction
+    friction = profile.mechanism_settings.friction
     _, _, mass, growth, _, zero = found.values[:6]
     other = mass * rows.acceleration + growth * rows.load + zero * rows.side
-    friction = rows.force - other
-    fade = np.exp(-((rows.velocity / believed.stribeck_velocity) ** 2))
-    before = (
-        believed.coulomb + (believed.breakaway - believed.coulomb) * fade
-        + believed.viscous * rows.velocity
-    )  # fmt: skip
+    measured = rows.force - other
+
+    def believed(velocity: "Array") -> "Array":
+        fade = np.exp(-((velocity / friction.stribeck_velocity) ** 2))
+        rise = friction.breakaway - friction.coulomb
+        force: Array = friction.coulomb + rise * fade + friction.viscous * velocity
+        return force
+
+    speeds = np.linspace(0.0, rows.velocity.max(), 200)
     return Panel(
         "breaking away, and gliding", "velocity (mm/s)", "friction at base pressure (N)",
-        "residual (N)", 1e3 * rows.velocity, friction, friction - found.residuals, before,
+        "residual (N)", 1e3 * rows.velocity, measured, measured - found.residuals,
+        believed(rows.velocity), curve=(1e3 * speeds, believed(speeds)),
     )  # fmt: skip
