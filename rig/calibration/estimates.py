@@ -180,6 +180,46 @@ def _inverse_root(matrix: "NDArray[np.float64]") -> "NDArray[np.float64]":
     return np.asarray(root @ vectors[:, keep].T)
 
 
+def differ(residuals: "NDArray[np.float64]", groups: "NDArray[Any]", sure: float) -> bool:
+    """Return whether blocks of residuals differ by more than chance explains (F test).
+
+    Parameters
+    ----------
+    residuals, groups : ndarray, shape (n,)
+        And which block each one belongs to.
+    sure : float
+        Probability with which it is not said of blocks that are alike.
+    """
+    from scipy.stats import f
+
+    names = np.unique(groups)
+    parts = [residuals[groups == name] for name in names]
+    within = sum(float(((part - part.mean()) ** 2).sum()) for part in parts)
+    between = sum(len(part) * float(part.mean() - residuals.mean()) ** 2 for part in parts)
+    over, under = len(names) - 1, len(residuals) - len(names)
+    most = float(f.ppf(sure, over, under))
+    return between / over > most * within / under
+
+
+def welch(parts: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return standard deviation and degrees of freedom of a sum of independent errors.
+
+    Parameters
+    ----------
+    parts : sequence of tuple
+        Standard deviation and degrees of freedom of each.
+
+    References
+    ----------
+    B. L. Welch, "The generalization of Student's problem when several different population
+    variances are involved", Biometrika 34, 1947, pp. 28-35.
+    """
+    variance = sum(std**2 for std, _ in parts)
+    weight = sum(std**4 / freedom for std, freedom in parts)
+    freedom = variance**2 / weight if weight > 0.0 else sum(freedom for _, freedom in parts)
+    return float(np.sqrt(variance)), freedom
+
+
 def mean_of(name: str, unit: str, repetitions: Sequence[float]) -> Estimate:
     """Return the mean of independent repetitions with its interval.
 
@@ -205,18 +245,12 @@ def middle_of(name: str, unit: str, one: Sequence[float], other: Sequence[float]
     ------
     ValueError
         There are fewer than two in a group.
-
-    References
-    ----------
-    B. L. Welch, "The generalization of Student's problem when several different population
-    variances are involved", Biometrika 34, 1947, pp. 28-35.
     """
-    parts = []
-    for values in (one, other):
-        mean = mean_of(name, unit, values)
-        parts.append((mean.value, (0.5 * mean.std) ** 2, len(values) - 1.0))
-    variance = sum(part for _, part, _ in parts)
-    weight = sum(part**2 / freedom for _, part, freedom in parts)
-    freedom = variance**2 / weight if weight > 0.0 else sum(freedom for *_, freedom in parts)
-    value = 0.5 * sum(mean for mean, *_ in parts)
-    return interval(name, value, unit, float(np.sqrt(variance)), freedom)
+    means = [mean_of(name, unit, values) for values in (one, other)]
+    std, freedom = welch(
+        [
+            (0.5 * mean.std, len(values) - 1.0)
+            for mean, values in zip(means, (one, other), strict=True)
+        ]
+    )
+    return interval(name, 0.5 * sum(mean.value for mean in means), unit, std, freedom)

@@ -1,4 +1,4 @@
-"""How much further each rod of a joint stands out than the others, where the wires are taut.
+"""Where each wire of a joint is taut, from how its ring stands.
 
 A rod's extension tells its own wire's length only if it is known how the ring stands, and the rods
 cannot tell that from lengths that are not known: that takes an inclinometer on the ring, along the
@@ -7,7 +7,13 @@ ball's x and y axes. With the ring's axis u, a rod stands out by
     x_k = h_k - s_k(u) - A p_k / k + side (f_k + g_k A p_k),
 
 s_k being the shortening that the pose asks of the wire, k the wires' stiffness and side +1 on the
-way up, where the seals keep a part of the pull from the wire. Each reading errs by itself.
+way up, where the seals keep a part of the pull from the wire. `rig.calibration.wire_fit` finds the
+mean of all rods; what one differs from it by is found here, where what bristles do is the same to
+second order. Each reading of the inclinometer errs by itself.
+
+The shortening is the drawing's. Where the ring leans, what the joint was made to instead makes the
+rods err: everything within `joint.tolerance`, equally likely (JCGM 101), in proportion to the
+lean. Upright nothing is left of it.
 """
 
 import math
@@ -16,10 +22,13 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, fit
+from rig.calibration.estimates import Estimate, fit, welch
 from rig.calibration.instruments import Instrument
+from rig.calibration.joint.model import Wires
+from rig.calibration.joint.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
 from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.procedure import Readings
+from rig.calibration.propagation import half_width
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 
@@ -44,16 +53,15 @@ class WireOffsets(NamedTuple):
     ----------
     offsets : tuple of float
         How much further each rod stands out than all in the mean, m.
-    estimates : tuple of Estimate
-        Of the extension of each rod where its wire is taut and the ring upright.
-    lean, lean_std : float
-        How much shorter all wires are in the mean because the ring leans, m: to second order.
+    home : Estimate
+        Where all of them are taut in the mean, the ring upright.
+    single : tuple of Estimate
+        And each.
     """
 
     offsets: tuple[float, ...]
-    estimates: tuple[Estimate, ...]
-    lean: float
-    lean_std: float
+    home: Estimate
+    single: tuple[Estimate, ...]
 
 
 def inclinometers(stretches: Sequence[str]) -> tuple[Instrument, ...]:
@@ -72,6 +80,7 @@ def wire_offsets(
     readings: Readings,
     sides: Mapping[str, int],
     stiffness: float,
+    leaning_home: tuple[float, float, float],
 ) -> WireOffsets | None:
     """Return what is found of the single wires; None if nobody read the inclinometer.
 
@@ -87,12 +96,55 @@ def wire_offsets(
         The stretches in which it is read: +1 on the way up.
     stiffness : float
         Of a wire, N/m.
+    leaning_home : tuple of float
+        Mean of the rods' extensions where their wires are taut and the ring leans as it does, with
+        its standard deviation, m, and degrees of freedom.
 
     Raises
     ------
     CalibrationRefused
         It was not read everywhere, or the ring does not stand upright.
     """
+    axes = _axes(readings, sides)
+    if axes is None:
+        return None
+    believed = _believed(profile)
+    shortened = _shortened(believed, axes)
+    lean = shortened.mean(axis=1)
+    known = (float(lean.std(ddof=1)) / math.sqrt(len(lean)), len(lean) - 1.0)
+    value, std, freedom = leaning_home
+    mean = value + float(lean.mean())
+    parts = [(std, freedom), known]
+    made = _made(profile, believed, axes)
+    home = _home("home", mean, parts, made.mean(axis=1))
+
+    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
+    recorded = [recording[name] for name in sides]
+    extension = np.array(
+        [[pneumatics.extension(p, c).mean() for c in pneumatics.channels] for p in recorded]
+    )
+    pull = settings.area * np.array(
+        [[p.mean(f"reading.pressure_{c}") for c in pneumatics.channels] for p in recorded]
+    )
+    taut = extension + shortened + pull / stiffness
+    apart = 1e3 * (taut - taut.mean(axis=1)[:, None])
+    side = np.array([float(value) for value in sides.values()])
+    share = (pull / pull.mean()).mean(axis=1)
+    offsets, single = [], []
+    for k, channel in enumerate(pneumatics.channels):
+        found = fit(
+            lambda q: apart[:, k] - q[0] - side * (q[1] + q[2] * share),  # noqa: B023
+            (0.0, 0.0, 0.0), (0.1, 0.01, 0.01),
+        )  # fmt: skip
+        own = found.parameter(0, "", "mm")
+        offsets.append(1e-3 * own.value)
+        others = [*parts, (1e-3 * own.std, found.freedom)]
+        single.append(_home(f"home.{channel}", mean + offsets[-1], others, made[:, k]))
+    return WireOffsets(tuple(offsets), home, tuple(single))
+
+
+def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
+    """Return the ring's axis in each stretch, shape (n, 3), as the inclinometer shows it."""
     shown = [readings.get(f"inclinometer {axis}", {}) for axis in _AXES]
     if not any(shown):
         return None
@@ -109,34 +161,47 @@ def wire_offsets(
             f"the ring leans by {math.degrees(float(np.hypot(*leaning.T).max())):.3g} deg: put it "
             "upright before its wires are measured"
         )
-    from controllers.spherical_joint.wires import InverseKinematics
+    x, y = np.sin(leaning).T
+    return np.column_stack([x, y, np.sqrt(1.0 - x * x - y * y)])
 
-    inverse = InverseKinematics(profile.mechanism_settings.geometry)
-    shortened = np.array(
-        [
-            inverse.shortening((x, y, math.sqrt(1.0 - x * x - y * y)))
-            for x, y in np.sin(leaning).tolist()
-        ]
+
+def _home(name: str, value: float, parts: Sequence[tuple[float, float]], made: "Array") -> Estimate:
+    """Return an estimate whose error is what scatters, and what tolerances leave."""
+    std, freedom = welch(parts)
+    half = half_width(std, freedom, even=made.tolist())
+    return Estimate(
+        name, value, "m", float(np.hypot(std, np.linalg.norm(made))), value - half, value + half
     )
-    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
-    side = np.array([float(value) for value in sides.values()])
-    estimates = []
-    for k, channel in enumerate(pneumatics.channels):
-        parts = [recording[name] for name in sides]
-        extension = np.array([pneumatics.extension(part, channel).mean() for part in parts])
-        pull = settings.area * np.array([p.mean(f"reading.pressure_{channel}") for p in parts])
-        taut = 1e3 * (extension + shortened[:, k] + pull / stiffness)
-        share = pull / pull.mean()
-        found = fit(
-            lambda q: taut - q[0] - side * (q[1] + q[2] * share),  # noqa: B023
-            (taut.mean(), 0.0, 0.0), (0.1, 0.01, 0.01),
-        )  # fmt: skip
-        value = 1e-3 * float(found.values[0])
-        estimates.append(found.estimate(f"home.{channel}", "m", (1e-3, 0.0, 0.0), value))
-    homes = [estimate.value for estimate in estimates]
-    mean = sum(homes) / len(homes)
-    leans = shortened.mean(axis=1)
-    return WireOffsets(
-        tuple(value - mean for value in homes), tuple(estimates),
-        float(leans.mean()), float(leans.std(ddof=1)) / math.sqrt(len(leans)),
-    )  # fmt: skip
+
+
+def _believed(profile: Profile) -> dict[str, float]:
+    """Return every dimension of the joint as its profile has it, with parts in their places."""
+    geometry = profile.mechanism_settings.geometry
+    return {
+        **{name: getattr(geometry, name) for name in LENGTHS},
+        **dict(zip(ANGLES, geometry.anchor_angles, strict=True)),
+        **{f"{name}_{k}": 0.0 for k in WIRES for name in PARTS},
+    }
+
+
+def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
+    """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
+    wires = Wires.of(values)
+    return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
+
+
+def _made(profile: Profile, believed: Mapping[str, float], axes: "Array") -> "Array":
+    """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, 4)."""
+    rows = {
+        prior.name: 0.5 * (ahead - behind).mean(axis=0)
+        for priors in made_of(profile)
+        for prior in priors
+        if prior.name in believed
+        for behind, ahead in [
+            [_shortened({**believed, prior.name: believed[prior.name] + side * prior.std}, axes)
+             for side in (-1.0, 1.0)]
+        ]
+    }  # fmt: skip
+    # Angles count from the anchors' mean.
+    turned = np.mean([rows[name] for name in ANGLES], axis=0)
+    return np.array([row - turned if name in ANGLES else row for name, row in rows.items()])

@@ -76,6 +76,17 @@ def drawing_of(profile: Profile) -> SphericalJointGeometry:
     return geometry
 
 
+def made_of(profile: Profile) -> tuple[list[Prior], list[Prior]]:
+    """Return what the drawing and its tolerances say of dimensions, and of the single parts."""
+    drawing, tolerance = drawing_of(profile), profile.mechanism_settings.tolerance
+    part, length = _FLAT * tolerance.part, _FLAT * tolerance.length
+    sizes = [(name, getattr(drawing, name)) for name in LENGTHS]
+    dimensions = [Prior(name, "m", size, length * size, True) for name, size in sizes]
+    dimensions += _each(ANGLES, "rad", drawing.anchor_angles, _FLAT * tolerance.angle, even=True)
+    names = [f"{name}_{k}" for k in WIRES for name in PARTS] + ["marker_x", "marker_y"]
+    return dimensions, _each(names, "m", (0.0,) * len(names), part, even=True)
+
+
 def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...]:
     """Return every parameter with what drawing, tolerances and the friction's model say.
 
@@ -90,12 +101,10 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     settings, drawing = profile.mechanism_settings, drawing_of(profile)
     tolerance = settings.tolerance
     camera = profile.devices[settings.camera].nominal
-    part, length = _FLAT * tolerance.part, _FLAT * tolerance.length
-    dimensions = [(name, getattr(drawing, name)) for name in LENGTHS]
-    rows = [Prior(name, "m", size, length * size, True) for name, size in dimensions]
+    rows, parts = made_of(profile)
     if height is not None and settings.geometry != drawing:
-        rows[-1] = Prior("marker_height", "m", settings.geometry.marker_height, height)
-    rows += _each(ANGLES, "rad", drawing.anchor_angles, _FLAT * tolerance.angle, even=True)
+        marker = Prior("marker_height", "m", settings.geometry.marker_height, height)
+        rows = [marker if row.name == marker.name else row for row in rows]
     rows += _each(CAMERA, "m", camera.position_camera_in_base, _MOUNTED)
     rows += _each(CAMERA_ANGLES, "rad", (0.0,) * 3, _TURNED)
     rows += [Prior("lateness", "s", 0.0, _LATE), Prior("home", "m", settings.home, _HOMED)]
@@ -109,9 +118,7 @@ def priors_of(profile: Profile, height: float | None = None) -> tuple[Prior, ...
     rows += [Prior("viscous", "N s/m", damping, _FLAT * tolerance.friction * damping, True)]
     rows += [Prior("excess", "1", 0.0, _FLAT * tolerance.friction, True, True)]
     rows += [Prior("load", "1", 0.0, _LOADED), Prior("reversal", "1", 0.0, _REVERSED)]
-    names = [f"{name}_{k}" for k in WIRES for name in PARTS]
-    rows += _each((*names, "marker_x", "marker_y"), "m", (0.0,) * (len(names) + 2), part, even=True)
-    return tuple(rows)
+    return (*rows, *parts)
 
 
 def _each(

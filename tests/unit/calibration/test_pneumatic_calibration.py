@@ -74,6 +74,16 @@ class TestWires:
         assert found["home"] == pytest.approx(self.HOME, abs=0.5e-6)
         assert found["wire.stiffness"] == pytest.approx(self.STIFFNESS, rel=2e-3)
 
+    def test_says_where_whole_sweeps_err_together(self, profile):
+        for drift, told in ((0.0, 0), (2e-6, 1)):
+            recording, rng = self.recording(profile), np.random.default_rng(1)
+            for name, row in recording._rows.items():
+                error = 0.2e-6 * rng.standard_normal() + drift * name.startswith("sweep 2")
+                for channel in pneumatics_of(profile).channels:
+                    row[f"{pneumatics_of(profile).rods}_{channel}"] += error
+            (finding,) = procedures(profile)["wires"].identify(profile, recording, {})
+            assert sum("err together" in note for note in finding.notes) == told
+
     def test_finds_each_wire_by_how_the_ring_stands(self, profile):
         """The first rod is 0.8 mm off and the ring leans by 1 deg towards its anchor."""
         if profile.mechanism == "cylinder":
@@ -92,6 +102,9 @@ class TestWires:
         }
         (finding,) = procedures(profile)["wires"].identify(profile, recording, readings)
         found = {e.name: e.value for e in finding.estimates}
+        # The drawing's tolerances make more of the intervals the more the ring leans.
+        home = finding.estimates[0]
+        assert 2e-6 < home.high - home.value < 10e-6
         for k, each in enumerate(off):
             assert found[f"home.ch{k + 1}"] == pytest.approx(self.HOME + each, abs=5e-6)
         offsets = [float(text.split()[0]) for text in finding.values["wire_offsets"]]
