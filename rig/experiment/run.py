@@ -5,6 +5,7 @@ import shlex
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
@@ -14,7 +15,7 @@ from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
-from rig.hal import DeviceError, RigError
+from rig.hal import Clock, DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
 from rig.runtime.loop import (
@@ -136,14 +137,17 @@ def run_experiment(
     for sentence in doubts:
         watcher.said(sentence)
         _Events(folder)(None, "calibration", sentence, {})
+    stopwatch = _Stopwatch(rig.clock)
     with StopRequests() as stop:
-        status, code, message = _run(plan, rig, folder, watcher, stop)
+        status, code, message = _run(plan, rig, folder, watcher, stop, stopwatch)
         stop.shield()  # what is left is bookkeeping; it is not to be torn either
         counts: dict[str, Any] = {"buses": rig.statistics()}
         if frame_log is not None:
             counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
             _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
-        metrics = _finish(plan, folder, status)
+        metrics = _finish(plan, folder, status, stopwatch)
+        if backend.is_simulated and stopwatch.facts:
+            watcher.said(str(stopwatch))
         if status is RunStatus.OK and not all_passed(metrics):
             status, code = RunStatus.FAILED, EXIT_MISSED
         folder.finish(status, code, message, counts)
@@ -234,7 +238,12 @@ def _keep_frames(
 
 
 def _run(
-    plan: Plan, rig: Rig, folder: RunFolder, watcher: Watcher, stop: StopRequests
+    plan: Plan,
+    rig: Rig,
+    folder: RunFolder,
+    watcher: Watcher,
+    stop: StopRequests,
+    stopwatch: "_Stopwatch",
 ) -> tuple[RunStatus, int, str | None]:
     """Connect, arm, loop; return status, exit code and what ended it early."""
     events = _Events(folder)
@@ -265,14 +274,15 @@ def _run(
                     events(None, "real-time", sentence, {})
                 rig.arm(torque=getattr(plan.motion, "has_torque", True))
                 energised = True
-                outcome = loop.run(
-                    plan.motion,
-                    recorder=recorder,
-                    events=events,
-                    stop=stop,
-                    timings=Timings(approach=plan.experiment.approach),
-                    progress=watcher.progressed,
-                )
+                with stopwatch:
+                    outcome = loop.run(
+                        plan.motion,
+                        recorder=recorder,
+                        events=events,
+                        stop=stop,
+                        timings=Timings(approach=plan.experiment.approach),
+                        progress=watcher.progressed,
+                    )
         held = getattr(rig.mechanism, "pose_held", str)() if outcome.fault is not None else None
         if held:
             watcher.said(held)
@@ -322,7 +332,9 @@ def _judge(
     return RunStatus.OK, EXIT_OK, None
 
 
-def _finish(plan: Plan, folder: RunFolder, status: RunStatus) -> list[Metric]:
+def _finish(
+    plan: Plan, folder: RunFolder, status: RunStatus, stopwatch: "_Stopwatch"
+) -> list[Metric]:
     """Write metrics and timing of whatever was recorded; return the metrics."""
     from rig.report.timing import summarise_timing
 
@@ -330,12 +342,36 @@ def _finish(plan: Plan, folder: RunFolder, status: RunStatus) -> list[Metric]:
         return []
     log = read_log(folder.log_path)
     if len(log.cycle):
-        folder.write_timing(summarise_timing(log))
+        folder.write_timing(summarise_timing(log) | stopwatch.facts)
     if status is not RunStatus.OK:
         return []
     metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics, facts_of(plan.motion))
     folder.write_metrics(metrics)
     return metrics
+
+
+class _Stopwatch:
+    """Takes the loop's time by its own clock and by the wall's, however it ends."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._took = self._covered = 0.0
+
+    def __enter__(self) -> None:
+        self._took, self._covered = -perf_counter(), -self._clock.now()
+
+    def __exit__(self, *_: object) -> None:
+        self._took += perf_counter()
+        self._covered += self._clock.now()
+
+    @property
+    def facts(self) -> dict[str, float]:
+        """How long the loop took, s, and how many times real time that is."""
+        return {"took": self._took, "speed": self._covered / self._took} if self._took else {}
+
+    def __str__(self) -> str:
+        factor = self._covered / self._took if self._took else 0.0
+        return f"{self._covered:.1f} s took {self._took:.1f} s: {factor:.3g} times real time"
 
 
 class _Events:

@@ -139,6 +139,13 @@ def _figures(figures: Sequence[Path]) -> str:
     return _section("Figures", "\n".join(parts)) if parts else ""
 
 
+def _speed(timing: Mapping[str, Any]) -> str:
+    """Return how fast the loop ran; nothing for runs that were recorded without it."""
+    if "speed" not in timing:
+        return ""
+    return f"The loop took {timing['took']:.2f} s, {timing['speed']:.3g} times real time. "
+
+
 def _timing(timing: Mapping[str, Any]) -> str:
     if not timing.get("stages"):
         return ""
@@ -172,6 +179,7 @@ def _timing(timing: Mapping[str, Any]) -> str:
     text = (
         f"<p>{timing['cycles']} cycles of {timing['period'] * 1e3:.4g} ms; "
         f"{timing['overruns']} took longer than that, {timing['missed']} ticks were missed. "
+        f"{_speed(timing)}"
         "These are wall-clock times of this machine and differ from run to run.</p>"
     )
     details = f"<details><summary>The longest cycles</summary>{worst}</details>"

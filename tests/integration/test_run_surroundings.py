@@ -1,8 +1,10 @@
 """What the machine around a run may lack: an interface, a place to write, room on the disk."""
 
+import json
 import resource
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from rig.cli import invoke
@@ -58,3 +60,16 @@ def test_output_is_plain_where_there_is_no_terminal(tmp_path, capfd):
     said = capfd.readouterr()
     assert "\x1b" not in said.err + said.out
     assert "run …" in said.err
+
+
+def test_run_tells_how_fast_the_machine_was(tmp_path, capsys):
+    before = time.perf_counter()
+    assert invoke([*BASE, "--out", str(tmp_path)]) == 0
+    whole = time.perf_counter() - before
+    (path,) = tmp_path.iterdir()
+    timing = json.loads((path / "timing.json").read_text(encoding="utf-8"))
+    log = read_log(path / "log.mcap")
+    assert 0.0 < timing["took"] < whole
+    covered = timing["speed"] * timing["took"]
+    assert abs(covered - (log.t[-1] - log.t[0])) < 0.1
+    assert f"{covered:.1f} s took {timing['took']:.1f} s" in capsys.readouterr().err
