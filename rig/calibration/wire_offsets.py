@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, fit, welch
+from rig.calibration.estimates import Estimate, Fit, fit, welch
 from rig.calibration.instruments import Instrument
 from rig.calibration.joint.model import Wires
 from rig.calibration.joint.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
@@ -53,14 +53,15 @@ class WireOffsets(NamedTuple):
     ----------
     offsets : tuple of float
         How much further each rod stands out than all in the mean, m.
-    home : Estimate
-        Where all of them are taut in the mean, the ring upright.
+    home, give : Estimate
+        Where all of them are taut in the mean, the ring upright, and how they give, m and m/N.
     single : tuple of Estimate
-        And each.
+        Where each of them is taut.
     """
 
     offsets: tuple[float, ...]
     home: Estimate
+    give: Estimate
     single: tuple[Estimate, ...]
 
 
@@ -79,8 +80,7 @@ def wire_offsets(
     recording: Recording,
     readings: Readings,
     sides: Mapping[str, int],
-    stiffness: float,
-    leaning_home: tuple[float, float, float],
+    found: Fit,
 ) -> WireOffsets | None:
     """Return what is found of the single wires; None if nobody read the inclinometer.
 
@@ -94,11 +94,8 @@ def wire_offsets(
         Of the inclinometer.
     sides : mapping of str to int
         The stretches in which it is read: +1 on the way up.
-    stiffness : float
-        Of a wire, N/m.
-    leaning_home : tuple of float
-        Mean of the rods' extensions where their wires are taut and the ring leans as it does, with
-        its standard deviation, m, and degrees of freedom.
+    found : Fit
+        What the mean of all rods says while the ring leans as it does: home (mm), give (mm/N).
 
     Raises
     ------
@@ -108,16 +105,6 @@ def wire_offsets(
     axes = _axes(readings, sides)
     if axes is None:
         return None
-    believed = _believed(profile)
-    shortened = _shortened(believed, axes)
-    lean = shortened.mean(axis=1)
-    known = (float(lean.std(ddof=1)) / math.sqrt(len(lean)), len(lean) - 1.0)
-    value, std, freedom = leaning_home
-    mean = value + float(lean.mean())
-    parts = [(std, freedom), known]
-    made = _made(profile, believed, axes)
-    home = _home("home", mean, parts, made.mean(axis=1))
-
     settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
     recorded = [recording[name] for name in sides]
     extension = np.array(
@@ -126,21 +113,44 @@ def wire_offsets(
     pull = settings.area * np.array(
         [[p.mean(f"reading.pressure_{c}") for c in pneumatics.channels] for p in recorded]
     )
-    taut = extension + shortened + pull / stiffness
+    side, mean_pull = np.array([float(value) for value in sides.values()]), pull.mean(axis=1)
+    believed = _believed(profile)
+    shortened = _shortened(believed, axes)
+    made = _made(profile, believed, axes)
+
+    # What the lean adds to both lines, up and down; it changes a little as the pull does.
+    lines = np.column_stack([np.ones(len(side)), -mean_pull, side, side * mean_pull])
+    lean = fit(
+        lambda q: 1e3 * shortened.mean(axis=1) - lines @ q, (0.0,) * 4, (1e-3, 1e-5, 1e-3, 1e-5)
+    )
+    leaning = np.linalg.lstsq(lines, made.mean(axis=2).T, rcond=None)[0]
+    parts = [
+        [
+            (f.parameter(k, "", "").std, f.freedom_of(np.eye(len(f.values))[k]))
+            for f in (found, lean)
+        ]
+        for k in (0, 1)
+    ]
+    home, give = (
+        _sum(name, unit, 1e-3 * float(found.values[k] + lean.values[k]), parts[k], leaning[k])
+        for k, (name, unit) in enumerate((("home", "m"), ("give", "m/N")))
+    )
+
+    taut = extension + shortened + pull * give.value
     apart = 1e3 * (taut - taut.mean(axis=1)[:, None])
-    side = np.array([float(value) for value in sides.values()])
-    share = (pull / pull.mean()).mean(axis=1)
+    share = mean_pull / mean_pull.mean()
+    own_made = made.mean(axis=1) - made.mean(axis=(1, 2))[:, None] + leaning[0][:, None]
     offsets, single = [], []
     for k, channel in enumerate(pneumatics.channels):
-        found = fit(
+        own = fit(
             lambda q: apart[:, k] - q[0] - side * (q[1] + q[2] * share),  # noqa: B023
             (0.0, 0.0, 0.0), (0.1, 0.01, 0.01),
-        )  # fmt: skip
-        own = found.parameter(0, "", "mm")
+        ).parameter(0, "", "mm")  # fmt: skip
         offsets.append(1e-3 * own.value)
-        others = [*parts, (1e-3 * own.std, found.freedom)]
-        single.append(_home(f"home.{channel}", mean + offsets[-1], others, made[:, k]))
-    return WireOffsets(tuple(offsets), home, tuple(single))
+        others = [*parts[0], (own.std, len(side) - 3.0)]
+        value = home.value + offsets[-1]
+        single.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
+    return WireOffsets(tuple(offsets), home, give, tuple(single))
 
 
 def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
@@ -165,13 +175,24 @@ def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
     return np.column_stack([x, y, np.sqrt(1.0 - x * x - y * y)])
 
 
-def _home(name: str, value: float, parts: Sequence[tuple[float, float]], made: "Array") -> Estimate:
-    """Return an estimate whose error is what scatters, and what tolerances leave."""
-    std, freedom = welch(parts)
+def _sum(
+    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: "Array"
+) -> Estimate:
+    """Return an estimate whose error is what scatters, and what tolerances leave.
+
+    Parameters
+    ----------
+    name, unit, value
+        See `Estimate`.
+    parts : sequence of tuple
+        Standard deviation, in thousandths of `unit`, and degrees of freedom of what scatters.
+    made : ndarray, shape (m,)
+        Standard deviation of what each tolerance leaves, in `unit`.
+    """
+    std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
     half = half_width(std, freedom, even=made.tolist())
-    return Estimate(
-        name, value, "m", float(np.hypot(std, np.linalg.norm(made))), value - half, value + half
-    )
+    whole = float(np.hypot(std, np.linalg.norm(made)))
+    return Estimate(name, value, unit, whole, value - half, value + half)
 
 
 def _believed(profile: Profile) -> dict[str, float]:
@@ -191,9 +212,9 @@ def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
 
 
 def _made(profile: Profile, believed: Mapping[str, float], axes: "Array") -> "Array":
-    """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, 4)."""
+    """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, n, 4)."""
     rows = {
-        prior.name: 0.5 * (ahead - behind).mean(axis=0)
+        prior.name: 0.5 * (ahead - behind)
         for priors in made_of(profile)
         for prior in priors
         if prior.name in believed

@@ -110,25 +110,26 @@ class Wires:
             np.full_like(pull, 1e3 * settings.home), 1e3,
         )  # fmt: skip
         told = found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home)
+        gives = found.estimate("give", "m/N", (0, 1e-3, 0, 0, 0), give)
         values: dict[str, Any] = {}
         single: tuple[Estimate, ...] = ()
         notes: tuple[str, ...] = () if steady else (_UNSTEADY,)
         if profile.mechanism == "joint":
-            freedom = found.freedom_of((1.0, 0, 0, 0, 0))
-            wires = wire_offsets(
-                profile, recording, readings, _read(profile), 1.0 / give, (home, told.std, freedom)
-            )
+            wires = wire_offsets(profile, recording, readings, _read(profile), found)
             if wires is None:
                 notes += ("nobody read the inclinometer on the ring: single wires are not told",)
             else:
                 values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
-                told, single = wires.home, wires.single
+                told, gives, single = wires.home, wires.give, wires.single
         values["home"] = quantity(told.value, "m")
-        softness = found.estimate("wire.stiffness", "N/m", (0, 1e-3 / give**2, 0, 0, 0), 1.0 / give)
-        stretch = found.estimate("wire.stretch", "m", (0, 1e-3 * base, 0, 0, 0), give * base)
+        stretch = Estimate("wire.stretch", gives.value * base, "m", *(base * x for x in gives[3:]))
+        stiffness = Estimate(
+            "wire.stiffness", 1.0 / gives.value, "N/m", gives.std / gives.value**2,
+            1.0 / gives.high, 1.0 / gives.low,
+        )  # fmt: skip
         return (
             Finding(
-                profile.mechanism, values, (told, softness, stretch, *single),
+                profile.mechanism, values, (told, stiffness, stretch, *single),
                 extension - fitted, "m", _BOUND, 2 * SWEEPS, (panel,), notes=notes,
             ),
         )  # fmt: skip
