@@ -37,11 +37,18 @@ class PairSignals(NamedTuple):
     load: "Array"
 
 
-def pairs_of(profile: Profile, stretch: Stretch) -> list[PairSignals]:
+def pairs_of(profile: Profile, stretch: Stretch, axis: "Array | None" = None) -> list[PairSignals]:
     """Return what the pairs of a ``cylinder`` or ``joint`` did in a stretch.
 
     A joint's pair moves the ring with more than the difference of its own two tensions wherever
     the ring leans; see `controllers.spherical_joint.tension`.
+
+    Parameters
+    ----------
+    profile, stretch
+        Of which rig, and what was recorded.
+    axis : ndarray, shape (n, 3), optional
+        Of a joint's ring; if it is not given, as the controller made it out from the rods.
     """
     settings = profile.mechanism_settings
     area = settings.area
@@ -55,17 +62,17 @@ def pairs_of(profile: Profile, stretch: Stretch) -> list[PairSignals]:
     channels = tuple(profile.devices[settings.regulators].settings.channels)
     pull = area * np.column_stack([stretch[f"reading.pressure_{c}"] for c in channels])
     rods = np.column_stack([stretch[f"reading.rod_{c}"] for c in channels])
-    marker = np.column_stack([stretch[f"estimate.encoder_marker_{axis}"] for axis in "xyz"])
+    if axis is None:
+        marker = np.column_stack([stretch[f"estimate.encoder_marker_{name}"] for name in "xyz"])
+        axis = marker / np.linalg.norm(marker, axis=1)[:, None]
     at = TensionDistribution(settings.geometry).at
-    places = np.arange(0, len(marker), _POSE_EVERY)
-    poses = [
-        at(natural_rotation(tuple((row / np.linalg.norm(row)).tolist()))) for row in marker[places]
-    ]
+    places = np.arange(0, len(axis), _POSE_EVERY)
+    poses = [at(natural_rotation((x, y, z))) for x, y, z in axis[places].tolist()]
     found = []
     for number, (one, other) in enumerate(PAIRS):
         rows = np.array([(pose.first, pose.second)[number] for pose in poses])
         weights = np.column_stack(
-            [np.interp(np.arange(len(marker)), places, rows[:, k]) for k in range(len(channels))]
+            [np.interp(np.arange(len(axis)), places, rows[:, k]) for k in range(len(channels))]
         )
         found.append(
             PairSignals(

@@ -1,4 +1,4 @@
-"""What strokes of a pair say once they are smoothed: where it slides, and where it slips.
+"""What strokes of a pair say once they are smoothed, and where it slides.
 
 A controller on sticking seals never moves evenly, so velocity and acceleration are not taken by
 differences: every term is weighed with one smooth bump of 20 ms, and the derivatives are moved to
@@ -11,7 +11,6 @@ the modulating functions.
 """
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -23,9 +22,6 @@ if TYPE_CHECKING:
 
 BUMP: Final = 0.021
 """Width of the bump, s."""
-
-_REST: Final = 15
-"""So many samples of rest make the next motion a slip."""
 
 _THIN: Final = 5
 
@@ -89,17 +85,3 @@ def sliding(velocity: "Array", least: float, width: int) -> "NDArray[np.int_]":
     around = sliding_window_view(velocity, width)
     inside = (around.min(axis=1) > least) | (around.max(axis=1) < -least)
     return np.flatnonzero(inside)[::_THIN] + half
-
-
-def slips(signals: Signals, direction: float) -> Iterator[float]:
-    """Yield the greatest pull before each slip, N."""
-    still = np.abs(signals.velocity) < 5e-4
-    fast = direction * signals.velocity > 4e-3
-    rested, last = 0, 0
-    for k in range(len(still)):
-        if still[k]:
-            rested, last = rested + 1, k
-        elif fast[k] or direction * signals.velocity[k] < -4e-3:
-            if rested >= _REST and fast[k]:
-                yield float((direction * signals.force[max(last - 20, 0) : k]).max())
-            rested = 0

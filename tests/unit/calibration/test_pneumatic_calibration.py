@@ -12,7 +12,6 @@ from rig.calibration.estimates import fit, middle_of
 from rig.calibration.excitation import Leaning, Strokes
 from rig.calibration.mechanism import pneumatics_of, reach, relaxed
 from rig.calibration.recording import CalibrationRefused, Stretch
-from rig.calibration.sliding import slips, smooth
 from rig.config import find_configs, load_profile
 
 
@@ -176,18 +175,6 @@ def test_the_middle_of_unlike_groups_has_honest_intervals():
     assert 0.93 <= np.mean(held) <= 0.975
     alike = middle_of("x", "s", [1.0, 1.0], [2.0, 2.0])
     assert (alike.value, alike.low, alike.high) == (1.5, 1.5, 1.5)
-
-
-def test_a_slip_is_told_by_the_pull_that_made_it():
-    t = np.arange(3000) * 1e-3
-    stuck = (t % 0.5) < 0.4
-    x = np.cumsum(np.where(stuck, 0.0, 1e-2)) * 1e-3
-    force = 5.0 + 10.0 * np.minimum(t % 0.5, 0.4)
-    signals = smooth(force, x, np.zeros_like(t), 1e-3)
-    found = list(slips(signals, 1.0))
-    assert len(found) == 6
-    assert found == pytest.approx([9.0] * 6, abs=0.1)
-    assert list(slips(signals, -1.0)) == []
 
 
 def test_only_what_is_looked_for_is_relaxed(profile):

@@ -1,0 +1,197 @@
+"""Tugs at a joint's pairs that stand still: how much it takes until one breaks away.
+
+Creeping under a controller, both pairs slip by turns, and what each of them shows then depends on
+where the other has left the ring's seat. So the ring stands upright, where nothing makes it fall
+over, one pair is pushed ever harder while the other one holds, and a controller catches the ring
+as soon as it has moved.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Final, NamedTuple
+
+from annotated_types import Ge, Gt, Unit
+
+from controllers.spherical_joint.great_circle import great_circle
+from controllers.spherical_joint.types import JointCommand, JointReference, JointState
+from rig.calibration.excitation import Strokes
+from rig.runtime.motion import Segment
+
+_UPRIGHT: Final = (0.0, 0.0, 1.0)
+_ZERO: Final = (0.0, 0.0, 0.0)
+BROKEN: Final = 0.3e-3
+"""A pair that is so far from where it stood has broken away, m: ten times what contacts give."""
+
+
+class Tug(NamedTuple):
+    """One tug.
+
+    Parameters
+    ----------
+    name : str
+        Of its stretch.
+    pair : int
+        0 or 1.
+    side : int
+        +1 or -1: where to.
+    start : float
+        When the ring begins to go upright, s.
+    rise : float
+        When the force begins to rise, s.
+    end : float
+        s.
+    """
+
+    name: str
+    pair: int
+    side: int
+    start: float
+    rise: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class StrokesAndTugs:
+    """Strokes that lean between a joint's pairs, and then tugs at each of them to either side.
+
+    Parameters
+    ----------
+    strokes : Strokes
+        Of what lies along the ball.
+    count : int
+        Tugs at each pair to each side; 0 for none.
+    rate : float
+        Of the force, N/s.
+    most : float
+        Greatest force, N.
+    move, rest : float
+        Time to go upright, and to rest there, s.
+    """
+
+    strokes: Strokes
+    count: Annotated[int, Ge(0)] = 5
+    rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
+    most: Annotated[float, Unit("N"), Gt(0)] = 32.0
+    move: Annotated[float, Unit("s"), Gt(0)] = 0.5
+    rest: Annotated[float, Unit("s"), Gt(0)] = 0.3
+    _tugs: Any = field(init=False, repr=False, default=())
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_tugs", tuple(self._plan()))
+
+    def _plan(self) -> Iterator[Tug]:
+        each = self.move + self.rest + self.most / self.rate
+        turns = [(pair, side) for _ in range(self.count) for pair in (0, 1) for side in (1, -1)]
+        for k, (pair, side) in enumerate(turns):
+            start = self.strokes.duration + k * each
+            rise = start + self.move + self.rest
+            name = f"tug {k + 1} at pair {pair + 1} {'+' if side > 0 else '-'}"
+            yield Tug(name, pair, side, start, rise, start + each)
+
+    @property
+    def tugs(self) -> tuple[Tug, ...]:
+        """The tugs in their order."""
+        return tuple(self._tugs)
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self._tugs[-1].end if self._tugs else self.strokes.duration)
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The strokes' constant-speed parts, and each tug from where its force begins to rise."""
+        rises = (Segment(tug.name, tug.rise, tug.end) for tug in self._tugs)
+        return (*self.strokes.segments, *rises)
+
+
+class Tugging:
+    """Does strokes and tugs; to the runtime it is the motion and its controller in one.
+
+    Parameters
+    ----------
+    settings : StrokesAndTugs
+        What is to be done.
+    strokes : Motion
+        The strokes as a motion of the joint.
+    controller : PoseController
+        Follows it, and catches the ring.
+    """
+
+    def __init__(self, settings: StrokesAndTugs, strokes: Any, controller: Any) -> None:
+        self.duration = settings.duration
+        self.segments = settings.segments
+        self.estimate = controller.estimate
+        self.learning = None  # what the joint's log keeps of laps
+        self._settings = settings
+        self._strokes = strokes
+        self._controller = controller
+        self._t = 0.0
+        self._restart()
+
+    def _restart(self) -> None:
+        self._number = -1
+        self._from = _UPRIGHT
+        self._since = 0.0
+        self._stood: float | None = None
+        self._caught = False
+
+    @property
+    def pose(self) -> Any:
+        """What a joint's log keeps of a plan."""
+        return self._strokes.pose
+
+    def at(self, t: float) -> JointReference:
+        """Take the time, and return the reference: of tugs that to stand upright."""
+        self._t = t
+        if t < self._settings.strokes.duration:
+            reference: JointReference = self._strokes.at(t)
+            return reference
+        return JointReference(_UPRIGHT, _ZERO, _ZERO)
+
+    def reset(self, state: JointState) -> None:
+        """Start over."""
+        self._restart()
+        self._controller.reset(state)
+
+    def update(self, state: JointState, reference: JointReference) -> JointCommand:
+        """Return the command of this instant."""
+        tug = self._tug_at(self._t)
+        if tug is not None:
+            reference = self._during(tug, state)
+        command: JointCommand = self._controller.update(state, reference)
+        self.estimate = self._controller.estimate
+        return command
+
+    def _tug_at(self, t: float) -> Tug | None:
+        tugs = self._settings.tugs
+        if not tugs or t < tugs[0].start:
+            return None
+        while self._number < 0 or (t >= tugs[self._number].end and self._number < len(tugs) - 1):
+            self._number += 1
+            self._leave(tugs[self._number].start)
+        return tugs[self._number]
+
+    def _leave(self, t: float) -> None:
+        """Go upright from here on."""
+        x, y, z = self.estimate.encoder_marker
+        length = math.sqrt(x * x + y * y + z * z)
+        self._from = (x / length, y / length, z / length)
+        self._since = t
+        self._stood, self._caught = None, False
+
+    def _during(self, tug: Tug, state: JointState) -> JointReference:
+        """Return what the controller is asked for in a tug: to stand, to push or to catch."""
+        t, (a, b, c, d) = self._t, state.rods
+        place = 0.5 * (a - c) if tug.pair == 0 else 0.5 * (d - b)
+        if t >= tug.start + self._settings.move and not self._caught:
+            if t < tug.rise or self._stood is None:
+                self._stood = place
+            force = self._settings.rate * max(t - tug.rise, 0.0)
+            if tug.side * (place - self._stood) < BROKEN and force < self._settings.most:
+                push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
+                return JointReference(_UPRIGHT, _ZERO, _ZERO, push=push)
+            self._leave(t)
+            self._caught = True
+        return great_circle(self._from, _UPRIGHT, 0.8 * self._settings.move, t - self._since)
