@@ -15,18 +15,18 @@ no regulator can hold; for standard seals this is below 1.7 v_s. What is left of
 is a few hundredths of F_s. By itself that tells v_s to 3 to 10 %; with F_s from the breakaway it
 tells more, if seals have the shape that is written above. But breakaway and F_c + F_s are not quite
 the same: bristles that still bend, and slide a little as they do, let the pair go too soon, and the
-chambers gain force until it is seen to move. Under 20 N/s both are 1 to 1.5 %, as the force shows
-between a creep of 2 mm/s and 5 mm/s. What the two leave is taken as even within ±1.5 % of the
-breakaway, and its standard deviation is part of the interval of v_s beside what the glides' scatter
-says (a type B evaluation). Where the pair slides on without its friction turning up, v_s is not
-told.
+chambers gain force until it is seen to move. Under 20 N/s either is 1 to 1.5 % at most, as the
+force shows between a creep of 2 mm/s and 5 mm/s, and they oppose each other. Each is taken to lie
+anywhere between nothing and 1.5 % of the breakaway, and so enters the interval of v_s beside what
+the glides' scatter says (a type B evaluation; the interval is that of drawn sums). Where the pair
+slides on without its friction turning up, v_s is not told.
 
 Each glide is a block of its own: its samples depend on each other, and the intervals are robust
 against that.
 
 References
 ----------
-JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7 and G.4.
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7; JCGM 101:2008.
 H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert and P. Lischinsky, "Friction models and
 friction compensation", European J. Control 4(3), 1998, pp. 176-195: the shape.
 """
@@ -39,12 +39,13 @@ import numpy as np
 
 from rig.assembly import make_controller
 from rig.assembly.registry import REGISTRY
-from rig.calibration.estimates import Estimate, Fit, fit, interval
+from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.gliding import Glides, Gliding
 from rig.calibration.instruments import Instrument
 from rig.calibration.mechanism import reach, relaxed, softer
 from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.propagation import half_width
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.calibration.sliding import bump_of, smooth
 from rig.config import Profile
@@ -72,7 +73,7 @@ _TOLD: Final = 0.4
 """A Stribeck velocity is told if its interval is no wider than this share of it either way."""
 
 _APART: Final = 0.015
-"""Breakaway and the friction at no speed differ by no more than this share of them."""
+"""By this share of it at most a pair is let go too soon, or seen to move too late."""
 
 _BOUND: Final = 0.2
 """rms of the residuals, N."""
@@ -277,7 +278,7 @@ def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
     from scipy.optimize import least_squares
 
     breakaway = float(found.values[0] + found.values[4])
-    apart = np.where(rows.velocity == 0.0, _APART / math.sqrt(3.0) * breakaway, 0.0)
+    apart = np.where(rows.velocity == 0.0, _APART / math.sqrt(12.0) * breakaway, 0.0)
     below, above = (
         least_squares(
             lambda q, force: _left(rows._replace(force=force), q), found.values, x_scale=scale,
@@ -286,10 +287,11 @@ def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
         for side in (-1.0, 1.0)
     )  # fmt: skip
     scatter = found.parameter(6, "friction.stribeck_velocity", "m/s")
-    std = math.hypot(scatter.std, 0.5 * (above - below))
-    # What is evaluated otherwise than by scatter has all freedom (Welch and Satterthwaite).
-    freedom = found.freedom_of([0.0] * 6 + [1.0]) * (std / scatter.std) ** 4
-    return interval(scatter.name, scatter.value, "m/s", std, freedom)
+    either = 0.5 * abs(float(above - below))
+    freedom = found.freedom_of([0.0] * 6 + [1.0])
+    half, value = half_width(scatter.std, freedom, even=(either, either)), scatter.value
+    std = math.hypot(scatter.std, either, either)
+    return Estimate(scatter.name, value, "m/s", std, value - half, value + half)
 
 
 def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
