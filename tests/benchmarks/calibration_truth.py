@@ -7,6 +7,7 @@ import shutil
 
 import numpy as np
 import truth_of_camera
+import truth_of_joint_friction
 import truth_of_pneumatics
 import truth_of_servos
 
@@ -17,7 +18,12 @@ from rig.calibration.session import read_instruments, record
 from rig.config import find_configs, load_profile
 
 # What is drawn for each procedure, beside what each seed draws anyway (units, noise).
-DRAWN = {**truth_of_pneumatics.DRAWN, **truth_of_camera.DRAWN, **truth_of_servos.DRAWN}
+DRAWN = {
+    **truth_of_pneumatics.DRAWN,
+    **truth_of_joint_friction.DRAWN,
+    **truth_of_camera.DRAWN,
+    **truth_of_servos.DRAWN,
+}
 """By procedure, with the rig's name before it if it is not the cylinder's."""
 
 
@@ -46,7 +52,12 @@ def calibrate(procedure, seed, out):
     return rows
 
 
-TRUE = {**truth_of_pneumatics.TRUE, **truth_of_camera.TRUE, **truth_of_servos.TRUE}
+TRUE = {
+    **truth_of_pneumatics.TRUE,
+    **truth_of_joint_friction.TRUE,
+    **truth_of_camera.TRUE,
+    **truth_of_servos.TRUE,
+}
 
 
 def covered(rows):

@@ -1,5 +1,8 @@
 """What is true of the friction of a simulated joint's pairs, by an algebra of its own.
 
+Breakaway is what other tugs say without noise: how unlike each other they are, an interval has to
+hold. They take as long as the calibration itself, so that every fourth one is asked.
+
 At home a pair's wires pull with the ball's radius for their lever. While the ring leans evenly
 between its pairs, the wire of rod a is pulled in as fast as that of rod b is let out, so that with
 the chambers' pulls A and B, the rods' friction f, and what the ball leaves of a wire's pull,
@@ -12,12 +15,26 @@ back the rods have changed places; what a pair shows in the mean of both ways is
 """
 
 import math
+import shutil
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from drivers.sim.plants.spherical_joint_wire import wire_path
+from rig.assembly import Backend
 from rig.assembly.simulated import make_plant
+from rig.calibration.excitation import Strokes
+from rig.calibration.joint.on_ball import belief_of
+from rig.calibration.joint.tugs import StrokesAndTugs
+from rig.calibration.procedures import joint_friction
+from rig.calibration.recording import Recording
+from rig.calibration.session import record
+from rig.experiment.metrics import evaluation_from_json
+from rig.run_folder import EVALUATION, RunFolder
+from rig.runtime.log import read_log
 
+DRAWN = {"joint friction": ("simulation.perturbation.friction=0.3",)}
 PAIRS = (("pair 1-3", 0, 2), ("pair 4-2", 3, 1))
 _ENDS = ("anchor_x", "anchor_y", "anchor_z", "adjust_x", "adjust_y", "adjust_z")
 
@@ -70,3 +87,52 @@ def true_of_sliding(profile):
             f"friction.{name}.load": (grown[k] - coulomb[k]) / (0.5 * usual),
         }
     return {(profile.mechanism, name): float(value) for name, value in true.items()}
+
+
+def true_of_breakaway(profile, procedure, out):
+    """Return what tugs after another rest say with the chambers' true pressures."""
+    usual = joint_friction._settings(profile)
+    few = Strokes(usual.strokes.travel, usual.strokes.speeds[-1:], usual.strokes.turn)
+    settings = StrokesAndTugs(few, rest=0.45)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(joint_friction, "_settings", lambda _: settings)
+        result, folders = record(procedure, profile, Backend.SIM, out)
+    assert result.exit_code == 0, result.message
+    log = read_log(RunFolder.open(folders[-1]).log_path)
+    names = [column.name for column in log.columns]
+    values = log.values.copy()
+    for channel in ("ch1", "ch2", "ch3", "ch4"):
+        # A reading is one cycle old when it is used.
+        true = log.values[:-1, names.index(f"truth.pressure_{channel}")]
+        values[1:, names.index(f"reading.pressure_{channel}")] = true
+    segments, _ = evaluation_from_json(RunFolder.open(folders[-1]).read_json(EVALUATION))
+    recording = Recording([(log._replace(values=values), segments)], [Path(folders[-1])])
+    for folder in folders:
+        shutil.rmtree(folder)
+    told = joint_friction._tugs(profile, _belief(profile), recording, settings)
+    return {
+        (profile.mechanism, f"friction.{name}.breakaway"): float(np.mean([*map(np.mean, sides)]))
+        for name, sides in told.items()
+    }
+
+
+def true_of_joint_friction(profile, seed, procedure, folders):
+    """Return everything that is true of the pairs, breakaway for every fourth seed."""
+    true = true_of_sliding(profile)
+    if seed % 4 == 0:
+        true |= true_of_breakaway(profile, procedure, folders[-1].parent / "others")
+    return true
+
+
+TRUE = {"joint friction": true_of_joint_friction}
+
+
+def _belief(profile):
+    """Return the plant's friction, to take from a tug what it has because of other tensions."""
+    plant = make_plant(profile)
+    units, wires, joint = plant.parameters, plant.wire_parameters, plant.joint_parameters[0]
+    return belief_of(profile)._replace(
+        ring=float(joint["seat_arm"] / joint["ball_radius"]),
+        wire=float(wires["friction"].mean()),
+        seals=float((units["pressure_friction"] / units["area"]).mean()),
+    )
