@@ -5,6 +5,7 @@ from typing import Any
 
 from rig.calibration.excitation import OpenLoop
 from rig.calibration.gliding import Gliding
+from rig.calibration.joint.tugs import Tugging
 from rig.calibration.locking import Locking
 from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
@@ -41,6 +42,8 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         yield from _positions(motion)
     if isinstance(motion, Locking):
         yield from _locks(motion)
+    if isinstance(motion, Tugging):
+        yield from _tugs(motion)
     limits = excitation.profile.mechanism_settings
     for name in ("position", "speed", "pressure", "pair_force", "tilt", "tension"):
         bound = getattr(getattr(limits, "limits", None), name, None)
@@ -79,6 +82,17 @@ def _glides(motion: Gliding) -> Iterator[str]:
     yield f"  to break it away, a force that rises by {rate}, up to {force}"
     yield f"  then a spring of {glides.stiffness:g} N/m, pulled at {speed} and ever more slowly"
     yield f"  mean pressures {least} … {most}"
+
+
+def _tugs(motion: Tugging) -> Iterator[str]:
+    settings = motion.settings
+    strokes = settings.strokes
+    low, high = (format_quantity(side * strokes.travel, "m") for side in (-1.0, 1.0))
+    speed = format_quantity(max(strokes.speeds), "m/s")
+    force, rate = format_quantity(settings.most, "N"), format_quantity(settings.rate, "N/s")
+    yield f"  the ring leans {low} … {high} along the ball, up to {speed}"
+    yield f"  then upright: {len(settings.tugs)} times one pair is pushed until it moves,"
+    yield f"  no controller holding it, with a force that rises by {rate}, up to {force}"
 
 
 def _locks(motion: Locking) -> Iterator[str]:

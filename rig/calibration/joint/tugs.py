@@ -124,7 +124,7 @@ class Tugging:
         self.segments = settings.segments
         self.estimate = controller.estimate
         self.learning = None  # what the joint's log keeps of laps
-        self._settings = settings
+        self.settings = settings
         self._strokes = strokes
         self._controller = controller
         self._t = 0.0
@@ -145,7 +145,7 @@ class Tugging:
     def at(self, t: float) -> JointReference:
         """Take the time, and return the reference: of tugs that to stand upright."""
         self._t = t
-        if t < self._settings.strokes.duration:
+        if t < self.settings.strokes.duration:
             reference: JointReference = self._strokes.at(t)
             return reference
         return JointReference(_UPRIGHT, _ZERO, _ZERO)
@@ -165,7 +165,7 @@ class Tugging:
         return command
 
     def _tug_at(self, t: float) -> Tug | None:
-        tugs = self._settings.tugs
+        tugs = self.settings.tugs
         if not tugs or t < tugs[0].start:
             return None
         while self._number < 0 or (t >= tugs[self._number].end and self._number < len(tugs) - 1):
@@ -185,13 +185,13 @@ class Tugging:
         """Return what the controller is asked for in a tug: to stand, to push or to catch."""
         t, (a, b, c, d) = self._t, state.rods
         place = 0.5 * (a - c) if tug.pair == 0 else 0.5 * (d - b)
-        if t >= tug.start + self._settings.move and not self._caught:
+        if t >= tug.start + self.settings.move and not self._caught:
             if t < tug.rise or self._stood is None:
                 self._stood = place
-            force = self._settings.rate * max(t - tug.rise, 0.0)
-            if tug.side * (place - self._stood) < BROKEN and force < self._settings.most:
+            force = self.settings.rate * max(t - tug.rise, 0.0)
+            if tug.side * (place - self._stood) < BROKEN and force < self.settings.most:
                 push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
                 return JointReference(_UPRIGHT, _ZERO, _ZERO, push=push)
             self._leave(t)
             self._caught = True
-        return great_circle(self._from, _UPRIGHT, 0.8 * self._settings.move, t - self._since)
+        return great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)

@@ -77,7 +77,7 @@ class JointFriction:
         wider, notes = relaxed(profile)
         wider, name = follower(wider)
         controller = make_controller(wider, name)
-        half = strokes.segments[len(SPEEDS) - 1].end
+        half = strokes.segments[len(strokes.speeds) - 1].end
         base = profile.mechanism_settings.base_pressure
         motion = leaning(wider, strokes, _BETWEEN, controller, ((half, _RAISED * base),))
         tugging = Tugging(settings, motion, controller)
