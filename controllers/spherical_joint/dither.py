@@ -1,9 +1,17 @@
-"""Dither in the tensions that turn nothing.
+"""Dither against stick-slip: in the tensions that turn nothing, or along the ring's path.
 
-Seals stick and slip below the speed at which their friction stops falling. Shaken, they slide
-all the time and show the mean of their friction, which rises with speed. Shaking the difference of
-two cylinders would shake the ring; here all four wires are pulled harder and softer together, in
-the shares that turn the ring nowhere, and the pistons work against the stretch of their wires.
+Seals stick and slip below the speed at which their friction stops falling. What helps depends on
+the speed of the wires:
+
+*Tension dither*, for creeping. Shaken, seals slide all the time and show the mean of their
+friction, which rises with speed. All four wires are pulled harder and softer together, in the
+shares that turn the ring nowhere, and the pistons work against the stretch of their wires.
+
+*Path dither*, for sliding at some 5 to 15 mm/s. There the friction falls so fast that a pair runs
+away within 4 ms, sooner than regulators and valves can answer: no feedback holds it, and
+the ring goes in slips at 10 to 15 Hz. The ball's friction damps it across its path and not along
+it, so that is where it slips. A small force along the path at 50 Hz sets the pace of the slips:
+each is then a few times shorter.
 """
 
 import math
@@ -12,10 +20,13 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
+from controllers.spherical_joint.ball_friction import Pair
 from controllers.spherical_joint.types import JointModel
 
 _RISE_TIME = 0.2
 """With which the dither grows from nothing, so that control starts without a jump, s."""
+_REST_SPEED = 0.5e-3
+"""Well below it (m/s) the path has no direction, and the path dither goes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +48,27 @@ class DitherSettings:
     amplitude: Annotated[float, Unit("Pa"), Ge(0)] = 0.0
     frequency: Annotated[float, Unit("Hz"), Gt(0), Le(100)] = 20.0
     fade_speed: Annotated[float, Unit("m/s"), Gt(0)] = 15e-3
+
+
+@dataclass(frozen=True, slots=True)
+class PathDitherSettings:
+    """How the ring is shaken along its path.
+
+    Parameters
+    ----------
+    force : float
+        Amplitude at the wires, N; 0 shakes nothing. The regulators are led through it: at 50 Hz a
+        newton takes 340 kPa of their range, hence the limit.
+    frequency : float
+        Hz. The higher, the shorter the slips, as long as the regulators follow.
+    fade_speed : float
+        Of the wires, m/s: well below it the dither is whole, beyond it it fades, because seals
+        that slide need none.
+    """
+
+    force: Annotated[float, Unit("N"), Ge(0), Le(5)] = 0.0
+    frequency: Annotated[float, Unit("Hz"), Gt(0), Le(100)] = 50.0
+    fade_speed: Annotated[float, Unit("m/s"), Gt(0)] = 50e-3
 
 
 class TensionDither:
@@ -76,3 +108,45 @@ class TensionDither:
         self._share += self._rise * (1.0 - self._share)
         fade = speed * self._per_fade
         return self._share * self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)
+
+
+class PathDither:
+    """A sine in the force along the ring's path.
+
+    Parameters
+    ----------
+    settings : PathDitherSettings
+        Force, frequency and fading.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, settings: PathDitherSettings, period: float) -> None:
+        self._force = settings.force
+        self._per_fade = 1.0 / settings.fade_speed
+        self._step = math.tau * settings.frequency * period
+        self._rise = 1.0 - math.exp(-period / _RISE_TIME)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start with the sine's upward zero, from nothing."""
+        self._phase = 0.0
+        self._share = 0.0
+
+    def update(self, first: float, second: float) -> Pair:
+        """Return what is added to the force of each pair, N.
+
+        Parameters
+        ----------
+        first, second : float
+            Velocities that the pairs should have, m/s.
+        """
+        if self._force == 0.0:
+            return 0.0, 0.0
+        self._phase = (self._phase + self._step) % math.tau
+        self._share += self._rise * (1.0 - self._share)
+        speed = math.hypot(first, second)
+        fade = speed * self._per_fade
+        force = self._share * self._force * math.exp(-fade * fade) * math.sin(self._phase)
+        scale = force / (speed + _REST_SPEED)
+        return scale * first, scale * second

@@ -24,7 +24,12 @@ from controllers.cylinder.types import (
     PairState,
 )
 from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
-from controllers.spherical_joint.dither import DitherSettings, TensionDither
+from controllers.spherical_joint.dither import (
+    DitherSettings,
+    PathDither,
+    PathDitherSettings,
+    TensionDither,
+)
 from controllers.spherical_joint.learning import (
     LapLearning,
     LapMemory,
@@ -111,6 +116,12 @@ class PoseControlSettings:
         Motion of a wire over which that friction turns round, m.
     dither : DitherSettings
         Of the tensions together, against stick-slip.
+    path_dither : PathDitherSettings
+        Of the ring along its path, against stick-slip at higher speeds.
+    pretension : float
+        No wire is let below it, N, beyond what the limits ask for. A force is then made rather
+        by pulling one wire than by letting go of the other: chambers fill several times
+        faster than they exhaust at low pressure.
     stretch : float
         Share of the modelled stretch of the wires that the rods make up for.
     camera : CameraLoopSettings
@@ -126,6 +137,8 @@ class PoseControlSettings:
     ball_friction: Annotated[float, Ge(0), Le(2)] = 1.0
     friction_distance: Annotated[float, Unit("m"), Gt(0)] = 9e-6
     dither: DitherSettings = field(default_factory=DitherSettings)
+    path_dither: PathDitherSettings = field(default_factory=PathDitherSettings)
+    pretension: Annotated[float, Unit("N"), Ge(0)] = 0.0
     stretch: Annotated[float, Ge(0), Le(1)] = 1.0
     camera: CameraLoopSettings = field(default_factory=CameraLoopSettings)
     estimate: MarkerEstimateSettings = field(default_factory=MarkerEstimateSettings)
@@ -161,10 +174,12 @@ class PoseController:
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
         self._camera = CameraLoop(settings.camera, period)
         self._dither = TensionDither(settings.dither, model, period)
+        self._path_dither = PathDither(settings.path_dither, period)
         # What the seals may take away from the pull of a chamber, or add to it.
         seal = 0.5 * model.breakaway
         self._lowest = model.area * model.pressure_min
-        self._least = max(model.least_tension + seal + self._dither.tension, self._lowest)
+        least = max(model.least_tension + seal + self._dither.tension, settings.pretension)
+        self._least = max(least, self._lowest)
         self._most = min(model.most_tension - seal, model.area * model.pressure_max)
         self._base_pressure = model.base_pressure
         self._base = 0.5 * (self._least + self._most) / model.area
@@ -237,6 +252,7 @@ class PoseController:
         self._camera.reset()
         self._steps.reset()
         self._dither.reset()
+        self._path_dither.reset()
         if self.learning is not None:
             self.learning.reset()
         self._started = self._pushed = False
@@ -283,8 +299,11 @@ class PoseController:
             laws[0].reset(one)
             laws[1].reset(other)
         goal, other_goal = _new(PairReference, goals[0]), _new(PairReference, goals[1])
-        force, back = laws[0].update(one, goal, friction[0] + learnt[0])
-        other_force, other_back = laws[1].update(other, other_goal, friction[1] + learnt[1])
+        along, other_along = self._path_dither.update(goal[1], other_goal[1])
+        force, back = laws[0].update(one, goal, friction[0] + learnt[0] + along)
+        other_force, other_back = laws[1].update(
+            other, other_goal, friction[1] + learnt[1] + other_along
+        )
         if lap is not None:
             off = self._off(goal, one)
             other_off = self._off(other_goal, other)

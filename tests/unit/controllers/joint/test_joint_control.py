@@ -5,77 +5,32 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pose_bench import (
+    BASE,
+    MODEL,
+    PERIOD,
+    build,
+    circle,
+    every,
+    pressures_at,
+    resting,
+    rods_at,
+)
 
 from controllers.cylinder.types import PairReference, PairState
 from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoopSettings
-from controllers.spherical_joint.dither import DitherSettings
 from controllers.spherical_joint.laws import (
     JointCascade,
-    JointPid,
-    JointPidFriction,
-    JointSuperTwisting,
 )
 from controllers.spherical_joint.pose_control import JointLearningSettings
-from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation
-from controllers.spherical_joint.tension import TensionDistribution
+from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import (
     CameraSample,
-    JointModel,
-    JointReference,
     JointState,
     Lap,
 )
 from controllers.spherical_joint.wires import InverseKinematics
-
-PERIOD = 1e-3
-MODEL = JointModel()
-BASE = (MODEL.base_pressure,) * 4
-ALL = [JointPid, JointPidFriction, JointCascade, JointSuperTwisting]
-ZERO = (0.0, 0.0, 0.0)
-
-every = pytest.mark.parametrize("kind", ALL, ids=lambda kind: kind.__name__)
-
-
-def build(kind, model=MODEL, **changes):
-    """Return a controller without dither, if the changes say nothing else."""
-    settings = replace(kind.Settings(), **{"dither": DitherSettings(), **changes})
-    if kind is JointPidFriction:
-        settings = replace(settings, pair=replace(settings.pair, dither_amplitude=0.0))
-    return kind(settings, model, PERIOD)
-
-
-def circle(t, tilt=20.0, rate=2.0):
-    lean, turn = math.radians(tilt), rate * t
-    x, y = math.sin(lean) * math.cos(turn), math.sin(lean) * math.sin(turn)
-    return JointReference(
-        (x, y, math.cos(lean)),
-        (-rate * y, rate * x, 0.0),
-        (-rate * rate * x, -rate * rate * y, 0.0),
-    )
-
-
-def resting(axis):
-    return JointReference(axis, ZERO, ZERO)
-
-
-def rods_at(axis, pressures=BASE, model=MODEL):
-    """Return the rods' positions of a ring at rest: wires stretch under the pressures' pull."""
-    stretch = model.area / model.wire_stiffness
-    return tuple(
-        position + stretch * pressure
-        for position, pressure in zip(
-            InverseKinematics(model.geometry).shortening(axis), pressures, strict=True
-        )
-    )
-
-
-def pressures_at(axis):
-    """Return the pressures that hold a pose without friction, with every wire taut."""
-    tensions = TensionDistribution(MODEL.geometry).hold(
-        natural_rotation(axis), 10.0, 4.0 * MODEL.area * MODEL.base_pressure
-    )
-    return tuple(tension / MODEL.area for tension in tensions)
 
 
 def wander(count):
@@ -281,27 +236,6 @@ def test_friction_of_the_wires_is_one_per_pair_and_turns_over_a_distance():
     assert forces == sorted(forces, reverse=True)
     assert forces[0] > 0.0 > forces[4]
     assert forces[-1] == pytest.approx(-2.4, rel=0.01)
-
-
-@every
-def test_dither_shakes_the_tensions_and_turns_nothing(kind):
-    axis = axis_from_tilt(0.5, 0.3)
-    pressures = pressures_at(axis)
-    state = JointState(0.0, rods_at(axis, pressures), pressures)
-    plain = build(kind)
-    shaken = build(kind, dither=DitherSettings(amplitude=30e3, frequency=20.0))
-    for controller in (plain, shaken):
-        controller.reset(state)
-    added = np.array(
-        [
-            np.subtract(shaken.update(state, resting(axis)), plain.update(state, resting(axis)))
-            for _ in range(500)
-        ]
-    )
-    pose = TensionDistribution(MODEL.geometry).at(natural_rotation(axis))
-    forces = [pose.pair_forces(tuple(MODEL.area * row)) for row in added]
-    assert np.ptp(added.sum(axis=1)) > 200e3
-    assert np.abs(forces).max() < 0.02
 
 
 @pytest.mark.parametrize("change", [{"base_pressure": 20e3}, {"most_tension": 20.0}])
