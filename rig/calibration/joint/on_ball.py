@@ -73,7 +73,7 @@ class Belief(NamedTuple):
         wires = self.wound * self.wire
         return (2.0 * self.ring + wires) / (1.0 + self.ring * wires)
 
-    def seal(self, pull: "Array", speed: "Array | float") -> "Array":
+    def seal(self, pull: "Array", speed: "Array") -> "Array":
         """Return the friction of one rod's seals (N) under a chamber's pull (N) at a speed."""
         still = 0.5 * (self.coulomb - self.seals * self.usual)
         friction: Array = still + self.seals * pull + 0.5 * self.viscous * np.abs(speed)
@@ -158,8 +158,8 @@ def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
     pulled_in = np.column_stack([stretch[f"reading.rod_{c}"][places] for c in channels])
     pressure = np.column_stack([stretch[f"reading.pressure_{c}"][places] for c in channels])
     pull = settings.area * pressure
-    way = pulled_in[-1] - pulled_in[0]
-    seal = np.sign(way) * belief.seal(pull, way / float(np.ptp(stretch["t"])))
+    speed = np.gradient(pulled_in, stretch["t"][places], axis=0)
+    seal = np.sign(pulled_in[-1] - pulled_in[0]) * belief.seal(pull, speed)
     rows = pulled_in - (pull - seal) / settings.wire_stiffness
     axis = np.array([forward.update((a, b, c, d)).axis for a, b, c, d in rows.tolist()])
     every = np.arange(len(stretch["t"]))

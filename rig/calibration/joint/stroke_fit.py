@@ -3,12 +3,12 @@
 While both pairs slide faster than the Stribeck effect reaches, the force of a pair's chambers is
 
     f = c_0 + (F_c + g (L - L_0) + D) sgn v + B v + M a + c_1 x
-        + L / L_0 (c_2 + c_3 x + (c_4 x + c_5 x^2) sgn v).
+        + L / L_0 (c_2 + c_3 x + c_4 x^3 + (c_5 x + c_6 x^2) sgn v).
 
 L is the sum of the pair's tensions and L_0 that at base pressure; g is what grows with it. D is by
 how much friction on the ball is other than with the ring upright (`rig.calibration.joint.on_ball`).
 c_1 is the weight of what the joint carries; rods and wires that have less or more friction than the
-others of their kind make c_2 to c_5: there and back are unlike each other, and away from upright
+others of their kind make c_2 to c_6: there and back are unlike each other, and away from upright
 four unlike forces are more than two pairs.
 
 D follows from what seals and ball take of the tensions, so it is worked out a second time from what
@@ -211,18 +211,18 @@ def _rows(profile: Profile, belief: Belief, strokes: Sequence[_Stroke]) -> list[
 
 
 def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
-    """Fit c_0, F_c, B, g, and c_1 to c_5; the mass is known better than strokes can tell."""
+    """Fit c_0, F_c, B, g, and c_1 to c_6; the mass is known better than strokes can tell."""
     settings, usual, x = profile.mechanism_settings, belief.usual, rows.position
     sign, load = np.sign(rows.velocity), rows.load / usual
     regressors = np.column_stack(
         [np.ones_like(x), sign, rows.velocity, (rows.load - usual) * sign,
-         x, load, load * x, load * x * sign, load * x**2 * sign]
+         x, load, load * x, load * x**3, load * x * sign, load * x**2 * sign]
     )  # fmt: skip
     # The rod that pulls has more pressure behind it than the other one, and so more friction.
     upright = belief.shared * (rows.load - belief.seals * np.abs(rows.force))
     force = rows.force - settings.moving_mass * rows.acceleration - rows.on_ball + sign * upright
-    start = [0.0, belief.coulomb, belief.viscous, belief.shared, 0.0, 0.0, 0.0, 0.0, 0.0]
-    scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 10.0, 1e3]
+    start = [0.0, belief.coulomb, belief.viscous, belief.shared, *(0.0,) * 6]
+    scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 1e5, 10.0, 1e3]
     try:
         return fit(lambda q: force - regressors @ q, start, scale, groups=rows.stroke)
     except ValueError as error:
