@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 
 _SOFT = 0.3
-_STIFFNESS, _DAMPING, _INTEGRAL = 0.5, 0.8, 0.25
-"""Gains of a joint's controller that slides its pairs, over the usual ones."""
+_CALM = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.5e4}
+"""Greatest gains of a joint's controller that slides its pairs: rad/s, rad/s and N/(m s)."""
 
 _ABSENCE = 30.0
 _SHRUNK = 0.9
@@ -152,19 +152,20 @@ def follower(profile: Profile) -> tuple[Profile, str]:
 
     The ring sticks so much that only one that observes what holds it keeps it sliding; it does
     not heed a camera that nobody has calibrated. Tuned for the seals of its profile, it hunts with
-    weaker ones: it lives on their viscous friction, and a ring that leans falls on by itself. Half
-    of its stiffness and a quarter of its integral slide evenly with 0.6 to 1.4 times the friction,
-    a few millimetres off their line. Nor does it shake the tensions, and with them what it finds.
+    weaker ones: it lives on their viscous friction, and a ring that leans falls on by itself. With
+    half the stiffness for standard seals and a quarter of the integral they slide evenly if they
+    have 0.6 to 1.4 times the friction, a few millimetres off their line; with less the ring gets
+    away. Nor does it shake the tensions, and with them what it finds.
     """
     settings: Any = profile.controllers["cascade"]
     law = settings.pair
     calm = dataclasses.replace(
-        law, position_rate=_STIFFNESS * law.position_rate,
-        velocity_rate=_DAMPING * law.velocity_rate, integral=_INTEGRAL * law.integral,
-    )  # fmt: skip
+        law, **{name: min(getattr(law, name), most) for name, most in _CALM.items()}
+    )
     blind = dataclasses.replace(
         settings, camera=dataclasses.replace(settings.camera, gain=0.0), learning=None, pair=calm,
         dither=dataclasses.replace(settings.dither, amplitude=0.0),
+        path_dither=dataclasses.replace(settings.path_dither, force=0.0),
     )  # fmt: skip
     return dataclasses.replace(
         profile, controllers={**profile.controllers, "cascade": blind}
