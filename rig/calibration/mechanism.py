@@ -16,6 +16,9 @@ _SOFT = 0.3
 _CALM = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.5e4}
 """Greatest gains of a joint's controller that slides its pairs: rad/s, rad/s and N/(m s)."""
 
+_LEAD = 490.0
+"""Least bandwidth of its lead, rad/s."""
+
 _ABSENCE = 30.0
 _SHRUNK = 0.9
 """For how long (s) a camera whose pose is wrong may see rays beside the marker's sphere, and how
@@ -160,7 +163,9 @@ def follower(profile: Profile) -> tuple[Profile, str]:
     settings: Any = profile.controllers["cascade"]
     law = settings.pair
     calm = dataclasses.replace(
-        law, **{name: min(getattr(law, name), most) for name, most in _CALM.items()}
+        law,
+        lead_bandwidth=max(law.lead_bandwidth, _LEAD),
+        **{name: min(getattr(law, name), most) for name, most in _CALM.items()},
     )
     blind = dataclasses.replace(
         settings, camera=dataclasses.replace(settings.camera, gain=0.0), learning=None, pair=calm,

@@ -39,7 +39,12 @@ if TYPE_CHECKING:
 SPEEDS: Final = (0.045, 0.06, 0.08) * 4
 _TURN: Final = 0.15
 _RAISED: Final = 1.6
-"""Base pressure of the second half of the strokes, over the usual one."""
+"""Base pressure of the second half of the strokes, over the usual one, up to `_MOST_RAISED`."""
+
+_MOST_RAISED: Final = 192e3
+_LEAST_RAISED: Final = 1.25
+"""Pa gauge: the more wires pull, the faster a ring that leans falls on, until no regulator can
+follow. A profile with more pressure than that is raised by a quarter all the same."""
 
 _SHARE: Final = 0.9
 """Of what is permitted that the strokes use: the pairs share the way."""
@@ -79,7 +84,8 @@ class JointFriction:
         controller = make_controller(wider, name)
         half = strokes.segments[len(strokes.speeds) - 1].end
         base = profile.mechanism_settings.base_pressure
-        motion = leaning(wider, strokes, _BETWEEN, controller, ((half, _RAISED * base),))
+        raised = max(min(_RAISED * base, _MOST_RAISED), _LEAST_RAISED * base)
+        motion = leaning(wider, strokes, _BETWEEN, controller, ((half, raised),))
         tugging = Tugging(settings, motion, controller)
         return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
 
