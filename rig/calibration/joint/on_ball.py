@@ -1,4 +1,4 @@
-"""Friction on the ball as it is believed, along a recorded motion that leans between the pairs.
+"""Friction that is believed, along a recorded motion that leans between the pairs.
 
 The ring slides in one seat. Its friction bears all four tensions and points against its angular
 velocity w; it is shared by the pairs as the force that takes K |w| of power, with |w| from how
@@ -143,6 +143,26 @@ def friction_on_ball(
     square = np.maximum(np.sum([speed**2 for speed in speeds], axis=0), 1e-12)
     ring = belief.ring * bearing * settings.geometry.ball_radius * turning / square
     return [ring * speed + mine for speed, mine in zip(speeds, lost, strict=True)]
+
+
+def sheared(profile: Profile, stretch: Stretch, signals: Sequence[Signals]) -> list["Array"]:
+    """Return the speed of each pair that the viscous friction of its two rods amounts to, m/s.
+
+    Away from upright one rod of a pair goes faster than the other one, and what they lose grows
+    with the square of their speeds.
+    """
+    settings = profile.mechanism_settings
+    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    _, first, _ = bump_of(profile.loop.period)
+    found = []
+    for wires, pair in zip(PAIRS, signals, strict=True):
+        square = np.zeros_like(pair.velocity)
+        for wire in wires:
+            rod = stretch[f"reading.rod_{channels[wire]}"]
+            square += np.correlate(rod - rod[0], first, "valid") ** 2
+        still = np.where(pair.velocity == 0.0, 1.0, pair.velocity)
+        found.append(0.5 * square / still)
+    return found
 
 
 def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":

@@ -2,11 +2,12 @@
 
 While both pairs slide faster than the Stribeck effect reaches, the force of a pair's chambers is
 
-    f = c_0 + (F_c + g (L - L_0) + D) sgn v + B v + M a + c_1 x
+    f = c_0 + (F_c + g (L - L_0) + D) sgn v + B w + M a + c_1 x
         + L / L_0 (c_2 + c_3 x + c_4 x^3 + (c_5 x + c_6 x^2) sgn v).
 
 L is the sum of the pair's tensions and L_0 that at base pressure; g is what grows with it. D is by
-how much friction on the ball is other than with the ring upright (`rig.calibration.joint.on_ball`).
+how much friction on the ball is other than with the ring upright, and w the speed that the viscous
+friction of two rods amounts to that are not as fast (`rig.calibration.joint.on_ball`).
 c_1 is the weight of what the joint carries; rods and wires that have less or more friction than the
 others of their kind make c_2 to c_6: there and back are unlike each other, and away from upright
 four unlike forces are more than two pairs.
@@ -28,7 +29,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit, fit, interval
-from rig.calibration.joint.on_ball import Belief, axis_of, belief_of, friction_on_ball
+from rig.calibration.joint.on_ball import Belief, axis_of, belief_of, friction_on_ball, sheared
 from rig.calibration.pairs import PairSignals, pairs_of
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.calibration.sliding import Signals, bump_of, sliding, smooth
@@ -61,6 +62,8 @@ class Sliding(NamedTuple):
         Number of the stroke.
     force, position, velocity, acceleration : ndarray
         N, m, m/s and m/s².
+    sheared : ndarray
+        Speed that the viscous friction of both rods amounts to, m/s.
     on_ball : ndarray
         Friction on the ball as it is believed, N.
     load : ndarray
@@ -73,6 +76,7 @@ class Sliding(NamedTuple):
     position: "Array"
     velocity: "Array"
     acceleration: "Array"
+    sheared: "Array"
     on_ball: "Array"
     load: "Array"
 
@@ -197,12 +201,14 @@ def _rows(profile: Profile, belief: Belief, strokes: Sequence[_Stroke]) -> list[
     parts: list[list[Array]] = [[] for _ in strokes[0].pairs]
     for number, (stretch, axis, pairs, signals) in enumerate(strokes):
         on_ball = friction_on_ball(profile, belief, stretch, axis, signals)
-        for mine, pair, one, on in zip(parts, pairs, signals, on_ball, strict=True):
+        speeds = sheared(profile, stretch, signals)
+        for mine, pair, one, speed, on in zip(parts, pairs, signals, speeds, on_ball, strict=True):
             position = pair.position[0] + one.position
             k = sliding(one.velocity, least, width)
             mine.append(
                 np.column_stack([np.full(len(k), float(number)), one.force[k], position[k],
-                                 one.velocity[k], one.acceleration[k], on[k], one.load[k]])
+                                 one.velocity[k], one.acceleration[k], speed[k], on[k],
+                                 one.load[k]])
             )  # fmt: skip
     return [
         Sliding(pair.name, *np.concatenate(mine).T)
@@ -215,7 +221,7 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
     settings, usual, x = profile.mechanism_settings, belief.usual, rows.position
     sign, load = np.sign(rows.velocity), rows.load / usual
     regressors = np.column_stack(
-        [np.ones_like(x), sign, rows.velocity, (rows.load - usual) * sign,
+        [np.ones_like(x), sign, rows.sheared, (rows.load - usual) * sign,
          x, load, load * x, load * x**3, load * x * sign, load * x**2 * sign]
     )  # fmt: skip
     # The rod that pulls has more pressure behind it than the other one, and so more friction.
