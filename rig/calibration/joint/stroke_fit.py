@@ -14,12 +14,12 @@ four unlike forces are more than two pairs.
 
 D follows from what seals and ball take of the tensions, so it is worked out a second time from what
 was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells.
-It is taken to be anywhere between nothing and a fifth of what grows, and what that leaves open is
-part of every interval (a type B evaluation).
+It is taken to lie between nothing and a fifth of what grows, rather in the middle than at either
+end (triangular), and what that leaves open is part of every interval (a type B evaluation).
 
 References
 ----------
-JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7 and G.4.
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.9 and G.4.
 """
 
 import math
@@ -116,7 +116,7 @@ class StrokeFit(NamedTuple):
         """Return the estimate of one parameter."""
         one, other = (found.parameter(index, name, unit) for found in self.fits)
         scatter = 0.5 * (one.std + other.std)
-        std = math.hypot(scatter, 0.5 * (other.value - one.value) / math.sqrt(3.0))
+        std = math.hypot(scatter, 0.5 * (other.value - one.value) / math.sqrt(6.0))
         # What is evaluated otherwise than by scatter has all freedom (Welch and Satterthwaite).
         unity = np.eye(len(self.values))[index].tolist()
         freedom = self.fits[0].freedom_of(unity) * (std / scatter) ** 4
