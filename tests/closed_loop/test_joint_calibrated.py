@@ -15,7 +15,9 @@ OFF = {
     "wire_offset": "2 mm", "geometry": "0.02", "friction": "0.3", "camera_position": "2 mm",
     "camera_angle": "2 deg",
 }  # fmt: skip
-SEED = ("--set", "simulation.seed=3")
+SEEDS = (3, 5)
+"""The friction of the first is 20 % below its profile's, that of the second 29 %."""
+
 PERTURBED = tuple(
     word for name, bound in OFF.items()
     for word in ("--set", f"simulation.perturbation.{name}={bound}")
@@ -34,10 +36,10 @@ def bench(tmp_path):
     return ["--configs", str(configs), "--out", str(tmp_path / "runs")]
 
 
-def marker_errors(bench, capsys, *options):
+def marker_errors(bench, capsys, seed, *options):
     """Return the marker's rms error of ``joint-circle`` at each frequency, m."""
     capsys.readouterr()
-    words = ["joint-circle", "--on", "sim", "--no-report", "--json", *SEED, *options, *bench]
+    words = ["joint-circle", "--on", "sim", "--no-report", "--json", *seed, *options, *bench]
     assert invoke(["run", *words]) in (0, 1)  # a bound that is missed is not the question here
     metrics = json.loads(capsys.readouterr().out)["metrics"]
     found = {metric["name"]: metric["value"] for metric in metrics}
@@ -45,11 +47,13 @@ def marker_errors(bench, capsys, *options):
 
 
 @pytest.mark.slow
-def test_a_calibrated_joint_is_as_good_as_an_exact_one(bench, capsys, record_property):
-    exact = marker_errors(bench, capsys, "--set", "calibration=false")
-    assert invoke(["calibrate", "joint", "--all", "--yes", "--on", "sim", *SEED, *PERTURBED,
+@pytest.mark.parametrize("number", SEEDS)
+def test_a_calibrated_joint_is_as_good_as_an_exact_one(number, bench, capsys, record_property):
+    seed = ("--set", f"simulation.seed={number}")
+    exact = marker_errors(bench, capsys, seed, "--set", "calibration=false")
+    assert invoke(["calibrate", "joint", "--all", "--yes", "--on", "sim", *seed, *PERTURBED,
                    *bench]) == 0  # fmt: skip
-    calibrated = marker_errors(bench, capsys, *PERTURBED)
+    calibrated = marker_errors(bench, capsys, seed, *PERTURBED)
     for name, before, after in zip(METRICS, exact, calibrated, strict=True):
         record_property(name, f"{1e3 * before:.3f} mm, calibrated {1e3 * after:.3f} mm")
     assert [after <= WORTH * before for before, after in zip(exact, calibrated, strict=True)] == (

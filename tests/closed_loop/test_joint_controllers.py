@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from controllers.minimum_jerk import minimum_jerk
+from controllers.spherical_joint.dither import PathDitherSettings
 from controllers.spherical_joint.geometry import PAIRS, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.laws import (
@@ -44,8 +45,11 @@ LAWS = {
 }
 RIGS = {
     name: load_profile(name, REGISTRY, (), find_configs())
-    for name in ("joint", "joint-fine", "joint-low-speed")
+    for name in ("joint", "joint-fine", "joint-fine-fast", "joint-low-speed")
 }
+
+LAST_OF_FOUR_LAPS = slice(-5000, None)
+"""Cycles of a circle at 0.2 Hz."""
 
 seeds = pytest.mark.parametrize("seed", [1, 2, 3, 6, 7])
 
@@ -223,6 +227,34 @@ def test_joint_circle_watched_by_the_camera_with_standard_seals_of_any_unit(seed
     assert found.marker() <= 0.10e-3
     assert found.fused <= 0.05e-3
     assert found.keeps_tensions()
+
+
+@pytest.mark.slow
+@seeds
+def test_joint_circle_at_02_hz_watched_by_the_camera_with_standard_seals_of_any_unit(seed):
+    found = run("joint-fine", circle(0.2, laps=4), camera=True, seed=seed)
+    assert found.wire <= 0.11e-3
+    assert found.marker(LAST_OF_FOUR_LAPS) <= 0.10e-3
+    assert found.fused <= 0.05e-3
+    assert found.keeps_tensions()
+
+
+@pytest.mark.slow
+@seeds
+def test_joint_circle_at_05_hz_learnt_from_the_camera_with_standard_seals_of_any_unit(seed):
+    found = run("joint-fine-fast", circle(0.5, laps=14), camera=True, seed=seed)
+    assert found.marker(slice(-2000, None)) <= 0.10e-3
+    assert found.keeps_tensions()
+
+
+def test_seals_that_slide_slowly_slip_shorter_where_the_ring_is_shaken_along_its_path():
+    with_it, without = (
+        run("joint-fine", circle(0.2, laps=0.4), camera=True, seed=2, **changes)
+        for changes in ({}, {"path_dither": PathDitherSettings()})
+    )
+    assert with_it.wire < 0.04e-3
+    assert without.wire > 3.0 * with_it.wire
+    assert with_it.keeps_tensions()
 
 
 def test_joint_circle_with_low_speed_seals():

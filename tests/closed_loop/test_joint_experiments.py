@@ -30,7 +30,14 @@ PROMISED = {
         "marker_rms": 0.15e-3,
         "fused_rms": 0.05e-3,
     },
-    "joint-circle-camera": {"marker_rms": 0.10e-3},
+    "joint-circle-camera": {
+        "wire_rms": 0.11e-3,
+        "wire_rms_0.1hz": 0.11e-3,
+        "marker_rms": 0.10e-3,
+        "marker_rms_0.2hz": 0.10e-3,
+        "fused_rms": 0.05e-3,
+    },
+    "joint-circle-camera-fast": {"marker_rms": 0.10e-3},
     "joint-circle-learning": {
         "wire_rms": 0.05e-3,
         "marker_rms": 0.07e-3,
