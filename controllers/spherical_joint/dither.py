@@ -57,8 +57,9 @@ class PathDitherSettings:
     Parameters
     ----------
     force : float
-        Amplitude at the wires, N; 0 shakes nothing. The regulators are led through it: at 50 Hz a
-        newton takes 340 kPa of their range, hence the limit.
+        Amplitude at the wires, N; 0 shakes nothing. It passes the regulators' lead: at 50 Hz a
+        newton takes 340 kPa of difference between a pair's setpoints, and what is more than they
+        have is cut off.
     frequency : float
         Hz. The higher, the shorter the slips, as long as the regulators follow.
     fade_speed : float
