@@ -72,6 +72,31 @@ class PathDitherSettings:
     fade_speed: Annotated[float, Unit("m/s"), Gt(0)] = 50e-3
 
 
+class _FadingSine:
+    """A sine that grows from nothing and fades with the speed of the wires."""
+
+    def __init__(
+        self, amplitude: float, frequency: float, fade_speed: float, period: float
+    ) -> None:
+        self._amplitude = amplitude
+        self._per_fade = 1.0 / fade_speed
+        self._step = math.tau * frequency * period
+        self._rise = 1.0 - math.exp(-period / _RISE_TIME)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start with the sine's upward zero, from nothing."""
+        self._phase = 0.0
+        self._share = 0.0
+
+    def update(self, speed: float) -> float:
+        """Return the next value at a speed of the wires, m/s."""
+        self._phase = (self._phase + self._step) % math.tau
+        self._share += self._rise * (1.0 - self._share)
+        fade = speed * self._per_fade
+        return self._share * self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)
+
+
 class TensionDither:
     """A sine in the sum of the tensions.
 
@@ -86,29 +111,23 @@ class TensionDither:
     """
 
     def __init__(self, settings: DitherSettings, model: JointModel, period: float) -> None:
-        self._amplitude = 4.0 * model.area * settings.amplitude
-        self._per_fade = 1.0 / settings.fade_speed
-        self._step = math.tau * settings.frequency * period
-        self._rise = 1.0 - math.exp(-period / _RISE_TIME)
-        self.reset()
-        ratio = math.tau * settings.frequency / model.regulator_bandwidth
+        frequency = settings.frequency
+        self._shakes = settings.amplitude > 0.0
+        self._sine = _FadingSine(
+            4.0 * model.area * settings.amplitude, frequency, settings.fade_speed, period
+        )
+        ratio = math.tau * frequency / model.regulator_bandwidth
         passed = math.hypot(1.0 - ratio * ratio, 2.0 * model.regulator_damping * ratio)
         self.tension = model.area * settings.amplitude / passed
         """By which the dither lowers the tension of a wire with a quarter of the sum, N."""
 
     def reset(self) -> None:
-        """Start with the sine's upward zero, from nothing."""
-        self._phase = 0.0
-        self._share = 0.0
+        """Start anew, from nothing."""
+        self._sine.reset()
 
     def update(self, speed: float) -> float:
         """Return what is added to the sum of the tensions (N) at a speed of the wires, m/s."""
-        if self._amplitude == 0.0:
-            return 0.0
-        self._phase = (self._phase + self._step) % math.tau
-        self._share += self._rise * (1.0 - self._share)
-        fade = speed * self._per_fade
-        return self._share * self._amplitude * math.exp(-fade * fade) * math.sin(self._phase)
+        return self._sine.update(speed) if self._shakes else 0.0
 
 
 class PathDither:
@@ -123,16 +142,12 @@ class PathDither:
     """
 
     def __init__(self, settings: PathDitherSettings, period: float) -> None:
-        self._force = settings.force
-        self._per_fade = 1.0 / settings.fade_speed
-        self._step = math.tau * settings.frequency * period
-        self._rise = 1.0 - math.exp(-period / _RISE_TIME)
-        self.reset()
+        self._shakes = settings.force > 0.0
+        self._sine = _FadingSine(settings.force, settings.frequency, settings.fade_speed, period)
 
     def reset(self) -> None:
-        """Start with the sine's upward zero, from nothing."""
-        self._phase = 0.0
-        self._share = 0.0
+        """Start anew, from nothing."""
+        self._sine.reset()
 
     def update(self, first: float, second: float) -> Pair:
         """Return what is added to the force of each pair, N.
@@ -142,12 +157,8 @@ class PathDither:
         first, second : float
             Velocities that the pairs should have, m/s.
         """
-        if self._force == 0.0:
+        if not self._shakes:
             return 0.0, 0.0
-        self._phase = (self._phase + self._step) % math.tau
-        self._share += self._rise * (1.0 - self._share)
         speed = math.hypot(first, second)
-        fade = speed * self._per_fade
-        force = self._share * self._force * math.exp(-fade * fade) * math.sin(self._phase)
-        scale = force / (speed + _REST_SPEED)
+        scale = self._sine.update(speed) / (speed + _REST_SPEED)
         return scale * first, scale * second
