@@ -16,9 +16,6 @@ _SOFT = 0.3
 _CALM = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.5e4}
 """Greatest gains of a joint's controller that slides its pairs: rad/s, rad/s and N/(m s)."""
 
-_LEAD = 490.0
-"""Least bandwidth of its lead, rad/s."""
-
 _ABSENCE = 30.0
 _SHRUNK = 0.9
 """For how long (s) a camera whose pose is wrong may see rays beside the marker's sphere, and how
@@ -154,21 +151,21 @@ def follower(profile: Profile) -> tuple[Profile, str]:
     """Return the profile with the controller that is to slide a joint's pairs, and its name.
 
     The ring sticks so much that only one that observes what holds it keeps it sliding; it does
-    not heed a camera that nobody has calibrated. Tuned for the seals of its profile, it hunts with
-    weaker ones: it lives on their viscous friction, and a ring that leans falls on by itself. With
-    half the stiffness for standard seals and a quarter of the integral they slide evenly if they
-    have 0.6 to 1.4 times the friction, a few millimetres off their line; with less the ring gets
-    away. Nor does it shake the tensions, and with them what it finds.
+    not heed a camera that nobody has calibrated. Whatever the profile's is tuned for, this is the
+    one for standard seals. As it is used it hunts with weaker ones: it lives on their viscous
+    friction, and a ring that leans falls on by itself. With half the stiffness and a quarter of the
+    integral they slide evenly if they have 0.6 to 1.4 times the friction, a few millimetres off
+    their line; with less the ring gets away. Nor does it shake the ring, and with it what it finds.
     """
-    settings: Any = profile.controllers["cascade"]
-    law = settings.pair
+    usual: Any = profile.controllers["cascade"]
+    settings = type(usual)()
     calm = dataclasses.replace(
-        law,
-        lead_bandwidth=max(law.lead_bandwidth, _LEAD),
-        **{name: min(getattr(law, name), most) for name, most in _CALM.items()},
+        settings.pair,
+        **{name: min(getattr(settings.pair, name), most) for name, most in _CALM.items()},
     )
     blind = dataclasses.replace(
-        settings, camera=dataclasses.replace(settings.camera, gain=0.0), learning=None, pair=calm,
+        settings, wire=usual.wire, pose=usual.pose, stretch=usual.stretch, pair=calm,
+        camera=dataclasses.replace(settings.camera, gain=0.0), learning=None,
         dither=dataclasses.replace(settings.dither, amplitude=0.0),
         path_dither=dataclasses.replace(settings.path_dither, force=0.0),
     )  # fmt: skip

@@ -117,9 +117,13 @@ class Tugging:
         The strokes as a motion of the joint.
     controller : PoseController
         Follows it, and catches the ring.
+    base : float
+        Co-contraction of the tugs, Pa gauge.
     """
 
-    def __init__(self, settings: StrokesAndTugs, strokes: Any, controller: Any) -> None:
+    def __init__(
+        self, settings: StrokesAndTugs, strokes: Any, controller: Any, base: float
+    ) -> None:
         self.duration = settings.duration
         self.segments = settings.segments
         self.estimate = controller.estimate
@@ -127,6 +131,7 @@ class Tugging:
         self.settings = settings
         self._strokes = strokes
         self._controller = controller
+        self._base = base
         self._t = 0.0
         self._restart()
 
@@ -148,7 +153,7 @@ class Tugging:
         if t < self.settings.strokes.duration:
             reference: JointReference = self._strokes.at(t)
             return reference
-        return JointReference(_UPRIGHT, _ZERO, _ZERO)
+        return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._base)
 
     def reset(self, state: JointState) -> None:
         """Start over."""
@@ -191,7 +196,8 @@ class Tugging:
             force = self.settings.rate * max(t - tug.rise, 0.0)
             if tug.side * (place - self._stood) < BROKEN and force < self.settings.most:
                 push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
-                return JointReference(_UPRIGHT, _ZERO, _ZERO, push=push)
+                return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._base, push=push)
             self._leave(t)
             self._caught = True
-        return great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)
+        back = great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)
+        return back._replace(base_pressure=self._base)

@@ -39,12 +39,11 @@ if TYPE_CHECKING:
 SPEEDS: Final = (0.045, 0.06, 0.08) * 4
 _TURN: Final = 0.15
 _RAISED: Final = 1.6
-"""Base pressure of the second half of the strokes, over the usual one, up to `_MOST_RAISED`."""
+"""Base pressure of the second half of the strokes, over that of the first."""
 
 _MOST_RAISED: Final = 192e3
-_LEAST_RAISED: Final = 1.25
 """Pa gauge: the more wires pull, the faster a ring that leans falls on, until no regulator can
-follow. A profile with more pressure than that is raised by a quarter all the same."""
+follow. A profile with more pressure than that is measured with less."""
 
 _SHARE: Final = 0.9
 """Of what is permitted that the strokes use: the pairs share the way."""
@@ -83,10 +82,10 @@ class JointFriction:
         wider, name = follower(wider)
         controller = make_controller(wider, name)
         half = strokes.segments[len(strokes.speeds) - 1].end
-        base = profile.mechanism_settings.base_pressure
-        raised = max(min(_RAISED * base, _MOST_RAISED), _LEAST_RAISED * base)
-        motion = leaning(wider, strokes, _BETWEEN, controller, ((half, raised),))
-        tugging = Tugging(settings, motion, controller)
+        base = min(profile.mechanism_settings.base_pressure, _MOST_RAISED / _RAISED)
+        bases = ((0.0, base), (half, _RAISED * base))
+        motion = leaning(wider, strokes, _BETWEEN, controller, bases)
+        tugging = Tugging(settings, motion, controller, base)
         return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
 
     def identify(

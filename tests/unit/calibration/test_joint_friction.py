@@ -61,7 +61,7 @@ class Upright:
 def tugged(broken_by, settings):
     """Return each tug with its references, of pairs that jump once so much force pushes them."""
     follower = Follower()
-    tugging = Tugging(settings, Upright(), follower)
+    tugging = Tugging(settings, Upright(), follower, 120e3)
     places = [0.0, 0.0]
     found = [[] for _ in settings.tugs]
     for cycle in range(int(settings.duration / PERIOD)):
