@@ -4,6 +4,9 @@ Creeping under a controller, both pairs slip by turns, and what each of them sho
 where the other has left the ring's seat. So the ring stands upright, where nothing makes it fall
 over, one pair is pushed ever harder while the other one holds, and a controller catches the ring
 as soon as it has moved.
+
+How the tug before has left the contacts shows in what a tug takes. Each kind of tug follows each
+kind equally often, so that it shows in how far tugs of one kind differ, and not in their mean.
 """
 
 import math
@@ -20,6 +23,13 @@ from rig.runtime.motion import Segment
 
 _UPRIGHT: Final = (0.0, 0.0, 1.0)
 _ZERO: Final = (0.0, 0.0, 0.0)
+_KINDS: Final = ((0, 1), (0, -1), (1, 1), (1, -1))
+"""Pair and side."""
+_ROUND: Final = (0, 0, 1, 0, 2, 0, 3, 1, 1, 2, 1, 3, 2, 2, 3, 3)
+"""A de Bruijn sequence: round and round, each kind follows each once."""
+PER_ROUND: Final = len(_ROUND) // len(_KINDS)
+"""Tugs of each kind in a round."""
+
 BROKEN: Final = 0.3e-3
 """A pair that is so far from where it stood has broken away, m: ten times what contacts give."""
 
@@ -59,8 +69,8 @@ class StrokesAndTugs:
     ----------
     strokes : Strokes
         Of what lies along the ball.
-    count : int
-        Tugs at each pair to each side; 0 for none.
+    rounds : int
+        Of tugs, `PER_ROUND` at each pair to each side; 0 for none.
     rate : float
         Of the force, N/s.
     most : float
@@ -70,7 +80,7 @@ class StrokesAndTugs:
     """
 
     strokes: Strokes
-    count: Annotated[int, Ge(0)] = 5
+    rounds: Annotated[int, Ge(0)] = 1
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 32.0
     move: Annotated[float, Unit("s"), Gt(0)] = 0.5
@@ -82,8 +92,8 @@ class StrokesAndTugs:
 
     def _plan(self) -> Iterator[Tug]:
         each = self.move + self.rest + self.most / self.rate
-        turns = [(pair, side) for _ in range(self.count) for pair in (0, 1) for side in (1, -1)]
-        for k, (pair, side) in enumerate(turns):
+        for k, kind in enumerate(_ROUND * self.rounds):
+            pair, side = _KINDS[kind]
             start = self.strokes.duration + k * each
             rise = start + self.move + self.rest
             name = f"tug {k + 1} at pair {pair + 1} {'+' if side > 0 else '-'}"

@@ -23,7 +23,7 @@ from rig.calibration.excitation import Strokes
 from rig.calibration.instruments import Instrument
 from rig.calibration.joint.on_ball import Belief, belief_of
 from rig.calibration.joint.stroke_fit import COULOMB, GROWTH, VISCOUS, StrokeFit, fit_strokes
-from rig.calibration.joint.tugs import BROKEN, StrokesAndTugs, Tugging
+from rig.calibration.joint.tugs import BROKEN, PER_ROUND, StrokesAndTugs, Tugging
 from rig.calibration.mechanism import follower, leaning, reach, relaxed
 from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
@@ -114,7 +114,7 @@ class JointFriction:
             count = min(map(len, mine))
             if count < _LEAST_TUGS:
                 notes.append(
-                    f"{name} moved in {count} of {settings.count} tugs of up to "
+                    f"{name} moved in {count} of {settings.rounds * PER_ROUND} tugs of up to "
                     f"{settings.most:g} N to one side, {_LEAST_TUGS} are needed: its breakaway is "
                     "not told, and stays in proportion to Coulomb friction"
                 )

@@ -1,6 +1,8 @@
 """Friction of a joint's pairs: who does the strokes and tugs, and what the ball takes of them."""
 
 import math
+from collections import Counter
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -81,8 +83,17 @@ def tugged(broken_by, settings):
     return zip(settings.tugs, found, strict=True)
 
 
+def test_each_kind_of_tug_follows_each_kind_equally_often():
+    tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), rounds=2).tugs
+    kinds = [(tug.pair, tug.side) for tug in tugs]
+    follows = Counter(zip([kinds[-1], *kinds], kinds, strict=False))
+    assert len(follows) == 16
+    assert set(follows.values()) == {2}
+    assert all(after.start == pytest.approx(before.end) for before, after in pairwise(tugs))
+
+
 def test_a_tug_pushes_one_pair_until_it_moves_and_the_controller_catches_it():
-    settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), count=1, rate=40.0, most=20.0)
+    settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), rate=40.0, most=20.0)
     sides = set()
     for tug, asked in tugged(12.0, settings):
         pushes = [(t, reference.push) for t, reference in asked if reference.push is not None]
@@ -99,7 +110,7 @@ def test_a_tug_pushes_one_pair_until_it_moves_and_the_controller_catches_it():
 
 
 def test_a_pair_that_does_not_move_is_pushed_no_harder_than_permitted():
-    settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), count=1, rate=40.0, most=20.0)
+    settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), rate=40.0, most=20.0)
     for _, asked in tugged(99.0, settings):
         pushes = [abs(force) for _, reference in asked for force in reference.push or ()]
         assert 19.9 < max(pushes) < 20.0
