@@ -1,7 +1,8 @@
 """What is true of the friction of a simulated joint's pairs, by an algebra of its own.
 
 Breakaway is what other tugs say without noise: how unlike each other they are, an interval has to
-hold. They take as long as the calibration itself, so that every fourth one is asked.
+hold. There are four times as many of them, so that their mean is known twice as well; they take
+longer than the calibration itself, so that every fourth one is asked.
 
 At home a pair's wires pull with the ball's radius for their lever. While the ring leans evenly
 between its pairs, the wire of rod a is pulled in as fast as that of rod b is let out, so that with
@@ -93,7 +94,7 @@ def true_of_breakaway(profile, procedure, out):
     """Return what tugs after another rest say with the chambers' true pressures."""
     usual = joint_friction._settings(profile)
     few = Strokes(usual.strokes.travel, usual.strokes.speeds[-1:], usual.strokes.turn)
-    settings = StrokesAndTugs(few, rest=0.45)
+    settings = StrokesAndTugs(few, rounds=4, rest=0.45)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(joint_friction, "_settings", lambda _: settings)
         result, folders = record(procedure, profile, Backend.SIM, out)
