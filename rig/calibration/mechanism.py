@@ -152,16 +152,17 @@ def follower(profile: Profile) -> tuple[Profile, str]:
 
     The ring sticks so much that only one that observes what holds it keeps it sliding; it does
     not heed a camera that nobody has calibrated. Whatever the profile's is tuned for, this is the
-    one for standard seals. As it is used it hunts with weaker ones: it lives on their viscous
-    friction, and a ring that leans falls on by itself. With half the stiffness and a quarter of the
-    integral they slide evenly if they have 0.6 to 1.4 times the friction, a few millimetres off
-    their line; with less the ring gets away. Nor does it shake the ring, and with it what it finds.
+    one for standard seals, with the profile's gains where somebody has set them lower. As it is
+    used it hunts with weaker seals: it lives on their viscous friction, and a ring that leans falls
+    on by itself. With half the stiffness and a quarter of the integral they slide evenly if they
+    have 0.6 to 1.4 times the friction, a few millimetres off their line; with less the ring gets
+    away. Nor does it shake the ring, and with it what it finds.
     """
     usual: Any = profile.controllers["cascade"]
     settings = type(usual)()
     calm = dataclasses.replace(
         settings.pair,
-        **{name: min(getattr(settings.pair, name), most) for name, most in _CALM.items()},
+        **{name: min(getattr(usual.pair, name), most) for name, most in _CALM.items()},
     )
     blind = dataclasses.replace(
         settings, wire=usual.wire, pose=usual.pose, stretch=usual.stretch, pair=calm,

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -122,6 +123,15 @@ def test_its_controller_is_calmer_than_usual_and_shakes_nothing(profile):
     assert now.pair.position_rate < 0.6 * usual.pair.position_rate
     assert now.pair.integral < 0.3 * usual.pair.integral
     assert now.dither.amplitude == 0.0 == now.camera.gain
+
+
+def test_its_controller_keeps_gains_that_somebody_has_set_lower(profile):
+    usual = profile.controllers["cascade"]
+    careful = replace(usual, pair=replace(usual.pair, position_rate=40.0, integral=2e4))
+    calm, name = follower(replace(profile, controllers={"cascade": careful}))
+    now = calm.controllers[name].pair
+    assert (now.position_rate, now.integral) == (40.0, 2e4)
+    assert now.velocity_rate == follower(profile)[0].controllers[name].pair.velocity_rate
 
 
 @pytest.mark.parametrize(("pairs", "share"), [(2, "shared"), (1, "alone")])
