@@ -1,7 +1,9 @@
 """What breaks on the joint is named within the time that the profile states, and it ends safe."""
 
+import numpy as np
 import pytest
 from joint_fault_bench import AT, run
+from scipy.signal import lsim, lti
 
 from rig.assembly import Backend
 
@@ -47,7 +49,7 @@ FAULTS = {
     ),
     "regulator-closed": (
         plant("regulator_closed", 1),
-        PRESSURE + 0.2,  # its setpoint must first ask for another pressure
+        PRESSURE + 0.25,  # its setpoint must first ask for another pressure, see below
         ("regulators: the regulator of ch2 is stuck closed", "kPa", "40 kPa for 0.05 s"),
     ),
     "supply-lost": (
@@ -176,6 +178,19 @@ def test_what_was_wrong_from_the_start_is_named_over_the_bus(
     assert_stopped_safe(found, words)
     early, late = between
     assert early <= found.after <= late
+
+
+def test_a_stuck_regulator_is_named_as_soon_as_it_has_been_off_for_long_enough(tmp_path):
+    log = run(tmp_path, Backend.SIM, plant("regulator_closed", 1)).log
+    t, pressure = log.t, log.column("reading.pressure_ch2")
+    # A healthy regulator as the profile has it: 40 rad/s, critically damped.
+    healthy = lti([1600.0], [1.0, 80.0, 1600.0])
+    setpoint = log.column("applied.ch2") - pressure[0]
+    _, expected, _ = lsim(healthy, setpoint, t - t[0], interp=False)
+    well = np.abs(pressure - pressure[0] - expected) <= 40e3
+    well_at = t[np.flatnonzero(well)]
+    assert t[-1] - well_at[-1] <= PRESSURE + CYCLES
+    assert np.diff(well_at[well_at > 0.5]).max() <= PRESSURE + CYCLES
 
 
 @pytest.mark.slow
