@@ -5,7 +5,7 @@ from typing import Any
 
 from rig.calibration.excitation import OpenLoop
 from rig.calibration.gliding import Gliding
-from rig.calibration.joint.tugs import Tugging
+from rig.calibration.joint.tugs import DEPTH, Tugging
 from rig.calibration.locking import Locking
 from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
@@ -91,8 +91,11 @@ def _tugs(motion: Tugging) -> Iterator[str]:
     speed = format_quantity(max(strokes.speeds), "m/s")
     force, rate = format_quantity(settings.most, "N"), format_quantity(settings.rate, "N/s")
     yield f"  the ring leans {low} … {high} along the ball, up to {speed}"
-    yield f"  then upright: {len(settings.tugs)} times one pair is pushed until it moves,"
+    base, highest = (format_quantity(share * motion.base, "Pa") for share in (1.0, 1.0 + DEPTH))
+    count = len(settings.tugs)
+    yield f"  then upright, at {base}: {count} times one pair is pushed until it moves,"
     yield f"  no controller holding it, with a force that rises by {rate}, up to {force}"
+    yield f"  before each of them all four pressures swing, up to {highest} and ever less"
 
 
 def _locks(motion: Locking) -> Iterator[str]:

@@ -24,8 +24,8 @@ class JointTolerances:
     stiffness : float
         Of the wires, as a share of it; standard deviation.
     friction : float
-        Of the seals' viscous friction, and of what breakaway exceeds Coulomb friction by, as a
-        share of each.
+        Of the seals' viscous friction, of what breakaway exceeds Coulomb friction by, and of the
+        ring's part in the friction on the ball, as a share of each.
     """
 
     length: Annotated[float, Unit("1"), Gt(0), Le(0.2)] = 0.02

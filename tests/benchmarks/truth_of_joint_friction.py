@@ -1,8 +1,10 @@
 """What is true of the friction of a simulated joint's pairs, by an algebra of its own.
 
-Breakaway is what other tugs say without noise: how unlike each other they are, an interval has to
-hold. There are four times as many of them, so that their mean is known twice as well; they take
-longer than the calibration itself, so that every fourth one is asked.
+Breakaway is what the plant's own contacts take in a tug of its own, without controller, noise or
+anything that an earlier tug has left: from home, with regulators that follow without error, after
+all four pressures have swung until nothing is held in the wires. It is the sum of what seals and
+ball take of the pulls and of the seat's torque, so that a ring that leans adds nothing to it, and
+its greatest value on average over 21 ms before the pair is 5 mm/s fast.
 
 At home a pair's wires pull with the ball's radius for their lever. While the ring leans evenly
 between its pairs, the wire of rod a is pulled in as fast as that of rod b is let out, so that with
@@ -16,27 +18,17 @@ back the rods have changed places; what a pair shows in the mean of both ways is
 """
 
 import math
-import shutil
-from pathlib import Path
 
 import numpy as np
-import pytest
 
+from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.spherical_joint_wire import wire_path
-from rig.assembly import Backend
 from rig.assembly.simulated import make_plant
-from rig.calibration.excitation import Strokes
-from rig.calibration.joint.on_ball import belief_of
-from rig.calibration.joint.tugs import StrokesAndTugs
-from rig.calibration.procedures import joint_friction
-from rig.calibration.recording import Recording
-from rig.calibration.session import record
-from rig.experiment.metrics import evaluation_from_json
-from rig.run_folder import EVALUATION, RunFolder
-from rig.runtime.log import read_log
 
 DRAWN = {"joint friction": ("simulation.perturbation.friction=0.3",)}
 PAIRS = (("pair 1-3", 0, 2), ("pair 4-2", 3, 1))
+_FULL, _SWUNG, _REST = 0.5, 2.0, 0.5
+"""Until the chambers are full, and for how long their pressures swing and rest, s."""
 _ENDS = ("anchor_x", "anchor_y", "anchor_z", "adjust_x", "adjust_y", "adjust_z")
 
 
@@ -90,50 +82,64 @@ def true_of_sliding(profile):
     return {(profile.mechanism, name): float(value) for name, value in true.items()}
 
 
-def true_of_breakaway(profile, procedure, out):
-    """Return what tugs after another rest say with the chambers' true pressures."""
-    usual = joint_friction._settings(profile)
-    few = Strokes(usual.strokes.travel, usual.strokes.speeds[-1:], usual.strokes.turn)
-    settings = StrokesAndTugs(few, rounds=4, rest=0.45)
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(joint_friction, "_settings", lambda _: settings)
-        result, folders = record(procedure, profile, Backend.SIM, out)
-    assert result.exit_code == 0, result.message
-    log = read_log(RunFolder.open(folders[-1]).log_path)
-    names = [column.name for column in log.columns]
-    values = log.values.copy()
-    for channel in ("ch1", "ch2", "ch3", "ch4"):
-        # A reading is one cycle old when it is used.
-        true = log.values[:-1, names.index(f"truth.pressure_{channel}")]
-        values[1:, names.index(f"reading.pressure_{channel}")] = true
-    segments, _ = evaluation_from_json(RunFolder.open(folders[-1]).read_json(EVALUATION))
-    recording = Recording([(log._replace(values=values), segments)], [Path(folders[-1])])
-    for folder in folders:
-        shutil.rmtree(folder)
-    told = joint_friction._tugs(profile, _belief(profile), recording, settings)
-    return {
-        (profile.mechanism, f"friction.{name}.breakaway"): float(np.mean([*map(np.mean, sides)]))
-        for name, sides in told.items()
-    }
-
-
-def true_of_joint_friction(profile, seed, procedure, folders):
-    """Return everything that is true of the pairs, breakaway for every fourth seed."""
-    true = true_of_sliding(profile)
-    if seed % 4 == 0:
-        true |= true_of_breakaway(profile, procedure, folders[-1].parent / "others")
+def true_of_breakaway(profile):
+    """Return the mean of the greatest friction to both sides, N, of each pair."""
+    base = profile.mechanism_settings.base_pressure
+    true = {}
+    for name, a, b in PAIRS:
+        ways = [greatest(*tug(make_plant(profile), *rods, base)) for rods in ((a, b), (b, a))]
+        true[profile.mechanism, f"friction.{name}.breakaway"] = float(np.mean(ways))
     return true
 
 
+def tug(plant, a, b, base):
+    """Return friction (N) and way (m), each ms, of a pair whose rod a is pulled in by 20 N/s."""
+    area, radius = plant.parameters["area"][0], plant.joint_parameters["ball_radius"][0]
+    ends = [plant.wire_parameters[list(_ENDS)][k].item() for k in range(4)]
+    arms = np.array([wire_path(*end, radius)[2:] for end in ends])
+    about = (arms[a] - arms[b]) / np.linalg.norm(arms[a] - arms[b])
+    lever = 0.5 * (arms[a] - arms[b]) @ about
+    plant.parameters["bow"] = plant.parameters["hysteresis"] = 0.0
+    plant.parameters["dead_band"] = 1.0
+    plant.set_supply(True)
+    rows, k, force = [], 0, 0.0
+    while force < 80.0 and (not rows or rows[-1][1] < 1e-3):
+        t, k = 1e-3 * k, k + 1
+        swung = np.interp(t, (_FULL, _FULL + _SWUNG), (0.5, 0.0), left=0.0)
+        swing = 1.0 + swung * math.sin(8.0 * math.tau * (t - _FULL))
+        force = 20.0 * max(t - _FULL - _SWUNG - _REST, 0.0)
+        for channel in range(4):
+            pressure = base * swing * min(t / _FULL, 1.0)
+            pressure += (float(channel == a) - float(channel == b)) * 0.5 * force / area
+            plant.set_pressure_setpoint(channel, pressure)
+        plant.advance(t + 1e-3)
+        out = plant.channels["extension"].copy()
+        if force == 0.0:
+            start = out
+            continue
+        pulls = (plant.channels["pressure"] - ATMOSPHERE) * area
+        left = plant.wires["tension"]
+        turned = np.array(plant.ring_rotation())
+        seat = sum(
+            pull * np.array(wire_path(*(turned @ end[:3]), *end[3:], radius)[2:])
+            for pull, end in zip(left, ends, strict=True)
+        )
+        taken = pulls[a] - left[a] + left[b] - pulls[b] + seat @ about / lever
+        rows.append((taken, 0.5 * (start[a] - out[a] + out[b] - start[b])))
+    return np.array(rows).T
+
+
+def greatest(friction, way):
+    """Return the greatest friction on average over 21 ms before the pair is 5 mm/s fast, N."""
+    bump = np.hanning(23)[1:-1] ** 2
+    friction, way = (np.convolve(x, bump / bump.sum(), "valid") for x in (friction, way))
+    fast = (np.gradient(way, 1e-3) > 5e-3) & (way > 0.15e-3)
+    return friction[: np.flatnonzero(fast)[0]].max()
+
+
+def true_of_joint_friction(profile, seed, procedure, folders):
+    """Return everything that is true of the pairs."""
+    return true_of_sliding(profile) | true_of_breakaway(profile)
+
+
 TRUE = {"joint friction": true_of_joint_friction}
-
-
-def _belief(profile):
-    """Return the plant's friction, to take from a tug what it has because of other tensions."""
-    plant = make_plant(profile)
-    units, wires, joint = plant.parameters, plant.wire_parameters, plant.joint_parameters[0]
-    return belief_of(profile)._replace(
-        ring=float(joint["seat_arm"] / joint["ball_radius"]),
-        wire=float(wires["friction"].mean()),
-        seals=float((units["pressure_friction"] / units["area"]).mean()),
-    )

@@ -171,19 +171,42 @@ def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
     A controller knows how far wires stretch by what it believes of the friction on the ball. In
     hindsight it follows from the pressures and from what the seals take of them.
     """
+    places = _places(len(stretch["t"]))
+    pulled_in, pull = _rods(profile, stretch, places)
+    speed = np.gradient(pulled_in, stretch["t"][places], axis=0)
+    taken = np.sign(pulled_in[-1] - pulled_in[0]) * belief.seal(pull, speed)
+    return axis_with(profile, stretch, taken)
+
+
+def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
+    """Return where the ring points, shape (n, 3), from what the seals take of each chamber's pull.
+
+    Parameters
+    ----------
+    profile, stretch
+        Of a joint, and what was recorded.
+    taken : ndarray, shape (4,) or (m, 4)
+        By the seals of each rod, N: all along, or wherever a pose is worked out.
+    """
     settings = profile.mechanism_settings
-    channels = tuple(profile.devices[settings.regulators].settings.channels)
     forward = ForwardKinematics(settings.geometry)
     places = _places(len(stretch["t"]))
-    pulled_in = np.column_stack([stretch[f"reading.rod_{c}"][places] for c in channels])
-    pressure = np.column_stack([stretch[f"reading.pressure_{c}"][places] for c in channels])
-    pull = settings.area * pressure
-    speed = np.gradient(pulled_in, stretch["t"][places], axis=0)
-    seal = np.sign(pulled_in[-1] - pulled_in[0]) * belief.seal(pull, speed)
-    rows = pulled_in - (pull - seal) / settings.wire_stiffness
+    pulled_in, pull = _rods(profile, stretch, places)
+    rows = pulled_in - (pull - taken) / settings.wire_stiffness
     axis = np.array([forward.update((a, b, c, d)).axis for a, b, c, d in rows.tolist()])
     every = np.arange(len(stretch["t"]))
     return np.column_stack([np.interp(every, places, column) for column in axis.T])
+
+
+def _rods(
+    profile: Profile, stretch: Stretch, places: "NDArray[np.int_]"
+) -> tuple["Array", "Array"]:
+    """Return how far each rod is pulled in, m, and its chamber's pull, N, shape (m, 4)."""
+    settings = profile.mechanism_settings
+    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    pulled_in = np.column_stack([stretch[f"reading.rod_{c}"][places] for c in channels])
+    pressure = np.column_stack([stretch[f"reading.pressure_{c}"][places] for c in channels])
+    return pulled_in, settings.area * pressure
 
 
 def _places(count: int) -> "NDArray[np.int_]":

@@ -5,8 +5,11 @@ where the other has left the ring's seat. So the ring stands upright, where noth
 over, one pair is pushed ever harder while the other one holds, and a controller catches the ring
 as soon as it has moved.
 
-How the tug before has left the contacts shows in what a tug takes. Each kind of tug follows each
-kind equally often, so that it shows in how far tugs of one kind differ, and not in their mean.
+What the tug before has left in the contacts shows in what a tug takes. Most of it is tension that
+seals and ball hold in both wires of a pair, up to 10 N more or less than their chambers pull: it
+loads the ring's seat, and no monitor sees it. So all four pressures swing around those of rest
+before each tug, ever less. Of each kind as many begin with a rise as with a fall, and each kind
+follows each equally often, so that what is left after all is not in their mean.
 """
 
 import math
@@ -27,11 +30,21 @@ _KINDS: Final = ((0, 1), (0, -1), (1, 1), (1, -1))
 """Pair and side."""
 _ROUND: Final = (0, 0, 1, 0, 2, 0, 3, 1, 1, 2, 1, 3, 2, 2, 3, 3)
 """A de Bruijn sequence: round and round, each kind follows each once."""
+_SWINGS: Final = (1, -1, -1, 1, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1, -1, 1)
+"""Whether pressures rise or fall first: as often of each kind, and after each kind of each pair."""
+SAME, BACK, OTHER = range(3)
+"""A tug follows one of its own kind, one at its pair to the other side, one at the other pair."""
+
 PER_ROUND: Final = len(_ROUND) // len(_KINDS)
 """Tugs of each kind in a round."""
 
-BROKEN: Final = 0.3e-3
-"""A pair that is so far from where it stood has broken away, m: ten times what contacts give."""
+BROKEN: Final = 0.5e-3
+"""A pair that is so far from where it stood has broken away, m: contacts and wires give less."""
+
+DEPTH: Final = 0.75
+"""Of the first swing, as a share of the pressure: more than what seals and ball can hold."""
+_TIMES: Final = 12
+"""How often they swing, each time less by as much."""
 
 
 class Tug(NamedTuple):
@@ -45,6 +58,10 @@ class Tug(NamedTuple):
         0 or 1.
     side : int
         +1 or -1: where to.
+    swing : int
+        +1 or -1: whether the pressures rise or fall first.
+    after : int
+        What the tug before was: `SAME`, `BACK` or `OTHER`.
     start : float
         When the ring begins to go upright, s.
     rise : float
@@ -56,6 +73,8 @@ class Tug(NamedTuple):
     name: str
     pair: int
     side: int
+    swing: int
+    after: int
     start: float
     rise: float
     end: float
@@ -75,8 +94,8 @@ class StrokesAndTugs:
         Of the force, N/s.
     most : float
         Greatest force, N.
-    move, rest : float
-        Time to go upright, and to rest there, s.
+    move, shake, rest : float
+        Time to go upright, for the pressures to swing there, and to rest, s.
     """
 
     strokes: Strokes
@@ -84,6 +103,7 @@ class StrokesAndTugs:
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 32.0
     move: Annotated[float, Unit("s"), Gt(0)] = 0.5
+    shake: Annotated[float, Unit("s"), Gt(0)] = 2.4
     rest: Annotated[float, Unit("s"), Gt(0)] = 0.3
     _tugs: Any = field(init=False, repr=False, default=())
 
@@ -91,13 +111,24 @@ class StrokesAndTugs:
         object.__setattr__(self, "_tugs", tuple(self._plan()))
 
     def _plan(self) -> Iterator[Tug]:
-        each = self.move + self.rest + self.most / self.rate
-        for k, kind in enumerate(_ROUND * self.rounds):
+        before = self.move + self.shake + self.rest
+        each = before + self.most / self.rate
+        last = _KINDS[_ROUND[-1]]
+        for k, (kind, swing) in enumerate((*zip(_ROUND, _SWINGS, strict=True),) * self.rounds):
             pair, side = _KINDS[kind]
+            after = OTHER if pair != last[0] else SAME if side == last[1] else BACK
+            last = pair, side
             start = self.strokes.duration + k * each
-            rise = start + self.move + self.rest
             name = f"tug {k + 1} at pair {pair + 1} {'+' if side > 0 else '-'}"
-            yield Tug(name, pair, side, start, rise, start + each)
+            yield Tug(name, pair, side, swing, after, start, start + before, start + each)
+
+    def swung(self, tug: Tug, t: float) -> float:
+        """Return the pressures over those of rest at time `t` (s)."""
+        passed = (t - tug.start - self.move) / self.shake
+        if not 0.0 < passed < 1.0:
+            return 1.0
+        swing = math.sin(2.0 * math.pi * _TIMES * passed)
+        return 1.0 + DEPTH * tug.swing * (1.0 - passed) * swing
 
     @property
     def tugs(self) -> tuple[Tug, ...]:
@@ -141,7 +172,7 @@ class Tugging:
         self.settings = settings
         self._strokes = strokes
         self._controller = controller
-        self._base = base
+        self.base = base
         self._t = 0.0
         self._restart()
 
@@ -163,7 +194,7 @@ class Tugging:
         if t < self.settings.strokes.duration:
             reference: JointReference = self._strokes.at(t)
             return reference
-        return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._base)
+        return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self.base)
 
     def reset(self, state: JointState) -> None:
         """Start over."""
@@ -206,8 +237,9 @@ class Tugging:
             force = self.settings.rate * max(t - tug.rise, 0.0)
             if tug.side * (place - self._stood) < BROKEN and force < self.settings.most:
                 push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
-                return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._base, push=push)
+                base = self.base * self.settings.swung(tug, t)
+                return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=base, push=push)
             self._leave(t)
             self._caught = True
         back = great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)
-        return back._replace(base_pressure=self._base)
+        return back._replace(base_pressure=self.base)

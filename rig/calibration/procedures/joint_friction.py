@@ -6,9 +6,9 @@ ring and wires share as they were believed to: no such motion tells them apart. 
 far less stiffness than in use (`rig.calibration.mechanism.follower`): where seals have less
 friction than it was tuned for, the usual one hunts and never slides.
 
-Breakaway is the greatest force of a pair before it moves, when it alone is pushed ever harder with
-the ring upright (`rig.calibration.joint.tugs`). The force at which the bristles of a seal would
-yield at no speed at all is a little higher.
+Breakaway is the greatest force of a pair before it moves, when it alone is pushed ever harder, by
+20 N/s, with the ring upright (`rig.calibration.joint.breakaway`). The force at which the bristles
+of seals and seat would yield at no speed at all is a little higher.
 """
 
 import math
@@ -18,17 +18,16 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rig.assembly import make_controller
-from rig.calibration.estimates import Estimate, mean_of
+from rig.calibration.estimates import Estimate
 from rig.calibration.excitation import Strokes
 from rig.calibration.instruments import Instrument
+from rig.calibration.joint.breakaway import Breakaways, cases_of, forces_of_tugs
 from rig.calibration.joint.on_ball import Belief, belief_of
 from rig.calibration.joint.stroke_fit import COULOMB, GROWTH, VISCOUS, StrokeFit, fit_strokes
-from rig.calibration.joint.tugs import BROKEN, PER_ROUND, StrokesAndTugs, Tugging
+from rig.calibration.joint.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, Tugging
 from rig.calibration.mechanism import follower, leaning, reach, relaxed
-from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import Recording
-from rig.calibration.sliding import bump_of, smooth
 from rig.config import Profile
 
 if TYPE_CHECKING:
@@ -49,8 +48,11 @@ _SHARE: Final = 0.9
 """Of what is permitted that the strokes use: the pairs share the way."""
 
 _BETWEEN: Final = 0.25 * math.pi
-_MOVING: Final = 5e-3
-"""A pair that is faster has broken away, m/s."""
+_MORE: Final = 1.6
+"""Times the breakaway that is believed, as far as a tug goes."""
+
+_TAUT: Final = 1.15
+"""Of the least tension that is permitted, what a tug leaves in a wire."""
 
 _LEAST_TUGS: Final = 3
 """To each side that a pair has to have followed, or its breakaway is not told."""
@@ -82,10 +84,11 @@ class JointFriction:
         wider, name = follower(wider)
         controller = make_controller(wider, name)
         half = strokes.segments[len(strokes.speeds) - 1].end
-        base = min(profile.mechanism_settings.base_pressure, _MOST_RAISED / _RAISED)
+        usual = profile.mechanism_settings.base_pressure
+        base = min(usual, _MOST_RAISED / _RAISED)
         bases = ((0.0, base), (half, _RAISED * base))
         motion = leaning(wider, strokes, _BETWEEN, controller, bases)
-        tugging = Tugging(settings, motion, controller, base)
+        tugging = Tugging(settings, motion, controller, _base(profile))
         return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
 
     def identify(
@@ -96,12 +99,18 @@ class JointFriction:
         recording.require(segment.name for segment in settings.segments)
         names = [segment.name for segment in settings.strokes.segments]
         strokes, belief = fit_strokes(profile, recording, names, _travel(settings.strokes))
-        tugs = _tugs(profile, belief, recording, settings)
+        growth = [pair.estimate(GROWTH, "", "1") for pair in strokes]
+        spread = math.hypot(*(g.std for g in growth)) / max(sum(g.value for g in growth), 1e-9)
+        cases, tugs = cases_of(profile, belief, spread), settings.tugs
+        forces = forces_of_tugs(cases, recording, tugs)
+        sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
+        told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
+        breakaways = Breakaways(tugs, forces[0], told)
         estimates: list[Estimate] = []
         panels: list[Panel] = []
         notes: list[str] = []
         broken: list[float] = []
-        for pair in strokes:
+        for number, pair in enumerate(strokes):
             name = pair.rows.name
             prefix = f"friction.{name}."
             estimates += [
@@ -110,21 +119,18 @@ class JointFriction:
                 pair.estimate(GROWTH, f"{prefix}load", "1"),
             ]
             panels.append(_panel_of_sliding(profile, pair))
-            mine = tugs[name]
-            count = min(map(len, mine))
-            if count < _LEAST_TUGS:
+            if number not in told:
+                count = min(map(len, sides[number]))
                 notes.append(
                     f"{name} moved in {count} of {settings.rounds * PER_ROUND} tugs of up to "
                     f"{settings.most:g} N to one side, {_LEAST_TUGS} are needed: its breakaway is "
                     "not told, and stays in proportion to Coulomb friction"
                 )
                 continue
-            # Both directions, so that a zero of the monitors does not count.
-            forward, backward = (np.array(part[:count]) for part in mine)
-            breakaway = mean_of(f"{prefix}breakaway", "N", (0.5 * (forward + backward)).tolist())
+            breakaway = breakaways.estimate(number, f"{prefix}breakaway", cases, forces)
             estimates.append(breakaway)
             broken.append(breakaway.value)
-            panels.append(_panel_of_tugs(profile, name, forward, backward, breakaway.value))
+            panels.append(_panel_of_tugs(profile, name, *sides[number], breakaway.value))
         residuals = np.concatenate([pair.residuals for pair in strokes])
         values = _values(profile, belief, float(np.mean(broken)) if broken else None)
         return (
@@ -136,7 +142,20 @@ class JointFriction:
 
 
 def _settings(profile: Profile) -> StrokesAndTugs:
-    return StrokesAndTugs(Strokes(reach(profile, _SHARE), SPEEDS, _TURN))
+    settings, believed = profile.mechanism_settings, belief_of(profile)
+    expected = settings.friction.breakaway + believed.alone * believed.usual
+    # A wire that is let go in a tug stays taut.
+    taut = 2.0 * (settings.area * _base(profile) - _TAUT * settings.limits.tension[0])
+    most = min(_MORE * expected, taut)
+    return StrokesAndTugs(Strokes(reach(profile, _SHARE), SPEEDS, _TURN), most=most)
+
+
+def _base(profile: Profile) -> float:
+    """Return the base pressure of the tugs, Pa gauge: all that swings is permitted."""
+    settings = profile.mechanism_settings
+    limits = settings.limits
+    most = min(limits.pressure[1], limits.tension[1] / settings.area) / (1.0 + DEPTH)
+    return float(min(settings.base_pressure, most))
 
 
 def _travel(strokes: Strokes) -> float:
@@ -148,30 +167,11 @@ def _travel(strokes: Strokes) -> float:
     return math.sqrt(0.5) * max(ways)
 
 
-def _tugs(
-    profile: Profile, belief: Belief, recording: Recording, settings: StrokesAndTugs
-) -> dict[str, tuple[list[float], list[float]]]:
-    """Return for each pair, by side, the greatest forces before it moved, N at base pressure."""
-    period, usual = profile.loop.period, belief.usual
-    half = len(bump_of(period)[0]) // 2
-    found: dict[str, tuple[list[float], list[float]]] = {}
-    for tug in settings.tugs:
-        pairs = pairs_of(profile, recording[tug.name])
-        pair = pairs[tug.pair]
-        mine = found.setdefault(pair.name, ([], []))
-        signals = smooth(pair.force, pair.position, pair.load, period)
-        way, speed = tug.side * signals.position, tug.side * signals.velocity
-        moved = np.flatnonzero((way > 0.5 * BROKEN) & (speed > _MOVING))
-        if not len(moved):
-            continue
-        pull = tug.side * signals.force[: moved[0]]
-        k = int(np.argmax(pull))
-        # The ring bears all four wires, the pair's own friction grows with its two.
-        four = sum(float(one.load[k + half]) for one in pairs) - 2.0 * usual
-        own = float(signals.load[k]) - usual
-        grown = belief.ring * four + (belief.wound * belief.wire + belief.seals) * own
-        mine[0 if tug.side > 0 else 1].append(float(pull[k]) - grown)
-    return found
+def _sides(tugs: Sequence[Tug], forces: "Array", pair: int) -> "tuple[Array, Array]":
+    """Return what those tugs at a pair took that moved it, to either side."""
+    mine = np.isfinite(forces) & np.array([tug.pair == pair for tug in tugs])
+    side = np.array([tug.side for tug in tugs])
+    return forces[mine & (side > 0)], forces[mine & (side < 0)]
 
 
 def _values(profile: Profile, belief: Belief, breakaway: float | None) -> Mapping[str, Any]:
@@ -224,7 +224,7 @@ def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
 def _panel_of_tugs(
     profile: Profile, name: str, forward: "Array", backward: "Array", mean: float
 ) -> Panel:
-    count, believed = 2 * len(forward), belief_of(profile)
+    count, believed = len(forward) + len(backward), belief_of(profile)
     before = profile.mechanism_settings.friction.breakaway + believed.alone * believed.usual
     return Panel(
         f"{name}: tugs to one side, then to the other", "number", "force (N)", "residual (N)",
