@@ -125,7 +125,9 @@ class Breakaways:
     """What tugs say of the pairs that they moved, by least squares.
 
     Tugs to either side differ by a zero of the monitors, those that differ in what was before by
-    what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter.
+    what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter. But what
+    swings leave that begin with a rise or with a fall need not be the same to either side of
+    nothing: nothing is taken to lie anywhere between the two.
 
     Parameters
     ----------
@@ -144,9 +146,11 @@ class Breakaways:
         design = np.array(rows).reshape(len(rows), len(self._kinds) + 3)
         self._inverse = np.linalg.pinv(design)
         taken = forces[self._mine]
-        residuals = taken - design @ (self._inverse @ taken)
+        found = self._inverse @ taken
+        residuals = taken - design @ found
         self._freedom = float(len(rows) - np.linalg.matrix_rank(design)) if rows else 1.0
         self._variance = float(residuals @ residuals) / self._freedom
+        self._left = abs(float(found[len(self._kinds)]))
 
     def _row(self, tug: Tug) -> list[float]:
         # Each of the last three adds up to nothing over a round's tugs of a kind.
@@ -180,7 +184,8 @@ class Breakaways:
             (abs(other - value) / case.far, math.inf)
             for case, other in zip(cases[1:], others, strict=True)
         ]
-        std, freedom = welch([(scatter, self._freedom), *parts])
+        left = self._left / math.sqrt(3.0), math.inf
+        std, freedom = welch([(scatter, self._freedom), left, *parts])
         return interval(name, value, "N", std, freedom)
 
 

@@ -102,7 +102,7 @@ class StrokesAndTugs:
     rounds: Annotated[int, Ge(0)] = 1
     rate: Annotated[float, Unit("N/s"), Gt(0)] = 20.0
     most: Annotated[float, Unit("N"), Gt(0)] = 32.0
-    move: Annotated[float, Unit("s"), Gt(0)] = 0.5
+    move: Annotated[float, Unit("s"), Gt(0)] = 0.8
     shake: Annotated[float, Unit("s"), Gt(0)] = 2.4
     rest: Annotated[float, Unit("s"), Gt(0)] = 0.3
     _tugs: Any = field(init=False, repr=False, default=())
