@@ -127,7 +127,8 @@ class Breakaways:
     Tugs to either side differ by a zero of the monitors, those that differ in what was before by
     what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter. But what
     swings leave that begin with a rise or with a fall need not be the same to either side of
-    nothing: nothing is taken to lie anywhere between the two.
+    nothing: nothing is taken to lie anywhere between the two. And monitors and encoders may be a
+    cycle apart, in which the force rises.
 
     Parameters
     ----------
@@ -137,9 +138,13 @@ class Breakaways:
         What they took, N; NaN of a tug that did not move its pair.
     pairs : sequence of int
         Which pairs are to be told.
+    step : float
+        By how much the force of a tug rises in a cycle, N.
     """
 
-    def __init__(self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int]) -> None:
+    def __init__(
+        self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int], step: float
+    ) -> None:
         self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
         self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
         rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
@@ -150,7 +155,8 @@ class Breakaways:
         residuals = taken - design @ found
         self._freedom = float(len(rows) - np.linalg.matrix_rank(design)) if rows else 1.0
         self._variance = float(residuals @ residuals) / self._freedom
-        self._left = abs(float(found[len(self._kinds)]))
+        bounds = float(found[len(self._kinds)]), step
+        self._even = math.hypot(*bounds) / math.sqrt(3.0)
 
     def _row(self, tug: Tug) -> list[float]:
         # Each of the last three adds up to nothing over a round's tugs of a kind.
@@ -184,8 +190,8 @@ class Breakaways:
             (abs(other - value) / case.far, math.inf)
             for case, other in zip(cases[1:], others, strict=True)
         ]
-        left = self._left / math.sqrt(3.0), math.inf
-        std, freedom = welch([(scatter, self._freedom), left, *parts])
+        parts += [(scatter, self._freedom), (self._even, math.inf)]
+        std, freedom = welch(parts)
         return interval(name, value, "N", std, freedom)
 
 

@@ -160,10 +160,12 @@ class Tugging:
         Follows it, and catches the ring.
     base : float
         Co-contraction of the tugs, Pa gauge.
+    calm : float
+        The same wherever the controller has the ring, Pa gauge.
     """
 
     def __init__(
-        self, settings: StrokesAndTugs, strokes: Any, controller: Any, base: float
+        self, settings: StrokesAndTugs, strokes: Any, controller: Any, base: float, calm: float
     ) -> None:
         self.duration = settings.duration
         self.segments = settings.segments
@@ -173,6 +175,7 @@ class Tugging:
         self._strokes = strokes
         self._controller = controller
         self.base = base
+        self._calm = calm
         self._t = 0.0
         self._restart()
 
@@ -194,7 +197,7 @@ class Tugging:
         if t < self.settings.strokes.duration:
             reference: JointReference = self._strokes.at(t)
             return reference
-        return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self.base)
+        return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._calm)
 
     def reset(self, state: JointState) -> None:
         """Start over."""
@@ -242,4 +245,4 @@ class Tugging:
             self._leave(t)
             self._caught = True
         back = great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)
-        return back._replace(base_pressure=self.base)
+        return back._replace(base_pressure=self._calm)

@@ -88,7 +88,7 @@ class JointFriction:
         base = min(usual, _MOST_RAISED / _RAISED)
         bases = ((0.0, base), (half, _RAISED * base))
         motion = leaning(wider, strokes, _BETWEEN, controller, bases)
-        tugging = Tugging(settings, motion, controller, _base(profile))
+        tugging = Tugging(settings, motion, controller, _base(profile), base)
         return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
 
     def identify(
@@ -105,7 +105,7 @@ class JointFriction:
         forces = forces_of_tugs(cases, recording, tugs)
         sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
         told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
-        breakaways = Breakaways(tugs, forces[0], told)
+        breakaways = Breakaways(tugs, forces[0], told, settings.rate * profile.loop.period)
         estimates: list[Estimate] = []
         panels: list[Panel] = []
         notes: list[str] = []

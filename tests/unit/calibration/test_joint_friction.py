@@ -65,7 +65,7 @@ class Upright:
 def tugged(broken_by, settings):
     """Return each tug with its references, of pairs that jump once so much force pushes them."""
     follower = Follower()
-    tugging = Tugging(settings, Upright(), follower, 120e3)
+    tugging = Tugging(settings, Upright(), follower, 120e3, 100e3)
     places = [0.0, 0.0]
     found = [[] for _ in settings.tugs]
     for cycle in range(int(settings.duration / PERIOD)):
@@ -97,7 +97,7 @@ def test_each_kind_of_tug_follows_each_kind_equally_often():
 def test_pressures_swing_before_each_tug_and_as_often_begin_with_a_fall():
     settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1))
     follower = Follower()
-    tugging = Tugging(settings, Upright(), follower, 120e3)
+    tugging = Tugging(settings, Upright(), follower, 120e3, 100e3)
     begins = Counter()
     for tug in settings.tugs:
         begins[tug.pair, tug.side, tug.swing] += 1
@@ -284,8 +284,8 @@ def taken_in(tugs, scatter, swung=0.2):
 
 def test_what_tugs_leave_behind_counts_neither_in_the_mean_nor_as_scatter(profile):
     tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1)).tugs
-    forces = taken_in(tugs, np.zeros(len(tugs)), swung=0.0)
-    breakaways, case = Breakaways(tugs, forces, (0, 1)), [Case(profile, belief_of(profile))]
+    forces, step = taken_in(tugs, np.zeros(len(tugs)), swung=0.0), 0.0
+    breakaways, case = Breakaways(tugs, forces, (0, 1), step), [Case(profile, belief_of(profile))]
     for pair, value in enumerate((19.0, 15.5)):
         found = breakaways.estimate(pair, "b", case, forces[None])
         assert (found.value, found.std) == pytest.approx((value, 0.0), abs=1e-9)
@@ -294,15 +294,16 @@ def test_what_tugs_leave_behind_counts_neither_in_the_mean_nor_as_scatter(profil
 def test_the_interval_of_breakaway_holds_chance_and_what_may_be_true(profile):
     tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1), rounds=8).tugs
     scatter = np.random.default_rng(3).normal(0.0, 0.1, len(tugs))
-    forces = taken_in(tugs, scatter)
+    forces, step = taken_in(tugs, scatter), 0.02
     belief = belief_of(profile)
-    breakaways = Breakaways(tugs, forces, (0, 1))
+    breakaways = Breakaways(tugs, forces, (0, 1), step)
     alone = breakaways.estimate(0, "b", [Case(profile, belief)], forces[None])
     mine = np.array([tug.pair == 0 for tug in tugs])
     assert alone.value == pytest.approx(19.0 + scatter[mine].mean())
     # What swings leave lies anywhere between what begins with a rise and with a fall.
     chance, left = 0.1 / math.sqrt(mine.sum()), 0.2 / math.sqrt(3.0)
-    assert alone.std == pytest.approx(math.hypot(chance, left), rel=0.1)
+    late = step / math.sqrt(3.0)
+    assert alone.std == pytest.approx(math.hypot(chance, left, late), rel=0.1)
     assert alone.high - alone.value == pytest.approx(1.96 * alone.std, rel=0.01)
     cases = [Case(profile, belief), Case(profile, belief, math.sqrt(3.0))]
     both = breakaways.estimate(0, "b", cases, np.array([forces, forces - 0.3]))
@@ -315,7 +316,7 @@ def test_a_pair_with_too_few_tugs_leaves_the_other_one_its_own(profile):
     forces = taken_in(tugs, np.random.default_rng(3).normal(0.0, 0.01, len(tugs)), swung=0.0)
     forces[[tug.pair == 0 for tug in tugs]] = np.nan
     case = [Case(profile, belief_of(profile))]
-    found = Breakaways(tugs, forces, (1,)).estimate(1, "b", case, forces[None])
+    found = Breakaways(tugs, forces, (1,), 0.0).estimate(1, "b", case, forces[None])
     assert found.value == pytest.approx(15.5, abs=0.02)
     assert 0.0 < found.std < 0.02
 
