@@ -6,16 +6,15 @@ in the mean of both ways, so that a zero of the monitors does not count. How far
 follows from what the seals take of the pulls, which is what a tug takes less what the ball does.
 
 A tug's tensions are some kPa off base pressure. What grows with them is told by the strokes, but
-not how ring and wires share it, nor what of it is the seals'. What these and the wires' stiffness
-may be otherwise than believed is part of the interval (a type B evaluation), beside the scatter of
-the tugs.
+not how ring and wires share it, nor what of it is the seals'. What these may be otherwise than
+believed is part of the interval (a type B evaluation), beside the scatter of the tugs. The wires'
+stiffness is taken as `wires` has told it, as it is for the strokes.
 
 References
 ----------
 JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7, 4.3.9 and G.4.
 """
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -51,24 +50,25 @@ class Case(NamedTuple):
 
     Parameters
     ----------
-    profile : Profile
-        Of the joint.
     belief : Belief
         Its friction.
     far : float
         How many standard deviations that is from what is believed.
     """
 
-    profile: Profile
     belief: Belief
     far: float = 0.0
 
 
-def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
+def forces_of_tugs(
+    profile: Profile, cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]
+) -> "Array":
     """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
 
     Parameters
     ----------
+    profile : Profile
+        Of the joint.
     cases : sequence of Case, length m
         What a tug took is worked out for each.
     recording : Recording
@@ -78,9 +78,9 @@ def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[T
     """
     forces = np.full((len(cases), len(tugs)), np.nan)
     for k, tug in enumerate(tugs):
-        last = _last(cases[0].profile, recording[tug.name], tug)
+        last = _last(profile, recording[tug.name], tug)
         if last is not None:
-            forces[:, k] = [_taken(case, last, tug) for case in cases]
+            forces[:, k] = [_taken(profile, case.belief, last, tug) for case in cases]
     return forces
 
 
@@ -99,9 +99,8 @@ def _last(profile: Profile, stretch: Stretch, tug: Tug) -> Stretch | None:
     return Stretch({name: column[rows] for name, column in stretch.items()})
 
 
-def _taken(case: Case, last: Stretch, tug: Tug) -> float:
+def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
     """Return the greatest force before the pair moved, N at base pressure and upright."""
-    profile, belief, _ = case
     period, usual = profile.loop.period, belief.usual
     width = len(bump_of(period)[0])
     raw = pairs_of(profile, last)[tug.pair]
@@ -127,8 +126,7 @@ class Breakaways:
     Tugs to either side differ by a zero of the monitors, those that differ in what was before by
     what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter. But what
     swings leave that begin with a rise or with a fall need not be the same to either side of
-    nothing: nothing is taken to lie anywhere between the two. And monitors and encoders may be a
-    cycle apart, in which the force rises.
+    nothing: nothing is taken to lie anywhere between the two.
 
     Parameters
     ----------
@@ -138,13 +136,9 @@ class Breakaways:
         What they took, N; NaN of a tug that did not move its pair.
     pairs : sequence of int
         Which pairs are to be told.
-    step : float
-        By how much the force of a tug rises in a cycle, N.
     """
 
-    def __init__(
-        self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int], step: float
-    ) -> None:
+    def __init__(self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int]) -> None:
         self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
         self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
         rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
@@ -155,8 +149,7 @@ class Breakaways:
         residuals = taken - design @ found
         self._freedom = float(len(rows) - np.linalg.matrix_rank(design)) if rows else 1.0
         self._variance = float(residuals @ residuals) / self._freedom
-        bounds = float(found[len(self._kinds)]), step
-        self._even = math.hypot(*bounds) / math.sqrt(3.0)
+        self._left = abs(float(found[len(self._kinds)])) / math.sqrt(3.0)
 
     def _row(self, tug: Tug) -> list[float]:
         # Each of the last three adds up to nothing over a round's tugs of a kind.
@@ -190,7 +183,7 @@ class Breakaways:
             (abs(other - value) / case.far, math.inf)
             for case, other in zip(cases[1:], others, strict=True)
         ]
-        parts += [(scatter, self._freedom), (self._even, math.inf)]
+        parts += [(scatter, self._freedom), (self._left, math.inf)]
         std, freedom = welch(parts)
         return interval(name, value, "N", std, freedom)
 
@@ -215,23 +208,17 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     # Of the seals the middle of the bounds is the likeliest, as where strokes are fitted.
     ball = 1.0 + belief.seals / on_ball
     more = 1.0 + growth
-    stiffer = dataclasses.replace(
-        settings, wire_stiffness=(1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
-    )
     return [
-        Case(profile, belief),
-        Case(profile, belief._replace(ring=ring, wire=wires / belief.wound), math.sqrt(3.0)),
+        Case(belief),
+        Case(belief._replace(ring=ring, wire=wires / belief.wound), math.sqrt(3.0)),
         Case(
-            profile,
             belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
             math.sqrt(6.0),
         ),
         Case(
-            profile,
             belief._replace(
                 ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
             ),
             1.0,
         ),
-        Case(dataclasses.replace(profile, mechanism_settings=stiffer), belief, 1.0),
     ]
