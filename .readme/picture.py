@@ -12,7 +12,8 @@ import matplotlib.pyplot as plt
 from matplotlib import image
 
 TARGET = Path(__file__).with_name("rigs.png")
-LEFT_HALF = slice(None, 736)
+LEFT_HALF = (slice(60, None), slice(None, 736))
+"""Of the arm's figure, without the legend above both halves."""
 RIG = (sys.executable, "-c", "from rig.cli import main; main()")
 
 
@@ -28,7 +29,7 @@ def figure_of(experiment: str, name: str, folder: str) -> "image.AxesImage":
 
 with tempfile.TemporaryDirectory() as folder:
     joint = figure_of("joint-circle", "marker-track", folder)[:, :660]
-    arm = figure_of("arm-elbow-turnback", "arm", folder)[:, LEFT_HALF]
+    arm = figure_of("arm-elbow-turnback", "arm", folder)[LEFT_HALF]
     legs = figure_of("legs-walk", "strip", folder)
 
 sheet = plt.figure(figsize=(14.72, 11.2), dpi=100)

@@ -15,8 +15,8 @@ OFF = {
     "wire_offset": "2 mm", "geometry": "0.02", "friction": "0.3", "camera_position": "2 mm",
     "camera_angle": "2 deg",
 }  # fmt: skip
-SEEDS = (3, 5)
-"""The friction of the first is 20 % below its profile's, that of the second 29 %."""
+SEEDS = (3, 5, 22)
+"""The friction of the first is 20 % below its profile's, of the second 29 %; of the third 27 % above."""
 
 PERTURBED = tuple(
     word for name, bound in OFF.items()
