@@ -6,15 +6,16 @@ in the mean of both ways, so that a zero of the monitors does not count. How far
 follows from what the seals take of the pulls, which is what a tug takes less what the ball does.
 
 A tug's tensions are some kPa off base pressure. What grows with them is told by the strokes, but
-not how ring and wires share it, nor what of it is the seals'. What these may be otherwise than
-believed is part of the interval (a type B evaluation), beside the scatter of the tugs. The wires'
-stiffness is taken as `wires` has told it, as it is for the strokes.
+not how ring and wires share it, nor what of it is the seals'. What these and the wires' stiffness
+may be otherwise than believed is part of the interval (a type B evaluation), beside the scatter of
+the tugs.
 
 References
 ----------
 JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7, 4.3.9 and G.4.
 """
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -50,25 +51,24 @@ class Case(NamedTuple):
 
     Parameters
     ----------
+    profile : Profile
+        Of the joint.
     belief : Belief
         Its friction.
     far : float
         How many standard deviations that is from what is believed.
     """
 
+    profile: Profile
     belief: Belief
     far: float = 0.0
 
 
-def forces_of_tugs(
-    profile: Profile, cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]
-) -> "Array":
+def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
     """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
 
     Parameters
     ----------
-    profile : Profile
-        Of the joint.
     cases : sequence of Case, length m
         What a tug took is worked out for each.
     recording : Recording
@@ -78,9 +78,9 @@ def forces_of_tugs(
     """
     forces = np.full((len(cases), len(tugs)), np.nan)
     for k, tug in enumerate(tugs):
-        last = _last(profile, recording[tug.name], tug)
+        last = _last(cases[0].profile, recording[tug.name], tug)
         if last is not None:
-            forces[:, k] = [_taken(profile, case.belief, last, tug) for case in cases]
+            forces[:, k] = [_taken(case.profile, case.belief, last, tug) for case in cases]
     return forces
 
 
@@ -208,17 +208,23 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     # Of the seals the middle of the bounds is the likeliest, as where strokes are fitted.
     ball = 1.0 + belief.seals / on_ball
     more = 1.0 + growth
+    stiffer = dataclasses.replace(
+        settings, wire_stiffness=(1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
+    )
     return [
-        Case(belief),
-        Case(belief._replace(ring=ring, wire=wires / belief.wound), math.sqrt(3.0)),
+        Case(profile, belief),
+        Case(profile, belief._replace(ring=ring, wire=wires / belief.wound), math.sqrt(3.0)),
         Case(
+            profile,
             belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
             math.sqrt(6.0),
         ),
         Case(
+            profile,
             belief._replace(
                 ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
             ),
             1.0,
         ),
+        Case(dataclasses.replace(profile, mechanism_settings=stiffer), belief, 1.0),
     ]

@@ -102,7 +102,7 @@ class JointFriction:
         growth = [pair.estimate(GROWTH, "", "1") for pair in strokes]
         spread = math.hypot(*(g.std for g in growth)) / max(sum(g.value for g in growth), 1e-9)
         cases, tugs = cases_of(profile, belief, spread), settings.tugs
-        forces = forces_of_tugs(profile, cases, recording, tugs)
+        forces = forces_of_tugs(cases, recording, tugs)
         sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
         told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
         breakaways = Breakaways(tugs, forces[0], told)
