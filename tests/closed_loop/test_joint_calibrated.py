@@ -16,7 +16,7 @@ OFF = {
     "camera_angle": "2 deg",
 }  # fmt: skip
 SEEDS = (3, 5, 22)
-"""The friction of the first is 20 % below its profile's, of the second 29 %; of the third 27 % above."""
+"""Friction is 20 % below the profile's, 29 % below it and 27 % above it."""
 
 PERTURBED = tuple(
     word for name, bound in OFF.items()
