@@ -26,12 +26,18 @@ DRAWN = {
 }
 """By procedure, with the rig's name before it if it is not the cylinder's."""
 
+DRAWN_FOR = {"joint friction": truth_of_joint_friction.drawn_for}
+"""What is drawn anew for each profile and seed."""
+
 
 def calibrate(procedure, seed, out):
     """Calibrate one simulated rig; return (name, estimate, true value) of each quantity."""
     options = [*DRAWN[procedure], f"simulation.seed={seed}"]
     rig, _, name = procedure.rpartition(" ")
     profile = load_profile(rig or "cylinder", REGISTRY, options, find_configs())
+    if procedure in DRAWN_FOR:
+        options += DRAWN_FOR[procedure](profile, seed)
+        profile = load_profile(rig, REGISTRY, options, find_configs())
     chosen = procedures(profile)[name]
     if name == "lens":
         findings, folders = truth_of_camera.look_at_boards(chosen, profile, out)

@@ -18,6 +18,7 @@ back the rods have changed places; what a pair shows in the mean of both ways is
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +27,8 @@ from drivers.sim.plants.spherical_joint_wire import wire_path
 from rig.assembly.simulated import make_plant
 
 DRAWN = {"joint friction": ("simulation.perturbation.friction=0.3",)}
+_MOST_SEALS = 0.2
+"""Of what grows with the tensions: an interval takes the seals' share to lie anywhere up to it."""
 PAIRS = (("pair 1-3", 0, 2), ("pair 4-2", 3, 1))
 _FULL, _SWUNG, _REST = 0.5, 2.0, 0.5
 """Until the chambers are full, and for how long their pressures swing and rest, s."""
@@ -57,6 +60,21 @@ def pulls_of(plant, sums, speed, pairs=PAIRS):
         rows.append(np.array([float(k in (a, b)) for k in range(4)]))
         right.append(total)
     return np.linalg.solve(np.array(rows), np.array(right))
+
+
+def drawn_for(profile, seed):
+    """Return the option that lets the seals have any share of what grows with the tensions."""
+    rng = np.random.default_rng([seed, 7])
+    share = rng.uniform(0.0, _MOST_SEALS)
+    name = f"friction.{PAIRS[0][0]}.load"
+
+    def growth(scale):
+        settings = replace(profile.plant.settings, seal_load_scale=scale)
+        other = replace(profile, plant=replace(profile.plant, settings=settings))
+        return true_of_sliding(other)[profile.mechanism, name]
+
+    ball, both = growth(0.0), growth(1.0)
+    return (f"plant.seal_load_scale={share / (1.0 - share) * ball / (both - ball):.6g}",)
 
 
 def true_of_sliding(profile):

@@ -72,10 +72,12 @@ def draw_channel(
     return tuple(values[name] for name in PARAMETERS.names or ())
 
 
-def scale_seals(name: str, scale: float, stribeck_scale: float = 1.0) -> SealFriction:
+def scale_seals(
+    name: str, scale: float, stribeck_scale: float = 1.0, load_scale: float = 1.0
+) -> SealFriction:
     """Return the seals of that name with all friction multiplied by `scale`.
 
-    The Stribeck velocity has a factor of its own.
+    The Stribeck velocity has a factor of its own, and so has what grows with the pressure, besides.
     """
     nominal = SEALS[name]
     return SealFriction(
@@ -83,6 +85,6 @@ def scale_seals(name: str, scale: float, stribeck_scale: float = 1.0) -> SealFri
         breakaway=nominal.breakaway * scale,
         stribeck_velocity=nominal.stribeck_velocity * stribeck_scale,
         viscous=nominal.viscous * scale,
-        pressure=nominal.pressure * scale,
+        pressure=nominal.pressure * scale * load_scale,
         seat=nominal.seat * scale,
     )

@@ -65,7 +65,9 @@ class SphericalJointPlant(PneumaticPlant):
         units, monitors, shapes = np.random.default_rng(seed).spawn(3)
         self.joint = np.zeros(1, JOINT_STATE)
         self.joint["qw"] = 1.0
-        seals = scale_seals(settings.seals, settings.friction_scale)
+        seals = scale_seals(
+            settings.seals, settings.friction_scale, load_scale=settings.seal_load_scale
+        )
         super().__init__(settings, seals, units=units, monitors=monitors, line=self.joint)
         self.wire_parameters = draw_wires(shapes, settings, geometry)
         self.joint_parameters = draw_joint(shapes, settings, geometry)

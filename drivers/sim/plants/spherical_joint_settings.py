@@ -87,6 +87,8 @@ class SphericalJointPlantSettings:
         ``standard`` or ``low-speed``.
     friction_scale : float
         Factor on all friction: seals, seat and wires.
+    seal_load_scale : float
+        Factor on what of the seals' friction grows with the pressure, besides.
     friction_spread : float
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
@@ -113,6 +115,7 @@ class SphericalJointPlantSettings:
 
     seals: Literal["standard", "low-speed"] = "standard"
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    seal_load_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     wire_offset: Annotated[float, Unit("m"), Ge(0), Le(5e-3)] = 20e-6

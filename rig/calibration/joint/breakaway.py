@@ -12,7 +12,8 @@ the tugs.
 
 References
 ----------
-JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7, 4.3.9 and G.4.
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
+JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 """
 
 import dataclasses
@@ -23,10 +24,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
-from rig.calibration.estimates import Estimate, interval, welch
+from rig.calibration.estimates import Estimate
 from rig.calibration.joint.on_ball import Belief, axis_with
 from rig.calibration.joint.tugs import BACK, OTHER, SAME, Tug
 from rig.calibration.pairs import pairs_of
+from rig.calibration.propagation import half_width
 from rig.calibration.recording import Recording, Stretch
 from rig.calibration.sliding import bump_of, smooth
 from rig.config import Profile
@@ -55,13 +57,13 @@ class Case(NamedTuple):
         Of the joint.
     belief : Belief
         Its friction.
-    far : float
-        How many standard deviations that is from what is believed.
+    bound : bool
+        Whether it lies anywhere as far off as that, rather than that being a standard deviation.
     """
 
     profile: Profile
     belief: Belief
-    far: float = 0.0
+    bound: bool = False
 
 
 def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
@@ -179,13 +181,12 @@ class Breakaways:
         weights = self._weights(pair)
         value, *others = (float(weights @ row[self._mine]) for row in forces)
         scatter = math.sqrt(self._variance * float(weights @ weights))
-        parts = [
-            (abs(other - value) / case.far, math.inf)
-            for case, other in zip(cases[1:], others, strict=True)
-        ]
-        parts += [(scatter, self._freedom), (self._left, math.inf)]
-        std, freedom = welch(parts)
-        return interval(name, value, "N", std, freedom)
+        off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
+        even = [self._left, *(size / math.sqrt(3.0) for bound, size in off if bound)]
+        normal = math.hypot(*(size for bound, size in off if not bound))
+        half = half_width(scatter, self._freedom, normal, even)
+        std = math.hypot(scatter, normal, *even)
+        return Estimate(name, value, "N", std, value - half, value + half)
 
 
 def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
@@ -205,7 +206,7 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     # Any share of the ring's within its tolerance is as likely; wires make up for it, if they can.
     ring = (1.0 + settings.tolerance.friction) * belief.ring
     wires = max((on_ball - math.sqrt(2.0) * ring) / (1.0 - on_ball * ring), 0.0)
-    # Of the seals the middle of the bounds is the likeliest, as where strokes are fitted.
+    # The seals have anything from nothing to twice as much, as where strokes are fitted.
     ball = 1.0 + belief.seals / on_ball
     more = 1.0 + growth
     stiffer = dataclasses.replace(
@@ -213,18 +214,17 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     )
     return [
         Case(profile, belief),
-        Case(profile, belief._replace(ring=ring, wire=wires / belief.wound), math.sqrt(3.0)),
+        Case(profile, belief._replace(ring=ring, wire=wires / belief.wound), bound=True),
         Case(
             profile,
             belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
-            math.sqrt(6.0),
+            bound=True,
         ),
         Case(
             profile,
             belief._replace(
                 ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
             ),
-            1.0,
         ),
-        Case(dataclasses.replace(profile, mechanism_settings=stiffer), belief, 1.0),
+        Case(dataclasses.replace(profile, mechanism_settings=stiffer), belief),
     ]

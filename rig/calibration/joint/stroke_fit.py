@@ -14,12 +14,13 @@ four unlike forces are more than two pairs.
 
 D follows from what seals and ball take of the tensions, so it is worked out a second time from what
 was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells.
-It is taken to lie between nothing and a fifth of what grows, rather in the middle than at either
-end (triangular), and what that leaves open is part of every interval (a type B evaluation).
+It is taken to lie anywhere between nothing and a fifth of what grows, and what that leaves open is
+part of every interval (a type B evaluation).
 
 References
 ----------
-JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.9 and G.4.
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
+JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 """
 
 import math
@@ -28,9 +29,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, Fit, fit, interval
+from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.joint.on_ball import Belief, axis_of, belief_of, friction_on_ball, sheared
 from rig.calibration.pairs import PairSignals, pairs_of
+from rig.calibration.propagation import half_width
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.calibration.sliding import Signals, bump_of, sliding, smooth
 from rig.config import Profile
@@ -116,11 +118,11 @@ class StrokeFit(NamedTuple):
         """Return the estimate of one parameter."""
         one, other = (found.parameter(index, name, unit) for found in self.fits)
         scatter = 0.5 * (one.std + other.std)
-        std = math.hypot(scatter, 0.5 * (other.value - one.value) / math.sqrt(6.0))
-        # What is evaluated otherwise than by scatter has all freedom (Welch and Satterthwaite).
+        open_ = 0.5 * abs(other.value - one.value) / math.sqrt(3.0)
         unity = np.eye(len(self.values))[index].tolist()
-        freedom = self.fits[0].freedom_of(unity) * (std / scatter) ** 4
-        return interval(name, 0.5 * (one.value + other.value), unit, std, freedom)
+        half = half_width(scatter, self.fits[0].freedom_of(unity), even=[open_])
+        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, open_)
+        return Estimate(name, value, unit, std, value - half, value + half)
 
 
 def fit_strokes(
