@@ -183,8 +183,8 @@ def test_what_was_wrong_from_the_start_is_named_over_the_bus(
 def test_a_stuck_regulator_is_named_as_soon_as_it_has_been_off_for_long_enough(tmp_path):
     log = run(tmp_path, Backend.SIM, plant("regulator_closed", 1)).log
     t, pressure = log.t, log.column("reading.pressure_ch2")
-    # A healthy regulator as the profile has it: 40 rad/s, critically damped.
-    healthy = lti([1600.0], [1.0, 80.0, 1600.0])
+    # A healthy regulator as the profile has it: 41.7 rad/s, damping 1.03.
+    healthy = lti([41.7**2], [1.0, 2.0 * 1.03 * 41.7, 41.7**2])
     setpoint = log.column("applied.ch2") - pressure[0]
     _, expected, _ = lsim(healthy, setpoint, t - t[0], interp=False)
     well = np.abs(pressure - pressure[0] - expected) <= 40e3
