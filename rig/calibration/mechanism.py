@@ -154,7 +154,7 @@ def follower(profile: Profile) -> tuple[Profile, str]:
     not heed a camera that nobody has calibrated. Whatever the profile's is tuned for, this is the
     one for standard seals, with the profile's gains where somebody has set them lower. As it is
     used it hunts with weaker seals: it lives on their viscous friction, and a ring that leans falls
-    on by itself. With half the stiffness and a quarter of the integral they slide evenly if they
+    on by itself. With half the stiffness and a third of the integral they slide evenly if they
     have 0.6 to 1.4 times the friction, a few millimetres off their line; with less the ring gets
     away. Nor does it shake the ring, and with it what it finds.
     """

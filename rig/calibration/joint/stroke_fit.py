@@ -118,10 +118,10 @@ class StrokeFit(NamedTuple):
         """Return the estimate of one parameter."""
         one, other = (found.parameter(index, name, unit) for found in self.fits)
         scatter = 0.5 * (one.std + other.std)
-        open_ = 0.5 * abs(other.value - one.value) / math.sqrt(3.0)
+        unsure = 0.5 * abs(other.value - one.value) / math.sqrt(3.0)
         unity = np.eye(len(self.values))[index].tolist()
-        half = half_width(scatter, self.fits[0].freedom_of(unity), even=[open_])
-        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, open_)
+        half = half_width(scatter, self.fits[0].freedom_of(unity), even=[unsure])
+        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, unsure)
         return Estimate(name, value, unit, std, value - half, value + half)
 
 

@@ -86,6 +86,13 @@ def cut_all(plant):
         plant.inject("wire_cut", channel)
 
 
+def test_what_of_the_seals_grows_with_the_pressure_has_a_factor_of_its_own():
+    usual, more = joint().parameters, joint(seal_load_scale=1.5, friction_scale=1.2).parameters
+    assert more["pressure_friction"] == pytest.approx(1.8 * usual["pressure_friction"])
+    for name in ("coulomb", "breakaway", "viscous"):
+        assert more[name] == pytest.approx(1.2 * usual[name])
+
+
 def test_a_free_ring_spins_like_a_top():
     """No torque: the angular momentum stays, and the axis goes round it at L / I_tilt."""
     plant = joint(friction_scale=0.0, ring=RingSettings(mass=1e-9), substep=1e-5)
