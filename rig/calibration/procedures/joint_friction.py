@@ -123,8 +123,8 @@ class JointFriction:
                 count = min(map(len, sides[number]))
                 notes.append(
                     f"{name} moved in {count} of {settings.rounds * PER_ROUND} tugs of up to "
-                    f"{settings.most:.3g} N to one side, {_LEAST_TUGS} are needed: its breakaway is "
-                    "not told, and stays in proportion to Coulomb friction"
+                    f"{settings.most:.3g} N to one side, {_LEAST_TUGS} are needed: its breakaway "
+                    "is not told, and stays in proportion to Coulomb friction"
                 )
                 continue
             breakaway = breakaways.estimate(number, f"{prefix}breakaway", cases, forces)
