@@ -63,18 +63,32 @@ def pulls_of(plant, sums, speed, pairs=PAIRS):
 
 
 def drawn_for(profile, seed):
-    """Return the option that lets the seals have any share of what grows with the tensions."""
+    """Return the options that let lie what the intervals hold as open.
+
+    These are the seals' share of what grows with the tensions, the ring's part in the ball's
+    friction, which wires make up for, and the wires' stiffness.
+    """
     rng = np.random.default_rng([seed, 7])
     share = rng.uniform(0.0, _MOST_SEALS)
     name = f"friction.{PAIRS[0][0]}.load"
+    settings, tolerance = profile.plant.settings, profile.mechanism_settings.tolerance
 
-    def growth(scale):
-        settings = replace(profile.plant.settings, seal_load_scale=scale)
-        other = replace(profile, plant=replace(profile.plant, settings=settings))
+    def growth(**scales):
+        other = replace(profile, plant=replace(profile.plant, settings=replace(settings, **scales)))
         return true_of_sliding(other)[profile.mechanism, name]
 
-    ball, both = growth(0.0), growth(1.0)
-    return (f"plant.seal_load_scale={share / (1.0 - share) * ball / (both - ball):.6g}",)
+    none = growth(seal_load_scale=0.0)
+    ring = none - growth(seal_load_scale=0.0, ring_friction_scale=0.0)
+    more = rng.uniform(-1.0, 1.0) * tolerance.friction
+    stiffness = settings.wire.stiffness * (1.0 + tolerance.stiffness * rng.standard_normal())
+    seals = growth() - none
+    drawn = {
+        "seal_load_scale": share / (1.0 - share) * none / seals,
+        "ring_friction_scale": 1.0 + more,
+        "wire_friction_scale": 1.0 - more * ring / (none - ring),
+        "wire.stiffness": stiffness,
+    }
+    return tuple(f"plant.{name}={value:.6g}" for name, value in drawn.items())
 
 
 def true_of_sliding(profile):

@@ -148,4 +148,7 @@ def draw_joint(
 def contact_friction(settings: SphericalJointPlantSettings) -> ContactFriction:
     """Return the nominal friction on the ball."""
     nominal, scale = CONTACTS[settings.seals], settings.friction_scale
-    return ContactFriction(ring=nominal.ring * scale, wire=nominal.wire * scale)
+    return ContactFriction(
+        ring=nominal.ring * scale * settings.ring_friction_scale,
+        wire=nominal.wire * scale * settings.wire_friction_scale,
+    )

@@ -89,6 +89,8 @@ class SphericalJointPlantSettings:
         Factor on all friction: seals, seat and wires.
     seal_load_scale : float
         Factor on what of the seals' friction grows with the pressure, besides.
+    ring_friction_scale, wire_friction_scale : float
+        Factors on the friction of the ring in its seat and of the wires on the ball, besides.
     friction_spread : float
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
@@ -116,6 +118,8 @@ class SphericalJointPlantSettings:
     seals: Literal["standard", "low-speed"] = "standard"
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     seal_load_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    ring_friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    wire_friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     wire_offset: Annotated[float, Unit("m"), Ge(0), Le(5e-3)] = 20e-6

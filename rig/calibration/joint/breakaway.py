@@ -16,7 +16,6 @@ JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
 JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 """
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -25,7 +24,7 @@ import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
 from rig.calibration.estimates import Estimate
-from rig.calibration.joint.on_ball import Belief, axis_with
+from rig.calibration.joint.on_ball import Belief, axis_with, with_stiffer_wires
 from rig.calibration.joint.tugs import BACK, OTHER, SAME, Tug
 from rig.calibration.pairs import pairs_of
 from rig.calibration.propagation import half_width
@@ -201,20 +200,14 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     growth : float
         Standard deviation of what grows with the tensions in all, as a share of it.
     """
-    settings = profile.mechanism_settings
-    on_ball = belief.shared
-    # Any share of the ring's within its tolerance is as likely; wires make up for it, if they can.
-    ring = (1.0 + settings.tolerance.friction) * belief.ring
-    wires = max((on_ball - math.sqrt(2.0) * ring) / (1.0 - on_ball * ring), 0.0)
     # The seals have anything from nothing to twice as much, as where strokes are fitted.
-    ball = 1.0 + belief.seals / on_ball
+    ball = 1.0 + belief.seals / belief.shared
     more = 1.0 + growth
-    stiffer = dataclasses.replace(
-        settings, wire_stiffness=(1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
-    )
+    # Any share of the ring's within its tolerance is as likely.
+    share = profile.mechanism_settings.tolerance.friction
     return [
         Case(profile, belief),
-        Case(profile, belief._replace(ring=ring, wire=wires / belief.wound), bound=True),
+        Case(profile, belief.with_ring(share), bound=True),
         Case(
             profile,
             belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
@@ -226,5 +219,5 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
                 ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
             ),
         ),
-        Case(dataclasses.replace(profile, mechanism_settings=stiffer), belief),
+        Case(with_stiffer_wires(profile), belief),
     ]

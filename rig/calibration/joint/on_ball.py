@@ -7,6 +7,7 @@ A wire loses what it bears times its coefficient times the angle by which it is 
 changes by half along a stroke.
 """
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -73,6 +74,18 @@ class Belief(NamedTuple):
         wires = self.wound * self.wire
         return (2.0 * self.ring + wires) / (1.0 + self.ring * wires)
 
+    def with_ring(self, share: float) -> "Belief":
+        """Return the same friction on the ball with so much more of it the ring's.
+
+        Parameters
+        ----------
+        share : float
+            By how much more, over what the ring has. Wires make up for it, if they can.
+        """
+        ring, both = (1.0 + share) * self.ring, self.shared
+        wires = max((both - math.sqrt(2.0) * ring) / (1.0 - both * ring), 0.0)
+        return self._replace(ring=ring, wire=wires / self.wound)
+
     def seal(self, pull: "Array", speed: "Array") -> "Array":
         """Return the friction of one rod's seals (N) under a chamber's pull (N) at a speed."""
         still = 0.5 * (self.coulomb - self.seals * self.usual)
@@ -89,6 +102,14 @@ def belief_of(profile: Profile) -> Belief:
         friction.coulomb, friction.viscous, friction.ring, friction.wire, wound, 0.0,
         2.0 * settings.area * settings.base_pressure,
     )  # fmt: skip
+
+
+def with_stiffer_wires(profile: Profile) -> Profile:
+    """Return a joint's profile with wires that are stiffer by their tolerance."""
+    settings = profile.mechanism_settings
+    stiffness = (1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
+    stiffer = dataclasses.replace(settings, wire_stiffness=stiffness)
+    return dataclasses.replace(profile, mechanism_settings=stiffer)
 
 
 def friction_on_ball(

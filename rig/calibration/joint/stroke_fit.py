@@ -13,9 +13,10 @@ others of their kind make c_2 to c_6: there and back are unlike each other, and 
 four unlike forces are more than two pairs.
 
 D follows from what seals and ball take of the tensions, so it is worked out a second time from what
-was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells.
-It is taken to lie anywhere between nothing and a fifth of what grows, and what that leaves open is
-part of every interval (a type B evaluation).
+was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells:
+it is taken to lie anywhere between nothing and a fifth of what grows. Nor does one tell what of the
+friction on the ball is the ring's, and where the ring is follows from how stiff wires are. What
+these leave open (`joint.tolerance`) is part of every interval (a type B evaluation).
 
 References
 ----------
@@ -30,7 +31,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit, fit
-from rig.calibration.joint.on_ball import Belief, axis_of, belief_of, friction_on_ball, sheared
+from rig.calibration.joint.on_ball import (
+    Belief,
+    axis_of,
+    belief_of,
+    friction_on_ball,
+    sheared,
+    with_stiffer_wires,
+)
 from rig.calibration.pairs import PairSignals, pairs_of
 from rig.calibration.propagation import half_width
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
@@ -99,10 +107,15 @@ class StrokeFit(NamedTuple):
         Where it slides.
     fits : tuple of Fit
         With the least and the most that may be the seals' of what grows.
+    ring, stiffer : Fit
+        With the least of them, and as much as may be the ring's, or wires that are stiffer by a
+        standard deviation.
     """
 
     rows: Sliding
     fits: tuple[Fit, Fit]
+    ring: Fit
+    stiffer: Fit
 
     @property
     def values(self) -> "Array":
@@ -118,10 +131,12 @@ class StrokeFit(NamedTuple):
         """Return the estimate of one parameter."""
         one, other = (found.parameter(index, name, unit) for found in self.fits)
         scatter = 0.5 * (one.std + other.std)
-        unsure = 0.5 * abs(other.value - one.value) / math.sqrt(3.0)
+        bounds = 0.5 * (other.value - one.value), float(self.ring.values[index]) - one.value
+        even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
+        stiffer = abs(float(self.stiffer.values[index]) - one.value)
         unity = np.eye(len(self.values))[index].tolist()
-        half = half_width(scatter, self.fits[0].freedom_of(unity), even=[unsure])
-        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, unsure)
+        half = half_width(scatter, self.fits[0].freedom_of(unity), stiffer, even)
+        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, stiffer, *even)
         return Estimate(name, value, unit, std, value - half, value + half)
 
 
@@ -151,14 +166,21 @@ def fit_strokes(
     strokes = _strokes(profile, believed, stretches)
     _check(profile, strokes, travel)
     first = [_fit(profile, believed, pair) for pair in _rows(profile, believed, strokes)]
-    rows: list[list[Sliding]] = []
-    fits: list[list[Fit]] = []
-    for seals in _SEALS:
-        belief = _found(believed, [found.values for found in first], seals)
-        rows.append(_rows(profile, belief, _strokes(profile, belief, stretches)))
-        fits.append([_fit(profile, belief, pair) for pair in rows[-1]])
+
+    def again(profile: Profile, belief: Belief) -> tuple[list[Sliding], list[Fit]]:
+        rows = _rows(profile, belief, _strokes(profile, belief, stretches))
+        return rows, [_fit(profile, belief, pair) for pair in rows]
+
+    least, most = (_found(believed, [fit.values for fit in first], seals) for seals in _SEALS)
+    rows, fits = again(profile, least)
+    share = profile.mechanism_settings.tolerance.friction
+    others = (
+        again(profile, most), again(profile, least.with_ring(share)),
+        again(with_stiffer_wires(profile), least),
+    )  # fmt: skip
     found = [
-        StrokeFit(pair, (least, most)) for pair, least, most in zip(rows[0], *fits, strict=True)
+        StrokeFit(pair, (one, other), *rest)
+        for pair, one, other, *rest in zip(rows, fits, *(each[1] for each in others), strict=True)
     ]
     return found, _found(believed, [pair.values for pair in found], sum(_SEALS) / len(_SEALS))
 

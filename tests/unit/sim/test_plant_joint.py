@@ -86,11 +86,18 @@ def cut_all(plant):
         plant.inject("wire_cut", channel)
 
 
-def test_what_of_the_seals_grows_with_the_pressure_has_a_factor_of_its_own():
-    usual, more = joint().parameters, joint(seal_load_scale=1.5, friction_scale=1.2).parameters
-    assert more["pressure_friction"] == pytest.approx(1.8 * usual["pressure_friction"])
-    for name in ("coulomb", "breakaway", "viscous"):
-        assert more[name] == pytest.approx(1.2 * usual[name])
+def test_parts_of_the_friction_have_factors_of_their_own():
+    usual = joint()
+    more = joint(
+        friction_scale=1.2, seal_load_scale=1.5, ring_friction_scale=1.3, wire_friction_scale=0.5
+    )
+    for parts, name, factor in (
+        ("parameters", "coulomb", 1.2), ("parameters", "breakaway", 1.2),
+        ("parameters", "viscous", 1.2), ("parameters", "pressure_friction", 1.8),
+        ("joint_parameters", "seat_arm", 1.56), ("wire_parameters", "friction", 0.6),
+    ):  # fmt: skip
+        was, now = (getattr(plant, parts)[name] for plant in (usual, more))
+        assert now == pytest.approx(factor * was)
 
 
 def test_a_free_ring_spins_like_a_top():
