@@ -13,10 +13,11 @@ from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.types import JointCommand, JointReference, JointState
 from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
+from rig.calibration.estimates import Fit
 from rig.calibration.excitation import Strokes
 from rig.calibration.joint.breakaway import Breakaways, Case, cases_of, forces_of_tugs
 from rig.calibration.joint.on_ball import belief_of, friction_on_ball
-from rig.calibration.joint.stroke_fit import fit_strokes
+from rig.calibration.joint.stroke_fit import StrokeFit, fit_strokes
 from rig.calibration.joint.tugs import BACK, OTHER, SAME, StrokesAndTugs, Tugging
 from rig.calibration.mechanism import follower
 from rig.calibration.pairs import pairs_of
@@ -332,6 +333,19 @@ def test_what_else_may_be_true_takes_as_much_of_the_strokes(profile):
     assert growth.belief.shared == pytest.approx(1.1 * belief.shared, rel=0.02)
     usual = profile.mechanism_settings.wire_stiffness
     assert stiffness.profile.mechanism_settings.wire_stiffness == pytest.approx(1.1 * usual)
+
+
+def test_the_interval_of_sliding_friction_holds_what_else_may_be_true():
+    def told(value):
+        return Fit(np.array([value]), np.array([[0.1**2]]), 400.0, np.zeros(5))
+
+    # As little and as much as may be the seals', as much as may be the ring's, stiffer wires.
+    strokes = StrokeFit(None, (told(7.0), told(7.2)), told(7.3), told(6.8))
+    found = strokes.estimate(0, "coulomb", "N")
+    assert found.value == pytest.approx(7.1)
+    bounds = math.hypot(0.1, 0.3) / math.sqrt(3.0)
+    assert found.std == pytest.approx(math.hypot(0.1, bounds, 0.2))
+    assert found.high - found.value == pytest.approx(1.93 * found.std, rel=0.02)
 
 
 @pytest.mark.parametrize(
