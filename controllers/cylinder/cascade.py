@@ -34,6 +34,11 @@ class CascadeSettings:
         Velocity asked for over the position error, rad/s.
     velocity_rate : float
         Acceleration asked for over the velocity error, rad/s.
+    tuned_viscous : float, optional
+        Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. A pair that has
+        more of it is damped better and bears more, so the rate grows with the fourth root of what
+        a calibration finds: on the simulated joint other powers track less well with 0.7 or with
+        1.3 times the friction. None: the rate is the same for any.
     integral : float
         N/(m s), while the reference moves.
     hold_integral : float
@@ -75,6 +80,7 @@ class CascadeSettings:
 
     position_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 120.0
     velocity_rate: Annotated[float, Unit("rad/s"), Ge(0)] = 700.0
+    tuned_viscous: Annotated[float, Unit("N s/m"), Gt(0)] | None = None
     integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 8.0e4
     hold_integral: Annotated[float, Unit("N/(m s)"), Ge(0)] = 4.5e5
     observer_bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(5000)] = 1200.0
