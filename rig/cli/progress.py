@@ -8,7 +8,8 @@ from time import monotonic
 from types import TracebackType
 
 from rig.experiment.run import Watcher
-from rig.runtime.loop import Phase, Progress
+from rig.runtime.loop import Progress
+from rig.runtime.phases import Phase
 
 _REDRAW = 0.1
 """Least time between two redraws, s of wall clock."""

@@ -11,7 +11,8 @@ from typing import Any
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import Plan
-from rig.runtime.loop import Loop, Timings
+from rig.runtime.loop import Loop
+from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 

@@ -18,16 +18,9 @@ from rig.experiment.rehearsal import rehearse
 from rig.hal import Clock, DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
-from rig.runtime.loop import (
-    RUN_COLUMNS,
-    TIMING_COLUMNS,
-    Loop,
-    Outcome,
-    Phase,
-    Progress,
-    Timings,
-)
+from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Progress
 from rig.runtime.motion import facts_of
+from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import Recorder
 from rig.runtime.states import RigState, StateMachine

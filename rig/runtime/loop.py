@@ -9,50 +9,21 @@ and told so for several cycles, before anything else happens.
 import contextlib
 import math
 from collections.abc import Callable, Sequence
-from enum import IntEnum
 from time import perf_counter
 from typing import Any, Generic, NamedTuple, Protocol
 
 from controllers.base import Controller
-from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled, SafetyError
+from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
 from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
 from rig.runtime.columns import Column
 from rig.runtime.motion import Motion
+from rig.runtime.phases import Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 from rig.runtime.stop_recording import StopRecording
 
 SAFE_CYCLES = 5
 """How many cycles the safe setpoints are repeated: one lost frame must not matter."""
-
-
-class Phase(IntEnum):
-    """Where a run is; recorded with every cycle."""
-
-    APPROACH = 0
-    RUN = 1
-    STOP = 2
-
-
-_APPROACH, _RUN, _STOP = Phase  # a name is found five times faster than an enumeration's member
-
-
-class Timings(NamedTuple):
-    """Durations that shape a run, s.
-
-    Parameters
-    ----------
-    energise : float
-        From the measured pressures or torques to the ones that control starts from.
-    approach : float
-        From the measured state to the start of the reference.
-    release : float
-        From the last command to the released rig, in an orderly stop.
-    """
-
-    energise: float = 1.0
-    approach: float = 2.0
-    release: float = 0.5
 
 
 class Progress(NamedTuple):
@@ -192,7 +163,9 @@ class Loop(Generic[State, Reference, Command]):
             Never raises for what happens on the rig; a `BaseException` that is no `Exception`
             makes safe and passes on.
         """
-        run = _Run(self, motion, timings)
+        run = Phases(
+            self.mechanism, self.controller, self.states, motion, timings, period=self.period
+        )
         self.states.move(RigState.RUNNING)
         stop.in_loop = True
         fault: Exception | None = None
@@ -204,7 +177,7 @@ class Loop(Generic[State, Reference, Command]):
             self.make_safe(None if fault is None else self._recording(run, recorder))
             stop.in_loop = False
         if fault is None:
-            self.states.move(RigState.STOPPING) if run.phase is not _STOP else None
+            self.states.move(RigState.STOPPING) if run.phase is not Phase.STOP else None
             self.states.move(RigState.IDLE)
         else:
             self.states.latch_fault(fault)
@@ -231,15 +204,15 @@ class Loop(Generic[State, Reference, Command]):
                 recording(now)
             self.clock.sleep_until(now + self.period)
 
-    def _recording(self, run: "_Run[Any, Any, Any]", recorder: Recorder) -> StopRecording:
+    def _recording(self, run: "Phases[Any, Any, Any]", recorder: Recorder) -> StopRecording:
         return StopRecording(
             self.mechanism, recorder.write, self.truth, TIMING_COLUMNS, self.period, run.start,
-            phase=float(_STOP), reference_time=run.reference_time, last=run.t,
+            phase=float(Phase.STOP), reference_time=run.reference_time, last=run.t,
         )  # fmt: skip
 
     def _cycle(
         self,
-        run: "_Run[State, Reference, Command]",
+        run: "Phases[State, Reference, Command]",
         recorder: Recorder,
         events: Callable[[float, str, str, dict[str, Any]], None],
         stop: StopRequests,
@@ -364,87 +337,3 @@ class _LimitWatch:
                 self._clipping.add(name)
                 self._events(t, "limit", f"{name} is limited", {"hits": count})
             self._seen[name] = count
-
-
-class _Run(Generic[State, Reference, Command]):
-    """One run's way through its phases: energise, approach, follow, release."""
-
-    def __init__(
-        self,
-        loop: Loop[State, Reference, Command],
-        motion: Motion[Reference],
-        timings: Timings,
-    ) -> None:
-        self.phase = _APPROACH
-        self.duration = motion.duration
-        self.start = self.t = 0.0
-        self.reference_time = -(timings.energise + timings.approach)
-        self.cycles = 0
-        self.missed = 0
-        self.finished = False
-        self._loop = loop
-        self._mechanism = loop.mechanism
-        self._controller = loop.controller
-        self._motion = motion
-        self._waits: bool = getattr(motion, "waits", False)
-        self._timings = timings
-        self._start: State | None = None
-        self._controlling = False
-        self._resting: Command | None = None
-        self._home: Reference | None = None
-        self._stop_at = 0.0
-        self._stopped_from: Command | None = None
-
-    def step(self, t: float, state: State, stops: int) -> tuple[Reference, Command]:
-        """Return the reference and command of this cycle, and move on to the next phase."""
-        mechanism = self._mechanism
-        if self._resting is None or self._home is None:
-            self._resting = mechanism.resting_command(state)
-            self._home = mechanism.reference_of(state)
-            mechanism.start_limiting(state)
-        energise, approach, _ = self._timings
-        # A motion that waits is held by a late cycle: nothing of it is left out.
-        held = self.missed * self._loop.period if self._waits else 0.0
-        self.reference_time = reference_time = t - energise - approach - held
-
-        if self.phase is not _STOP and (stops or reference_time >= self.duration):
-            self._begin_stop(t, state)
-        if stops > 1:  # at once: the loop makes safe right after this cycle
-            self.finished = True
-        if self.phase is _STOP:
-            return mechanism.reference_of(state), self._release(t)
-        if t < energise:
-            share = t / energise
-            command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
-            return self._home, command
-
-        if not self._controlling:
-            self._home = mechanism.reference_of(state)
-            self._controller.reset(state)
-            self._controlling = True
-        if reference_time < 0.0:
-            start = self._motion.at(0.0)
-            reference = mechanism.approach(self._home, start, approach, t - energise)
-        else:
-            self.phase = _RUN
-            reference = self._motion.at(reference_time)
-        try:
-            return reference, self._controller.update(state, reference)
-        except ValueError as error:
-            raise SafetyError(f"the controller cannot go on: {error}") from error
-
-    def _begin_stop(self, t: float, state: State) -> None:
-        self.phase = _STOP
-        self._stop_at = t
-        # From what the rig has, not from the last command, which may lead it by far.
-        self._stopped_from = self._loop.mechanism.resting_command(state)
-        self._loop.states.move(RigState.STOPPING)
-
-    def _release(self, t: float) -> Command:
-        mechanism = self._loop.mechanism
-        assert self._stopped_from is not None
-        duration = self._timings.release
-        share = min((t - self._stop_at) / duration, 1.0) if duration > 0.0 else 1.0
-        if share >= 1.0:
-            self.finished = True
-        return mechanism.blend(self._stopped_from, mechanism.released_command(), share)

@@ -22,7 +22,7 @@ from stock_stack import APPROACH, ENERGISE, PERIOD, StockCycle
 from drivers.can.socketcan import SocketCanBus
 from rig.assembly import Backend
 from rig.runtime.log import read_log
-from rig.runtime.loop import Timings
+from rig.runtime.phases import Timings
 
 SECONDS = 7.5
 ROUNDS = 5

@@ -6,7 +6,7 @@ from legs_bench import BRISK, IN_MID_SHIFT, IN_MID_SWING, Walk, make_plan
 
 from controllers.gait.postures import mismatch
 from rig.assembly import Backend
-from rig.runtime.loop import Phase
+from rig.runtime.phases import Phase
 from rig.runtime.states import RigState
 
 LATE = {50, 333, 600}

@@ -18,7 +18,7 @@ from rig.calibration.recording import Recording
 from rig.cli import invoke
 from rig.cli.progress import ProgressLine
 from rig.config import find_configs, load_profile
-from rig.runtime.loop import Phase
+from rig.runtime.phases import Phase
 
 ENCODER = "encoder-agonist"
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from rig.experiment.measures.base import Measure, Samples, Window, Windows, pooled, rms
 from rig.mechanisms.joint_motion import ALL
-from rig.runtime.loop import Timings
+from rig.runtime.phases import Timings
 
 if TYPE_CHECKING:
     from collections.abc import Callable

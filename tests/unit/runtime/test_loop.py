@@ -4,7 +4,8 @@ import pytest
 
 from rig.hal import DeviceFault, LoopStalled
 from rig.mechanisms.base import Margin
-from rig.runtime.loop import SAFE_CYCLES, Loop, Phase, Timings
+from rig.runtime.loop import SAFE_CYCLES, Loop
+from rig.runtime.phases import Phase, Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
