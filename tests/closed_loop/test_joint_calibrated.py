@@ -15,8 +15,8 @@ OFF = {
     "wire_offset": "2 mm", "geometry": "0.02", "friction": "0.3", "camera_position": "2 mm",
     "camera_angle": "2 deg",
 }  # fmt: skip
-SEEDS = (3, 5, 22)
-"""Friction is 20 % below the profile's, 29 % below it and 27 % above it."""
+SEEDS = (3, 5, 41)
+"""Friction is 20 % below the profile's, 29 % below it and 30 % above it."""
 
 PERTURBED = tuple(
     word for name, bound in OFF.items()
