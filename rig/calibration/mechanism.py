@@ -16,6 +16,10 @@ _SOFT = 0.3
 _CALM = {"position_rate": 97.5, "velocity_rate": 344.0, "integral": 7.5e4}
 """Greatest gains of a joint's controller that slides its pairs: rad/s, rad/s and N/(m s)."""
 
+_CALM_BASE = 120e3
+"""Greatest base pressure under which a ring that leans is moved, Pa gauge: the more wires pull, the
+faster it falls on, until no regulator can follow."""
+
 _ABSENCE = 30.0
 _SHRUNK = 0.9
 """For how long (s) a camera whose pose is wrong may see rays beside the marker's sphere, and how
@@ -175,20 +179,20 @@ def follower(profile: Profile) -> tuple[Profile, str]:
     ), "cascade"
 
 
-def softer(profile: Profile) -> Profile:
-    """Return the profile with a controller that is at rest when it is at its place.
+def mover(profile: Profile) -> tuple[Profile, str]:
+    """Return the profile with a controller that is at rest when it is at its place, and its name.
 
     Where exactly is of no matter; but a pair of little friction that hunts would be let go on its
-    way. A joint's ring has more of it, and keeps its controller.
+    way. A joint's ring sticks where it leans, and flies off when a PID has pushed for long enough.
     """
     if profile.mechanism == "joint":
-        return profile
+        return follower(profile)
     pid: Any = profile.controllers["pid"]
     soft = dataclasses.replace(
         pid, proportional=_SOFT * pid.proportional, integral=_SOFT**2 * pid.integral,
         derivative=_SOFT * pid.derivative,
     )  # fmt: skip
-    return dataclasses.replace(profile, controllers={**profile.controllers, "pid": soft})
+    return dataclasses.replace(profile, controllers={**profile.controllers, "pid": soft}), "pid"
 
 
 def reach(profile: Profile, share: float) -> float:
@@ -242,6 +246,12 @@ def leaning(
 
     radius = profile.mechanism_settings.geometry.ball_radius
     return plan_motion(profile, Leaning(motion, azimuth, radius, bases), controller)
+
+
+def calm_base(profile: Profile) -> float:
+    """Return the base pressure under which a mechanism is moved, Pa gauge; a pair keeps its own."""
+    base = float(profile.mechanism_settings.base_pressure)
+    return base if profile.mechanism == "cylinder" else min(base, _CALM_BASE)
 
 
 def open_loop(

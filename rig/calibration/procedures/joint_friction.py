@@ -25,7 +25,7 @@ from rig.calibration.joint.breakaway import Breakaways, cases_of, forces_of_tugs
 from rig.calibration.joint.on_ball import Belief, belief_of
 from rig.calibration.joint.stroke_fit import COULOMB, GROWTH, VISCOUS, StrokeFit, fit_strokes
 from rig.calibration.joint.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, Tugging
-from rig.calibration.mechanism import follower, leaning, reach, relaxed
+from rig.calibration.mechanism import calm_base, follower, leaning, reach, relaxed
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import Recording
 from rig.config import Profile
@@ -39,10 +39,6 @@ SPEEDS: Final = (0.045, 0.06, 0.08) * 4
 _TURN: Final = 0.15
 _RAISED: Final = 1.6
 """Base pressure of the second half of the strokes, over that of the first."""
-
-_MOST_RAISED: Final = 192e3
-"""Pa gauge: the more wires pull, the faster a ring that leans falls on, until no regulator can
-follow. A profile with more pressure than that is measured with less."""
 
 _SHARE: Final = 0.9
 """Of what is permitted that the strokes use: the pairs share the way."""
@@ -84,8 +80,7 @@ class JointFriction:
         wider, name = follower(wider)
         controller = make_controller(wider, name)
         half = strokes.segments[len(strokes.speeds) - 1].end
-        usual = profile.mechanism_settings.base_pressure
-        base = min(usual, _MOST_RAISED / _RAISED)
+        base = calm_base(profile)
         bases = ((0.0, base), (half, _RAISED * base))
         motion = leaning(wider, strokes, _BETWEEN, controller, bases)
         tugging = Tugging(settings, motion, controller, _base(profile), base)

@@ -43,12 +43,13 @@ from rig.calibration.instruments import Instrument
 from rig.calibration.locking import BEFORE, OPENED, SHUT, LockCycles, Locking
 from rig.calibration.mechanism import (
     balanced,
+    calm_base,
     command_type,
     leaning,
+    mover,
     pneumatics_of,
     reach,
     relaxed,
-    softer,
     unseen,
 )
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
@@ -137,19 +138,20 @@ class Leak:
         cycles = _cycles(profile, done)
         wider, notes = relaxed(profile)
         wider, more = unseen(wider, _GIVE)
-        wider = softer(wider)
-        controller = make_controller(wider, "pid")
-        motion = leaning(wider, cycles, _BETWEEN, controller)
+        wider, name = mover(wider)
+        controller = make_controller(wider, name)
+        base = calm_base(profile)
+        motion = leaning(wider, cycles, _BETWEEN, controller, ((0.0, base),))
         first = {cycle.place: cycle.start for cycle in reversed(list(cycles.cycles()))}
         pressures = {
             place: balanced(wider, motion.at(start), cycles.pressure)
             for place, start in first.items()
         }
         locking = Locking(
-            cycles, motion, controller, pressures, profile.mechanism_settings.base_pressure,
-            command_type(profile), pneumatics_of(profile).regulators,
+            cycles, motion, controller, pressures, base, command_type(profile),
+            pneumatics_of(profile).regulators,
         )  # fmt: skip
-        return Excitation(cycles, locking, locking, "pid", wider, (*notes, *more), approach=3.0)
+        return Excitation(cycles, locking, locking, name, wider, (*notes, *more), approach=3.0)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings

@@ -42,7 +42,7 @@ from rig.assembly.registry import REGISTRY
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.gliding import Glides, Gliding
 from rig.calibration.instruments import Instrument
-from rig.calibration.mechanism import reach, relaxed, softer
+from rig.calibration.mechanism import mover, reach, relaxed
 from rig.calibration.pairs import pairs_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.propagation import half_width
@@ -121,10 +121,10 @@ class PairFriction:
         """Return the glides; those of a run that was broken off are done again."""
         glides = _glides(profile)
         wider, notes = relaxed(profile)
-        wider = softer(wider)
+        wider, name = mover(wider)
         model = REGISTRY.load("mechanism", profile.mechanism).model_of(wider.mechanism_settings)
-        motion = Gliding(glides, make_controller(wider, "pid"), model)
-        return Excitation(glides, motion, motion, "pid", wider, notes, approach=2.5)
+        motion = Gliding(glides, make_controller(wider, name), model)
+        return Excitation(glides, motion, motion, name, wider, notes, approach=2.5)
 
     def identify(
         self, profile: Profile, recording: Recording, readings: Readings

@@ -19,7 +19,7 @@ from rig.calibration.joint.breakaway import Breakaways, Case, cases_of, forces_o
 from rig.calibration.joint.on_ball import belief_of, friction_on_ball
 from rig.calibration.joint.stroke_fit import StrokeFit, fit_strokes
 from rig.calibration.joint.tugs import BACK, OTHER, SAME, StrokesAndTugs, Tugging
-from rig.calibration.mechanism import follower
+from rig.calibration.mechanism import calm_base, follower, mover
 from rig.calibration.pairs import pairs_of
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.calibration.sliding import smooth
@@ -162,6 +162,16 @@ def test_its_controller_keeps_gains_that_somebody_has_set_lower(profile):
     now = calm.controllers[name].pair
     assert (now.position_rate, now.integral) == (40.0, 2e4)
     assert now.velocity_rate == follower(profile)[0].controllers[name].pair.velocity_rate
+
+
+def test_a_leaning_ring_is_moved_under_little_pull_and_without_a_pid(profile):
+    assert profile.mechanism_settings.base_pressure == 200e3
+    assert calm_base(profile) == 120e3
+    assert mover(profile) == follower(profile)
+    cylinder = load_profile("cylinder", REGISTRY, (), find_configs())
+    assert calm_base(cylinder) == cylinder.mechanism_settings.base_pressure
+    moved, name = mover(cylinder)
+    assert moved.controllers[name].proportional < cylinder.controllers["pid"].proportional
 
 
 @pytest.mark.parametrize(("pairs", "share"), [(2, "shared"), (1, "alone")])
