@@ -127,6 +127,8 @@ class Wires:
             "wire.stiffness", 1.0 / gives.value, "N/m", gives.std / gives.value**2,
             1.0 / gives.high, 1.0 / gives.low,
         )  # fmt: skip
+        if profile.mechanism == "joint":
+            values["wire_stiffness"] = quantity(stiffness.value, "N/m")
         return (
             Finding(
                 profile.mechanism, values, (told, stiffness, stretch, *single),
