@@ -235,13 +235,12 @@ def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) ->
 
 
 def _show(procedure: Procedure | Lens, done: Calibrated) -> None:
-    from rig.config import format_against, format_quantity
+    from rig.config import format_quantity, format_to
 
     rows = []
     for finding in done.findings:
         for e in finding.estimates:
-            low, high = format_against(e.low, e.high, e.unit)  # as many digits as it takes
-            value, _ = format_against(e.value, e.low, e.unit)
+            value, low, high = format_to(e.value, e.std, e.unit, (e.low, e.high))
             std = format_quantity(e.std, e.unit)
             rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
     print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])

@@ -237,7 +237,7 @@ def _comparison_folder(out: Path, experiment: str, backend: str) -> Path:
 
 
 def _cell(value: float | str | None, unit: str) -> str:
-    from rig.config.quantities import format_quantity
+    from rig.config.formats import format_quantity
 
     if value is None:
         return "-"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
 from rig.cli.tables import Table
 from rig.config.calibration_state import CalibrationState, calibration_states
-from rig.config.quantities import format_against, format_quantity
+from rig.config.formats import format_against, format_quantity
 
 if TYPE_CHECKING:
     from rig.config import Profile

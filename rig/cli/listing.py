@@ -131,7 +131,7 @@ def _table(kind: str, entries: Sequence[dict[str, Any]]) -> Table:
 def _metric_text(metric: dict[str, Any] | None) -> str:
     if metric is None:
         return "-"
-    from rig.config.quantities import format_quantity
+    from rig.config.formats import format_quantity
 
     value, unit = metric.get("value"), metric.get("unit") or "1"
     text = "never" if value is None else format_quantity(value, unit)

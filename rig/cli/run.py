@@ -127,7 +127,7 @@ def as_data(result: Result) -> dict[str, object]:
 
 def show(result: Result, *, has_report: bool) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
-    from rig.config.quantities import format_against
+    from rig.config.formats import format_against
 
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rig.config.diagnostics import Diagnostic, ProfileError
     from rig.config.experiment import EXPERIMENT_KEYS, load_experiment
+    from rig.config.formats import format_against, format_quantity, format_to
     from rig.config.models import (
         BusEntry,
         Calibration,
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     )
     from rig.config.names import find_configs, find_file, list_files
     from rig.config.profile import PROFILE_KEYS, load_profile
-    from rig.config.quantities import format_against, format_quantity, parse_quantity
+    from rig.config.quantities import parse_quantity
     from rig.config.registry import Kind, Registry
     from rig.config.resolve import dump_resolved
     from rig.config.schema import experiment_schema, profile_schema
@@ -51,7 +52,8 @@ _HOME = {
     ),
     "names": ("find_configs", "find_file", "list_files"),
     "profile": ("PROFILE_KEYS", "load_profile"),
-    "quantities": ("format_against", "format_quantity", "parse_quantity"),
+    "formats": ("format_against", "format_quantity", "format_to"),
+    "quantities": ("parse_quantity",),
     "registry": ("Kind", "Registry"),
     "resolve": ("dump_resolved",),
     "schema": ("experiment_schema", "profile_schema"),
@@ -84,6 +86,7 @@ __all__ = [
     "find_file",
     "format_against",
     "format_quantity",
+    "format_to",
     "list_files",
     "load_experiment",
     "load_profile",

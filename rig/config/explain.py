@@ -7,7 +7,8 @@ from pydantic_core import ErrorDetails
 
 from rig.config.annotations import hint_at, split_annotated, unit_of
 from rig.config.diagnostics import Problems, nearest, shown
-from rig.config.quantities import format_quantity, usual_units
+from rig.config.formats import format_quantity
+from rig.config.quantities import usual_units
 from rig.config.source import BROKEN, Node
 
 _SCALARS = {float: "a number", int: "a whole number", bool: "true or false", str: "text"}

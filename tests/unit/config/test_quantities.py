@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rig.config.formats import format_quantity
 from rig.config.quantities import (
     UnitError,
-    format_against,
-    format_quantity,
     parse_any_quantity,
     parse_quantity,
     parse_unit,
@@ -108,24 +107,3 @@ def test_no_text_breaks_it(text):
             assert math.isfinite(parse_quantity(text, unit))
     with suppress(UnitError):
         parse_unit(text)
-
-
-@pytest.mark.parametrize(
-    ("value", "bound", "unit", "texts"),
-    [
-        (10.8583, 10.8603, "s", ("10.858 s", "10.86 s")),
-        (10.8583, 10.8603, "", ("10.858", "10.86")),
-        (5.4289, 5.4309, "s", ("5.429 s", "5.431 s")),
-        (0.9986, 1.0, "rad/s", ("0.9986 rad/s", "1 rad/s")),
-        (0.99999, 1.0, "rad/s", ("0.99999 rad/s", "1 rad/s")),
-        (12e-6, 0.11e-3, "m", ("0.012 mm", "0.11 mm")),
-        (0.0, 5e3, "Pa", ("0 kPa", "5 kPa")),
-        (1.0, 1.0, "1", ("1", "1")),
-        (1.0, 0.0, "", ("1", "0")),
-        (2e-3, None, "m", ("2 mm", "")),
-        (None, 0.5, "s", ("never", "0.5 s")),
-        (math.inf, None, "s", ("never", "")),
-    ],
-)
-def test_a_number_and_its_bound_are_told_apart(value, bound, unit, texts):
-    assert format_against(value, bound, unit) == texts
