@@ -1,5 +1,6 @@
 """What a procedure will move and how far, said before anything is opened."""
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -86,11 +87,7 @@ def _glides(motion: Gliding) -> Iterator[str]:
 
 def _tugs(motion: Tugging) -> Iterator[str]:
     settings = motion.settings
-    strokes = settings.strokes
-    low, high = (format_quantity(side * strokes.travel, "m") for side in (-1.0, 1.0))
-    speed = format_quantity(max(strokes.speeds), "m/s")
     force, rate = format_quantity(settings.most, "N"), format_quantity(settings.rate, "N/s")
-    yield f"  the ring leans {low} … {high} along the ball, up to {speed}"
     base, highest = (format_quantity(share * motion.base, "Pa") for share in (1.0, 1.0 + DEPTH))
     count = len(settings.tugs)
     yield f"  then upright, at {base}: {count} times one pair is pushed until it moves,"
@@ -131,6 +128,13 @@ def _positions(motion: Any) -> Iterator[str]:
         speeds = [abs(row.velocity) for row in rows]
         low, high = format_quantity(min(places), "m"), format_quantity(max(places), "m")
         yield f"  the pair moves {low} … {high}, up to {format_quantity(max(speeds), 'm/s')}"
+    elif hasattr(rows[0], "axis"):
+        tilt = math.acos(min(max(min(row.axis[2] for row in rows), -1.0), 1.0))
+        speed = max(math.hypot(*row.velocity) for row in rows)
+        yield (
+            f"  the ring leans by up to {format_quantity(tilt, 'rad')}, at up to "
+            f"{math.degrees(speed):.3g} deg/s"
+        )
 
 
 def _bound(bound: Any, name: str) -> str:

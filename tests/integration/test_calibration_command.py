@@ -68,3 +68,22 @@ def test_nobody_to_ask_is_told(configs, capsys):
     assert "say --yes" in capsys.readouterr().err
     assert calibrate(configs, "respons", "--yes") == 2
     assert "did you mean response?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("rig", "procedure", "moves"),
+    [
+        ("joint", "geometry", "the ring leans by up to 41.83 deg, at up to "),  # 0.73 rad
+        ("joint", "camera", "the ring leans by up to 34.38 deg, at up to "),  # 0.6 rad
+        ("joint", "encoders", "the ring leans by up to 27 deg, at up to "),  # 0.45 of 60
+        ("joint", "friction", "the ring leans by up to 40.5 deg, at up to "),
+        ("joint", "wires", "no rod is meant to move"),
+        ("joint-locked", "leak", "the ring leans by up to 33.75 deg, at up to "),
+        ("cylinder", "encoders", "the pair moves -12 mm … 12 mm, up to "),
+        ("arm", "zeros", "q1 moves -28.65 deg … 28.65 deg from where it stands, up to "),
+        ("legs", "zeros", "nothing moves by itself"),
+    ],
+)
+def test_a_preview_says_what_moves_and_how_far(rig, procedure, moves, capsys):
+    assert invoke(["calibrate", rig, procedure, "--dry-run"]) == 0
+    assert moves in capsys.readouterr().err
