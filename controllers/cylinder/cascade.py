@@ -37,8 +37,8 @@ class CascadeSettings:
     tuned_viscous : float, optional
         Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. A pair that has
         more of it is damped better and bears more, so the rate grows with the fourth root of what
-        a calibration finds: on the simulated joint other powers track less well with 0.7 or with
-        1.3 times the friction. None: the rate is the same for any.
+        a calibration finds, from half to twice as much: on the simulated joint other powers track
+        less well with 0.7 or with 1.3 times the friction. None: the rate is the same for any.
     integral : float
         N/(m s), while the reference moves.
     hold_integral : float

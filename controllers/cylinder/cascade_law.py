@@ -28,8 +28,9 @@ _CREEP_SPEED = 3e-3
 """Slower than this (m/s) a pair may stick short of its reference; one that still slides towards
 it needs no push, and would overshoot with one."""
 
-_DAMPED = 0.25
-"""Power of the viscous friction with which the gain grows that a pair bears."""
+_DAMPED, _DAMPED_LEAST, _DAMPED_MOST = 0.25, 0.5, 2.0
+"""Power of the viscous friction with which the gain grows that a pair bears, and between which
+shares of what it was tuned with: beyond them nobody has tried it."""
 
 # What the law calls of its parts. They take a record for their `self` as they take an object.
 _sticks = inlined(StandstillDetector.update)
@@ -56,8 +57,9 @@ class CascadeLaw:
 
     def __init__(self, settings: "CascadeSettings", model: PairModel, period: float) -> None:
         self._position_rate = settings.position_rate
-        tuned = model.viscous if settings.tuned_viscous is None else settings.tuned_viscous
-        damped = (model.viscous / tuned) ** _DAMPED if tuned > 0.0 else 1.0
+        tuned = settings.tuned_viscous
+        share = 1.0 if tuned is None else model.viscous / tuned
+        damped = min(max(share, _DAMPED_LEAST), _DAMPED_MOST) ** _DAMPED
         self._velocity_gain = model.mass * settings.velocity_rate * damped
         self._force_trust = settings.force_trust
         self._disturbance_gain = settings.disturbance_gain
