@@ -235,13 +235,13 @@ def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) ->
 
 
 def _show(procedure: Procedure | Lens, done: Calibrated) -> None:
-    from rig.config import format_quantity, format_to
+    from rig.config import format_to
 
     rows = []
     for finding in done.findings:
         for e in finding.estimates:
             value, low, high = format_to(e.value, e.std, e.unit, (e.low, e.high))
-            std = format_quantity(e.std, e.unit)
+            (std,) = format_to(e.std, e.std, e.unit)
             rows.append((finding.target, e.name, value, std, f"{low} … {high}"))
     print_tables([Table(procedure.title, ("of", "quantity", "value", "std", "95 %"), rows)])
     for note in dict.fromkeys(note for finding in done.findings for note in finding.notes):

@@ -82,7 +82,6 @@ class Phases(Generic[State, Reference, Command]):
         self._motion = motion
         self._waits: bool = getattr(motion, "waits", False)
         self._timings = timings
-        self._start: State | None = None
         self._controlling = False
         self._resting: Command | None = None
         self._home: Reference | None = None
