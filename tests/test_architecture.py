@@ -45,7 +45,7 @@ ALLOWED = [
     ("rig.hal", ("rig.hal",)),
     ("controllers", ("controllers",)),
     ("drivers", ("drivers", "rig.hal")),
-    ("rig.runtime", ("rig.runtime", "rig.hal", "rig.mechanisms.base", "controllers.base")),
+    ("rig.runtime", ("rig.runtime", "rig.hal", "rig.hal.mechanism", "controllers.base")),
     ("rig.config", ("rig.config", "rig.hal")),
     ("rig.mechanisms", ("rig.mechanisms", "rig.runtime", "rig.hal", "controllers")),
     (

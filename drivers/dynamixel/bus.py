@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Final
 
+from drivers.dynamixel.codec import BROADCAST_ID, Status, decode_status, encode_sync_write
 from drivers.dynamixel.links import CyclicRead
 from drivers.dynamixel.parser import StatusParser
 from drivers.dynamixel.port import SerialPort
-from drivers.dynamixel.protocol import BROADCAST_ID, Status, decode_status, encode_sync_write
 from drivers.dynamixel.settings import SerialBusSettings
 from rig.hal import Clock, DeviceFault
 

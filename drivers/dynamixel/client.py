@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from drivers.dynamixel.protocol import BROADCAST_ID, Status, encode_ping, encode_read, encode_write
+from drivers.dynamixel.codec import BROADCAST_ID, Status, encode_ping, encode_read, encode_write
 from drivers.dynamixel.registers import ALERT, Register, describe_status_error
 from rig.hal import ConnectionFailed
 

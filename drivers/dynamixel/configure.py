@@ -5,11 +5,11 @@ from math import ceil
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.client import RegisterClient
-from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings
+from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings
 
 
 def configure_servo(
-    client: RegisterClient, settings: DynamixelSettings, joint: DynamixelJoint
+    client: RegisterClient, settings: DynamixelSettings, joint: DynamixelAxisSettings
 ) -> None:
     """Identify and configure a servo; leave it without torque.
 
@@ -21,7 +21,7 @@ def configure_servo(
         Of the servo.
     settings : DynamixelSettings
         The device's.
-    joint : DynamixelJoint
+    joint : DynamixelAxisSettings
         The servo's.
 
     Raises
@@ -49,7 +49,9 @@ def watchdog_units(watchdog: float) -> int:
     return min(max(ceil(watchdog / table.WATCHDOG_STEP - 1e-9), 1), table.WATCHDOG_MAX)
 
 
-def _identify(client: RegisterClient, settings: DynamixelSettings, joint: DynamixelJoint) -> None:
+def _identify(
+    client: RegisterClient, settings: DynamixelSettings, joint: DynamixelAxisSettings
+) -> None:
     identity = client.ping()
     expected = settings.model_of(joint)
     if identity.model != expected.number:
@@ -71,7 +73,7 @@ def _identify(client: RegisterClient, settings: DynamixelSettings, joint: Dynami
         )
 
 
-def _check_zero(client: RegisterClient, joint: DynamixelJoint) -> None:
+def _check_zero(client: RegisterClient, joint: DynamixelAxisSettings) -> None:
     offset = client.read(table.HOMING_OFFSET)
     if offset != joint.homing_offset:
         raise client.failed(
@@ -82,7 +84,9 @@ def _check_zero(client: RegisterClient, joint: DynamixelJoint) -> None:
         )
 
 
-def _limit(client: RegisterClient, settings: DynamixelSettings, joint: DynamixelJoint) -> None:
+def _limit(
+    client: RegisterClient, settings: DynamixelSettings, joint: DynamixelAxisSettings
+) -> None:
     if settings.mode == "position":
         low, high = joint.servo_range()
         last = table.COUNTS_PER_TURN - 1
@@ -93,7 +97,9 @@ def _limit(client: RegisterClient, settings: DynamixelSettings, joint: Dynamixel
         client.settle(table.CURRENT_LIMIT, round(settings.current_limit / step))
 
 
-def _tune(client: RegisterClient, settings: DynamixelSettings, joint: DynamixelJoint) -> None:
+def _tune(
+    client: RegisterClient, settings: DynamixelSettings, joint: DynamixelAxisSettings
+) -> None:
     acceleration = round(settings.profile_acceleration / table.ACCELERATION_STEP)
     velocity = round(settings.profile_velocity / table.VELOCITY_STEP)
     client.write(table.PROFILE_ACCELERATION, acceleration)

@@ -3,8 +3,7 @@
 from collections.abc import Iterable
 from typing import Final
 
-from drivers.dynamixel.parser import StatusParser
-from drivers.dynamixel.protocol import (
+from drivers.dynamixel.codec import (
     BROADCAST_ID,
     Status,
     compute_fast_length,
@@ -12,6 +11,7 @@ from drivers.dynamixel.protocol import (
     decode_status,
     encode_sync_read,
 )
+from drivers.dynamixel.parser import StatusParser
 from drivers.dynamixel.registers import ALERT, describe_status_error
 from rig.hal import DeviceFault
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, Protocol
 
 from drivers.canopen.load import BusLoad, FrameLoad
-from drivers.dynamixel.protocol import compute_fast_length
+from drivers.dynamixel.codec import compute_fast_length
 from rig.hal import ConfigurationError
 
 _BITS_PER_BYTE: Final = 10

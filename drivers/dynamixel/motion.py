@@ -6,7 +6,7 @@ from typing import Final
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.health import HealthWatch
 from drivers.dynamixel.settings import DynamixelSettings
-from drivers.servos.following import FollowingWatch
+from drivers.servos.following_error import FollowingWatch
 from rig.hal import Reading, Vector
 
 _JUMP: Final = 2.0  # times the greatest speed: faster is no motion that was asked for

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from drivers.dynamixel.protocol import (
+from drivers.dynamixel.codec import (
     BROADCAST_ID,
     CRC_SIZE,
     HEADER,

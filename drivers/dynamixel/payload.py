@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Iterable, Sequence
 
-from drivers.dynamixel.protocol import encode_sync_write
+from drivers.dynamixel.codec import encode_sync_write
 from drivers.dynamixel.registers import Register
 
 

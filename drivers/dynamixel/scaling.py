@@ -10,10 +10,10 @@ from drivers.dynamixel.registers import (
     VELOCITY_STEP,
     Model,
 )
-from drivers.dynamixel.settings import DynamixelJoint
+from drivers.dynamixel.settings import DynamixelAxisSettings
 
 
-class JointScale(NamedTuple):
+class AxisScale(NamedTuple):
     """Straight lines between a servo and its joint.
 
     Attributes
@@ -36,12 +36,12 @@ class JointScale(NamedTuple):
     last: int
 
 
-def joint_scale(joint: DynamixelJoint, model: Model, *, one_turn: bool) -> JointScale:
+def joint_scale(joint: DynamixelAxisSettings, model: Model, *, one_turn: bool) -> AxisScale:
     """Return the codec of a joint.
 
     Parameters
     ----------
-    joint : DynamixelJoint
+    joint : DynamixelAxisSettings
         See there.
     model : Model
         The servo's.
@@ -51,7 +51,7 @@ def joint_scale(joint: DynamixelJoint, model: Model, *, one_turn: bool) -> Joint
     turns = joint.turns_per_radian
     step = 1.0 / (turns * COUNTS_PER_TURN)
     reach = MULTI_TURN_REACH
-    return JointScale(
+    return AxisScale(
         step,
         COUNT_AT_ZERO - joint.offset / step,
         VELOCITY_STEP / (turns * tau),
@@ -60,22 +60,22 @@ def joint_scale(joint: DynamixelJoint, model: Model, *, one_turn: bool) -> Joint
     )
 
 
-def encode_position(scale: JointScale, angle: float) -> int:
+def encode_position(scale: AxisScale, angle: float) -> int:
     """Return the counts for an angle, rad, rounded half to even and saturated."""
     counts = round(angle / scale.step + scale.origin)
     return scale.first if counts < scale.first else min(counts, scale.last)
 
 
-def decode_position(scale: JointScale, counts: int) -> float:
+def decode_position(scale: AxisScale, counts: int) -> float:
     """Return the angle for counts, rad."""
     return scale.step * (counts - scale.origin)
 
 
-def encode_velocity(scale: JointScale, velocity: float) -> int:
+def encode_velocity(scale: AxisScale, velocity: float) -> int:
     """Return the counts for a velocity, rad/s, rounded half to even."""
     return round(velocity / scale.velocity_step)
 
 
-def decode_velocity(scale: JointScale, counts: int) -> float:
+def decode_velocity(scale: AxisScale, counts: int) -> float:
     """Return the velocity for counts, rad/s."""
     return scale.velocity_step * counts

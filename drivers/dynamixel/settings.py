@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
-from drivers.dynamixel.protocol import MAX_ID
+from drivers.dynamixel.codec import MAX_ID
 from drivers.dynamixel.registers import (
     COUNT_AT_ZERO,
     COUNTS_PER_TURN,
@@ -16,7 +16,7 @@ from drivers.dynamixel.registers import (
     Model,
     ModelName,
 )
-from drivers.servos.joint_settings import JointSettings
+from drivers.servos.axis_settings import AxisSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class SerialBusSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DynamixelJoint(JointSettings):
+class DynamixelAxisSettings(AxisSettings):
     """One servo and the joint that it turns.
 
     What counts 0 on other drives is count 2048 here, the middle of the servo's turn: there
@@ -132,7 +132,7 @@ class DynamixelSettings:
 
     Parameters
     ----------
-    joints : dict of str to DynamixelJoint
+    joints : dict of str to DynamixelAxisSettings
         By the joint's name, in the order of the vectors.
     model : str
         Of the servos, which must report it.
@@ -169,7 +169,7 @@ class DynamixelSettings:
         A joint farther off its setpoint than this (rad) for longer than this (s) is a fault.
     """
 
-    joints: Annotated[dict[str, DynamixelJoint], MinLen(1)]
+    joints: Annotated[dict[str, DynamixelAxisSettings], MinLen(1)]
     model: ModelName = "xm430-w350"
     mode: Mode = "position"
     goal_current: Annotated[float, Unit("A"), Gt(0)] | None = None
@@ -214,7 +214,7 @@ class DynamixelSettings:
             ):
                 raise ValueError(f"{name}: there are servos that do not measure their current.")
 
-    def _check_range(self, name: str, joint: DynamixelJoint) -> None:
+    def _check_range(self, name: str, joint: DynamixelAxisSettings) -> None:
         if self.mode != "position":
             return
         low, high = joint.servo_range()
@@ -225,7 +225,7 @@ class DynamixelSettings:
                 f"has 0 … {COUNTS_PER_TURN - 1} in mode position; change offset, limits or mode."
             )
 
-    def model_of(self, joint: DynamixelJoint) -> Model:
+    def model_of(self, joint: DynamixelAxisSettings) -> Model:
         """Return what is known of a joint's model."""
         return MODELS[joint.model or self.model]
 

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from drivers.sim.perturbed_joints import (
-    JointDraws,
-    PerturbedJoints,
+from drivers.sim.perturbed_axes import (
+    AxisDraws,
+    PerturbedAxes,
     dimensions_of,
     draw_joints,
     perturb_links,
@@ -45,7 +45,7 @@ class Draws(NamedTuple):
         Shares, one per dimension in their order.
     camera_position, camera_angle : tuple of float
         m and rad, length 3.
-    joints : JointDraws
+    joints : AxisDraws
         Of servo joints and the links between them.
     leaks : tuple of float
         Sonic conductance of each chamber's leak, m³/(s Pa).
@@ -59,7 +59,7 @@ class Draws(NamedTuple):
     geometry: tuple[float, ...]
     camera_position: tuple[float, float, float]
     camera_angle: tuple[float, float, float]
-    joints: JointDraws = JointDraws()
+    joints: AxisDraws = AxisDraws()
     leaks: tuple[float, ...] = (0.0,) * _CHANNELS
     stribeck: float = 0.0
 
@@ -140,7 +140,7 @@ class PerturbedPlant:
         self._encoder = tuple(zip(of["encoder_scale"], of["encoder_offset"], strict=True))
         if any(draws.leaks):
             plant.set_leaks(draws.leaks[: len(plant.channel_names)])
-        joints = PerturbedJoints(plant, draws.joints, of["joint_zero"])
+        joints = PerturbedAxes(plant, draws.joints, of["joint_zero"])
         self.command_joint = joints.command_joint
         self.joint_position = joints.joint_position
         self.joint_velocity = joints.joint_velocity

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
-from drivers.servos.joint_settings import JointSettings
-from drivers.servos.odrive_settings import AxisSettings, OdriveEndpoints, OdriveSettings
+from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.odrive.settings import OdriveAxisSettings, OdriveEndpoints, OdriveSettings
+from drivers.servos.axis_settings import AxisSettings
+from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.nodes.cia402 import EmulatedCia402
 from drivers.sim.nodes.odrive import (
     SHIPPED_ENCODER,
@@ -13,7 +14,6 @@ from drivers.sim.nodes.odrive import (
     STEPS_PER_TURN,
     EmulatedOdrive,
 )
-from drivers.sim.servos import SimulatedServos
 from rig.hal import Clock
 
 
@@ -104,13 +104,13 @@ def simulate_odrive(
 
 def _simulate(
     name: str,
-    joints: Mapping[str, DriveSettings] | Mapping[str, AxisSettings],
+    joints: Mapping[str, DriveSettings] | Mapping[str, OdriveAxisSettings],
     steps_per_turn: Sequence[float],
     plant: Any,
     channels: tuple[int, ...],
     clock: Clock,
 ) -> SimulatedServos:
-    settings: list[DriveSettings | AxisSettings] = [*joints.values()]
+    settings: list[DriveSettings | OdriveAxisSettings] = [*joints.values()]
     return SimulatedServos(
         name,
         joints,
@@ -127,6 +127,6 @@ def _simulate(
     )
 
 
-def signed_gear(joint: JointSettings) -> float:
+def signed_gear(joint: AxisSettings) -> float:
     """Return the turns of a drive's shaft for one turn of its joint, with their sign."""
     return -joint.gear if joint.reversed else joint.gear

@@ -14,7 +14,7 @@ from typing import Any, Final, Protocol
 
 from drivers.can import close_bus
 from drivers.sim.dynamixel.line import MemoryPort
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 from rig.hal import CanBus, DeviceFault
 from rig.hal.bus import Frame
 

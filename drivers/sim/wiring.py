@@ -7,23 +7,23 @@ emulated device makes of them is its own, so that a mistake in a driver's codec 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
-from drivers.encoders.cia406_settings import Cia406Settings
-from drivers.regulators.cia401_settings import AnalogueSignal, Cia401Settings
-from drivers.sim.calibrated import CorrectedRegulators, CorrectedRods
+from drivers.cia401.settings import AnalogueSignal, Cia401Settings
+from drivers.cia406.settings import Cia406Settings
 from drivers.sim.camera.wiring import (
     emulate_marker_camera,
     simulate_marker_camera,
     true_camera,
 )
-from drivers.sim.corrected_joints import CorrectedJoints
-from drivers.sim.devices import SimulatedRegulators
+from drivers.sim.direct.corrected_axes import CorrectedAxes
+from drivers.sim.direct.corrected_channels import CorrectedRegulators, CorrectedRods
+from drivers.sim.direct.encoders import SimulatedEncoder
+from drivers.sim.direct.regulators import SimulatedRegulators
 from drivers.sim.dynamixel.wiring import emulate_dynamixel, simulate_dynamixel
 from drivers.sim.nodes import object_dictionary as types
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406
-from drivers.sim.rods import SimulatedEncoder
 from drivers.sim.servo_wiring import (
     emulate_cia402,
     emulate_odrive,
@@ -242,9 +242,9 @@ LINKS: dict[str, LinkWiring] = {
 WIRINGS: dict[str, Wiring] = {
     "cia401": Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of),
     "cia406": Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of),
-    "cia402": Wiring(emulate_cia402, simulate_cia402, CorrectedJoints.of),
-    "odrive": Wiring(emulate_odrive, simulate_odrive, CorrectedJoints.of),
-    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedJoints.of),
+    "cia402": Wiring(emulate_cia402, simulate_cia402, CorrectedAxes.of),
+    "odrive": Wiring(emulate_odrive, simulate_odrive, CorrectedAxes.of),
+    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of),
 }
 
 

@@ -2,8 +2,8 @@
 
 from rig.assembly.build import build_rig, check_profile
 from rig.assembly.buses import bus_loads
-from rig.assembly.interfaces import backend_of, parse_interfaces
-from rig.assembly.parts import make_controller, plan_motion
+from rig.assembly.on_interfaces import backend_of, parse_interfaces
+from rig.assembly.production import make_controller, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledClasses
 from rig.assembly.rig import Backend, Rig
 

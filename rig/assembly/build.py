@@ -3,8 +3,8 @@
 from typing import Any
 
 from rig.assembly.buses import bus_loads, make_bus
-from rig.assembly.interfaces import parse_interfaces
-from rig.assembly.parts import make_devices, make_mechanism
+from rig.assembly.on_interfaces import parse_interfaces
+from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
 from rig.hal import ConfigurationError, MonotonicClock
@@ -42,9 +42,9 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         ``hardware``: production drivers on what the profile names.
     on : str, optional
         Other CAN interfaces than the profile's or ``vcan0``, see
-        `rig.assembly.interfaces.parse_interfaces`.
+        `rig.assembly.on_interfaces.parse_interfaces`.
     frames : FrameLog, optional
-        Records the CAN buses, see `rig.assembly.frames.make_frame_log`.
+        Records the CAN buses, see `rig.assembly.frame_recording.make_frame_log`.
 
     Raises
     ------

@@ -42,7 +42,7 @@ def hexadecimal(frame: Any) -> tuple[str, str]:
 
 
 def _canopen(profile: Profile, bus: str) -> Decoder:
-    from drivers.canopen.decode import CanopenDecoder
+    from drivers.canopen.decoder import CanopenDecoder
 
     nodes: list[Any] = []
     names: dict[int, Any] = {}
@@ -61,7 +61,7 @@ def _canopen(profile: Profile, bus: str) -> Decoder:
 
 
 def _cansimple(profile: Profile, bus: str) -> Decoder:
-    from drivers.servos.odrive_decode import CansimpleDecoder
+    from drivers.odrive.decoder import CansimpleDecoder
 
     return CansimpleDecoder(
         (name, entry.settings)

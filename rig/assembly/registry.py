@@ -10,7 +10,7 @@ import importlib
 from importlib.metadata import entry_points
 from typing import Any, NamedTuple
 
-from rig.config.registry import Kind
+from rig.config.named_settings import Kind
 
 
 class _Class(NamedTuple):
@@ -26,8 +26,8 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings"
         ),
         "cansimple": _Class(
-            "drivers.servos.odrive_bus:OdriveBus",
-            "drivers.servos.odrive_settings:OdriveBusSettings",
+            "drivers.odrive.bus:OdriveBus",
+            "drivers.odrive.settings:OdriveBusSettings",
         ),
         "dynamixel": _Class(
             "drivers.dynamixel.bus:SerialBus", "drivers.dynamixel.settings:SerialBusSettings"
@@ -35,27 +35,27 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
     },
     "driver": {
         "cia401": _Class(
-            "drivers.regulators.cia401:Cia401Regulators",
-            "drivers.regulators.cia401_settings:Cia401Settings",
+            "drivers.cia401.device:Cia401Regulators",
+            "drivers.cia401.settings:Cia401Settings",
         ),
         "cia406": _Class(
-            "drivers.encoders.cia406:Cia406Encoder",
-            "drivers.encoders.cia406_settings:Cia406Settings",
+            "drivers.cia406.device:Cia406Encoder",
+            "drivers.cia406.settings:Cia406Settings",
         ),
         "marker-camera": _Class(
-            "drivers.cameras.marker_camera:MarkerCameraDriver",
-            "drivers.cameras.settings:MarkerCameraSettings",
+            "drivers.marker_camera.device:MarkerCameraDriver",
+            "drivers.marker_camera.settings:MarkerCameraSettings",
         ),
         "cia402": _Class(
-            "drivers.servos.cia402:Cia402Servos",
-            "drivers.servos.cia402_settings:Cia402Settings",
+            "drivers.cia402.device:Cia402Servos",
+            "drivers.cia402.settings:Cia402Settings",
         ),
         "odrive": _Class(
-            "drivers.servos.odrive:OdriveServos",
-            "drivers.servos.odrive_settings:OdriveSettings",
+            "drivers.odrive.device:OdriveServos",
+            "drivers.odrive.settings:OdriveSettings",
         ),
         "dynamixel": _Class(
-            "drivers.dynamixel.servos:DynamixelServos",
+            "drivers.dynamixel.device:DynamixelServos",
             "drivers.dynamixel.settings:DynamixelSettings",
         ),
     },
@@ -84,14 +84,19 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
     },
     "mechanism": {
         "cylinder": _Class(
-            "rig.mechanisms.cylinder:AntagonisticPair",
-            "rig.mechanisms.cylinder_settings:CylinderSettings",
+            "rig.mechanisms.cylinder.mechanism:AntagonisticPair",
+            "rig.mechanisms.cylinder.settings:CylinderSettings",
         ),
         "joint": _Class(
-            "rig.mechanisms.joint:SphericalJoint", "rig.mechanisms.joint_settings:JointSettings"
+            "rig.mechanisms.joint.mechanism:SphericalJoint",
+            "rig.mechanisms.joint.settings:JointSettings",
         ),
-        "arm": _Class("rig.mechanisms.arm:Arm", "rig.mechanisms.arm_settings:ArmSettings"),
-        "legs": _Class("rig.mechanisms.legs:Legs", "rig.mechanisms.legs_settings:LegsSettings"),
+        "arm": _Class(
+            "rig.mechanisms.arm.mechanism:Arm", "rig.mechanisms.arm.settings:ArmSettings"
+        ),
+        "legs": _Class(
+            "rig.mechanisms.legs.mechanism:Legs", "rig.mechanisms.legs.settings:LegsSettings"
+        ),
     },
     "plant": {
         "antagonistic-pair": _Class(
@@ -112,20 +117,21 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
     },
     "reference": {
         "sine": _Class(
-            "rig.experiment.references.pair:Sine", "rig.experiment.references.pair:Sine"
+            "rig.mechanisms.cylinder.references:Sine", "rig.mechanisms.cylinder.references:Sine"
         ),
         "staircase": _Class(
-            "rig.experiment.references.pair:Staircase", "rig.experiment.references.pair:Staircase"
+            "rig.mechanisms.cylinder.references:Staircase",
+            "rig.mechanisms.cylinder.references:Staircase",
         ),
         "step": _Class(
-            "rig.experiment.references.pair:Step", "rig.experiment.references.pair:Step"
+            "rig.mechanisms.cylinder.references:Step", "rig.mechanisms.cylinder.references:Step"
         ),
         "ramp": _Class(
-            "rig.experiment.references.pair:Ramp", "rig.experiment.references.pair:Ramp"
+            "rig.mechanisms.cylinder.references:Ramp", "rig.mechanisms.cylinder.references:Ramp"
         ),
         "joint-circle": _Class(
-            "rig.experiment.references.joint_circle:JointCircle",
-            "rig.experiment.references.joint_circle:JointCircle",
+            "rig.mechanisms.joint.references.circle:JointCircle",
+            "rig.mechanisms.joint.references.circle:JointCircle",
         ),
         "arm-turnback": _Class("controllers.arm.paths:TurnBack", "controllers.arm.paths:TurnBack"),
         "arm-dwell": _Class("controllers.arm.paths:DwellLine", "controllers.arm.paths:DwellLine"),
@@ -138,16 +144,16 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
             "controllers.gait.motions:SquatSettings", "controllers.gait.motions:SquatSettings"
         ),
         "joint-poses": _Class(
-            "rig.experiment.references.joint_poses:JointPoses",
-            "rig.experiment.references.joint_poses:JointPoses",
+            "rig.mechanisms.joint.references.poses:JointPoses",
+            "rig.mechanisms.joint.references.poses:JointPoses",
         ),
         "joint-spiral": _Class(
-            "rig.experiment.references.joint_sweeps:JointSpiral",
-            "rig.experiment.references.joint_sweeps:JointSpiral",
+            "rig.mechanisms.joint.references.sweeps:JointSpiral",
+            "rig.mechanisms.joint.references.sweeps:JointSpiral",
         ),
         "joint-stiffness": _Class(
-            "rig.experiment.references.joint_sweeps:JointStiffness",
-            "rig.experiment.references.joint_sweeps:JointStiffness",
+            "rig.mechanisms.joint.references.sweeps:JointStiffness",
+            "rig.mechanisms.joint.references.sweeps:JointStiffness",
         ),
     },
 }

@@ -6,7 +6,7 @@ from typing import Any
 
 from rig.config import Profile
 from rig.hal import Clock, CyclicBus, Device
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
 
 
 class Backend(StrEnum):

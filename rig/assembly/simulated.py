@@ -6,12 +6,12 @@ from functools import partial
 from typing import Any
 
 from rig.assembly.buses import is_can, make_bus
-from rig.assembly.parts import make_devices, make_mechanism
+from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
 
 
 def make_plant(profile: Profile) -> Any:
@@ -157,7 +157,7 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     from drivers.sim.clock import SimClock
     from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
-    from drivers.sim.emulation import EmulatedRig
+    from drivers.sim.emulated_rig import EmulatedRig
     from drivers.sim.wiring import LINKS
 
     plant = make_plant(profile)

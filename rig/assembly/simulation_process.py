@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from rig.assembly.buses import is_can
-from rig.assembly.interfaces import Interfaces
+from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.simulated import checking_faults, emulate_nodes, make_plant, reality_of
 from rig.config import Profile
 from rig.hal import ConfigurationError
@@ -45,7 +45,7 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
     profile : Profile
         Checked. Its serial lines become pseudo-terminals.
     interfaces : mapping
-        Of every CAN bus, see `rig.assembly.interfaces.parse_interfaces`.
+        Of every CAN bus, see `rig.assembly.on_interfaces.parse_interfaces`.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
     from drivers.can import open_bus
     from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
-    from drivers.sim.emulation import EmulatedRig
+    from drivers.sim.emulated_rig import EmulatedRig
     from drivers.sim.wall_clock import CanEnd, TerminalEnd, WallClockRig
 
     if not profile.buses:

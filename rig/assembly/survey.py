@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rig.assembly.buses import is_can
-from rig.assembly.interfaces import Interfaces
+from rig.assembly.on_interfaces import Interfaces
 from rig.config import Profile
 from rig.hal import DeviceFault, MonotonicClock
 
@@ -157,9 +157,9 @@ def _differences(expected: Expected | None, found: Any) -> tuple[str, ...]:
 
 def _surveyor(protocol: str) -> Callable[..., list[Any]]:
     if protocol == "cansimple":
-        from drivers.servos.odrive_survey import survey_odrives
+        from drivers.odrive.discovery import survey_odrives
 
         return survey_odrives
-    from drivers.canopen.survey import survey_canopen
+    from drivers.canopen.discovery import survey_canopen
 
     return survey_canopen

@@ -1,20 +1,20 @@
 """The procedures that there are."""
 
 from rig.calibration.procedure import Procedure
-from rig.calibration.procedures.lens import Lens
 from rig.config import Profile
 from rig.hal import ConfigurationError
+from rig.mechanisms.joint.calibration.lens import Lens
 
 
 def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
-    from rig.calibration.procedures.encoders import Encoders
-    from rig.calibration.procedures.joint_friction import JointFriction
-    from rig.calibration.procedures.leak import Leak
-    from rig.calibration.procedures.pair_friction import PairFriction
-    from rig.calibration.procedures.regulators import Regulators
-    from rig.calibration.procedures.response import Response
-    from rig.calibration.procedures.wires import Wires
+    from rig.mechanisms.cylinder.calibration.friction import PairFriction
+    from rig.mechanisms.joint.calibration.friction import JointFriction
+    from rig.mechanisms.pneumatic.calibration.encoders import Encoders
+    from rig.mechanisms.pneumatic.calibration.leak import Leak
+    from rig.mechanisms.pneumatic.calibration.regulators import Regulators
+    from rig.mechanisms.pneumatic.calibration.response import Response
+    from rig.mechanisms.pneumatic.calibration.wires import Wires
 
     every: tuple[Procedure | Lens, ...] = (
         Regulators(), Encoders(), Wires(), Response(), PairFriction(), JointFriction(), Leak(),
@@ -25,17 +25,17 @@ def procedures(profile: Profile) -> dict[str, Procedure | Lens]:
 
 
 def _of_cameras() -> tuple[Procedure | Lens, ...]:
-    from rig.calibration.procedures.camera import Camera
-    from rig.calibration.procedures.geometry import Geometry
+    from rig.mechanisms.joint.calibration.camera import Camera
+    from rig.mechanisms.joint.calibration.geometry import Geometry
 
     return Lens(), Camera(), Geometry()
 
 
 def _of_servos() -> tuple[Procedure, ...]:
-    from rig.calibration.procedures.arm_links import ArmLinks
-    from rig.calibration.procedures.arm_zeros import ArmZeros
-    from rig.calibration.procedures.leg_scale import LegScale
-    from rig.calibration.procedures.leg_zeros import LegZeros
+    from rig.mechanisms.arm.calibration.links import ArmLinks
+    from rig.mechanisms.arm.calibration.zeros import ArmZeros
+    from rig.mechanisms.legs.calibration.scale import LegScale
+    from rig.mechanisms.legs.calibration.zeros import LegZeros
 
     return ArmZeros(), ArmLinks(), LegZeros(), LegScale()
 

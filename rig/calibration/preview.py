@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from rig.calibration.excitation import OpenLoop
-from rig.calibration.gliding import Gliding
-from rig.calibration.joint.tugs import DEPTH, Tugging
-from rig.calibration.locking import Locking
-from rig.calibration.moves import JointMoves
 from rig.calibration.procedure import Procedure
 from rig.config import Profile, format_quantity
+from rig.mechanisms.cylinder.calibration.glides import Gliding
+from rig.mechanisms.joint.calibration.tugs import DEPTH, Tugging
+from rig.mechanisms.pneumatic.calibration.lock_cycles import Locking
+from rig.mechanisms.pneumatic.calibration.pressure_steps import OpenLoop
+from rig.mechanisms.servo.calibration.posture_moves import PostureMoves
 
 _STEP = 0.01
 """The motion is looked at every so often, s."""
@@ -33,7 +33,7 @@ def preview(procedure: Procedure, profile: Profile, done: Sequence[str]) -> Iter
         yield "  everything is recorded: nothing moves"
         return
     yield f"  {len(motion.segments)} stretches in {motion.duration:.0f} s"
-    if isinstance(motion, JointMoves):
+    if isinstance(motion, PostureMoves):
         yield from _joints(motion)
     elif isinstance(motion, OpenLoop):
         yield from _pressures(motion)
@@ -103,7 +103,7 @@ def _locks(motion: Locking) -> Iterator[str]:
     yield "  while they are locked, no controller holds the rods: friction does"
 
 
-def _joints(motion: JointMoves) -> Iterator[str]:
+def _joints(motion: PostureMoves) -> Iterator[str]:
     settings = motion.settings
     if not motion.has_torque:
         yield "  no torque: the joints are moved by hand, and nothing moves by itself"

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import Recording
 from rig.config import Profile
-from rig.runtime.motion import Motion
+from rig.hal.motion import Motion
 
 if TYPE_CHECKING:
     import numpy as np

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measures.base import PHASE_RUN
+from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import evaluation_from_json
 from rig.hal import RigError
+from rig.hal.motion import Segment
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import Log, LogError, read_log
-from rig.runtime.motion import Segment
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

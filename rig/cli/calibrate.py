@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rig.cli.interfaces import OnBackend
 from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.on_option import OnBackend
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
     from rig.calibration.procedure import Procedure
-    from rig.calibration.procedures.lens import Lens
     from rig.calibration.session import Calibrated
     from rig.calibration.store import Circumstances
     from rig.config import Profile
+    from rig.mechanisms.joint.calibration.lens import Lens
 
 _DAY = 86_400.0
 
@@ -80,8 +80,8 @@ def calibrate(rig: str, **options: Any) -> int:
         return _history(search, rig, options["history_of"])
     from rig.assembly import REGISTRY
     from rig.calibration.catalogue import pick, procedures
-    from rig.calibration.procedures.lens import Lens
     from rig.config import load_profile
+    from rig.mechanisms.joint.calibration.lens import Lens
 
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
     known = procedures(profile)
@@ -167,9 +167,9 @@ def _calibrate_lens(
 ) -> int:
     """Find the lens from images: nothing moves, so nobody is asked."""
     from rig.assembly import backend_of
-    from rig.calibration.lens import Board
     from rig.calibration.recording import CalibrationRefused
     from rig.cli.calibrate_lens import calibrate_lens, preview_lens
+    from rig.mechanisms.joint.calibration.board_lens import Board
 
     simulated, source = backend_of(options["on"]).is_simulated, options["views"]
     try:

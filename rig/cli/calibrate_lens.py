@@ -9,11 +9,11 @@ import click
 from rig.run_folder import RunFolder, RunStatus
 
 if TYPE_CHECKING:
-    from rig.calibration.lens import Board
-    from rig.calibration.procedures.lens import Lens
     from rig.calibration.session import Calibrated
     from rig.calibration.store import Circumstances
     from rig.config import Profile
+    from rig.mechanisms.joint.calibration.board_lens import Board
+    from rig.mechanisms.joint.calibration.lens import Lens
 
 
 def preview_lens(lens: "Lens", board: "Board", source: Path | None, *, simulated: bool) -> None:
@@ -46,9 +46,9 @@ def calibrate_lens(
     CalibrationRefused
         The images do not suffice, or the fit is worse than the one in force.
     """
-    from rig.calibration.board_views import VIEWS, simulate_views
-    from rig.calibration.lens import read_views
     from rig.calibration.session import keep
+    from rig.mechanisms.joint.calibration.board_lens import read_views
+    from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
 
     if source is not None:
         folder = RunFolder.create(out, "calibrate-lens", "images", inputs={})

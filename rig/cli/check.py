@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rig.cli.interfaces import OnBackend
 from rig.cli.names import complete_config, configs_option, json_option, set_option
+from rig.cli.on_option import OnBackend
 from rig.cli.tables import print_data, print_tables
 
 if TYPE_CHECKING:

@@ -143,7 +143,7 @@ def _unit(annotation: Any) -> str:
 def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
     from rig.experiment.measures import MEASURES, Measure
-    from rig.runtime.motion import Fact, facts_of
+    from rig.hal.motion import Fact, facts_of
 
     experiment, motion = plan.experiment, plan.motion
     known: dict[str, Measure | Fact] = {**MEASURES, **facts_of(motion)}

@@ -103,7 +103,7 @@ def monitor(
 
 def _show_live(profile: Profile, on: str, viewer: _Viewer) -> None:
     from rig.assembly import parse_interfaces
-    from rig.assembly.frame_sources import listen
+    from rig.assembly.frame_reading import listen
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
     with listen(profile, interfaces) as listener:
@@ -122,7 +122,7 @@ def _show_live(profile: Profile, on: str, viewer: _Viewer) -> None:
 
 
 def _show_recorded(profile: Profile, source: str, runs: Path, viewer: _Viewer) -> None:
-    from rig.assembly.frame_sources import STDIN, read_frames
+    from rig.assembly.frame_reading import STDIN, read_frames
 
     path: str | Path = source if source == STDIN else _find_frames(source, runs)
     with contextlib.closing(read_frames(path, profile)) as frames:  # type: ignore[type-var]
@@ -136,7 +136,7 @@ def _show_recorded(profile: Profile, source: str, runs: Path, viewer: _Viewer) -
 
 
 def _find_frames(source: str, runs: Path) -> Path:
-    from rig.assembly.frame_sources import frames_of_run
+    from rig.assembly.frame_reading import frames_of_run
     from rig.hal import ConfigurationError
 
     path = Path(source)

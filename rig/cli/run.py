@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.interfaces import FrameFormat, OnBackend
 from rig.cli.names import complete_experiment, complete_rig
+from rig.cli.on_option import FrameFormat, OnBackend
 from rig.cli.tables import print_data
 
 if TYPE_CHECKING:

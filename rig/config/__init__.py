@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rig.config.diagnostics import Diagnostic, ProfileError
+    from rig.config.dump import dump_resolved
     from rig.config.experiment import EXPERIMENT_KEYS, load_experiment
     from rig.config.formats import format_against, format_quantity, format_to
     from rig.config.models import (
@@ -25,11 +26,10 @@ if TYPE_CHECKING:
         ReferenceEntry,
         SimulationSettings,
     )
+    from rig.config.named_settings import Kind, Registry
     from rig.config.names import find_configs, find_file, list_files
     from rig.config.profile import PROFILE_KEYS, load_profile
     from rig.config.quantities import parse_quantity
-    from rig.config.registry import Kind, Registry
-    from rig.config.resolve import dump_resolved
     from rig.config.schema import experiment_schema, profile_schema
 
 _HOME = {

@@ -17,9 +17,9 @@ from typing import Any, Final
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import merge, parse_mapping, with_plain_quantities
+from rig.config.located import BROKEN, Mark, Node, Source
 from rig.config.models import Calibration, Provenance
 from rig.config.settings import build
-from rig.config.source import BROKEN, Mark, Node, Source
 from rig.config.yaml_loader import read_source
 
 COMMON_KEYS: Final = ("driver", "bus", "serial", "calibration")

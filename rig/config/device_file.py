@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rig.config.diagnostics import Problems
-from rig.config.source import Node
+from rig.config.located import Node
 from rig.hal import ConfigurationError
 
 KEY: Final = "eds"

@@ -4,7 +4,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rig.config.source import Mark
+from rig.config.located import Mark
 from rig.hal import ConfigurationError
 
 _WIDTH = 96

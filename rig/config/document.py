@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, shown
+from rig.config.located import BROKEN, Mark, Node, Source
 from rig.config.names import Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
-from rig.config.source import BROKEN, Mark, Node, Source
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
 from rig.hal import ConfigurationError
 

@@ -7,6 +7,7 @@ from typing import Annotated, Final
 
 from annotated_types import Interval, Unit
 
+from rig.config.code_sections import Sections
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import (
     apply_overrides,
@@ -14,12 +15,11 @@ from rig.config.document import (
     parse_overrides,
     with_plain_quantities,
 )
+from rig.config.located import Node
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
+from rig.config.named_settings import Registry, controller_names
 from rig.config.names import find_file, is_name
-from rig.config.registry import Registry, controller_names
-from rig.config.sections import Sections
 from rig.config.settings import build
-from rig.config.source import Node
 from rig.hal import ConfigurationError
 
 EXPERIMENT_KEYS: Final = (

@@ -16,9 +16,12 @@ from rig.config.calibration import (
     read_provenance,
     with_replaced,
 )
+from rig.config.code_sections import Sections
 from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import apply_overrides, load_document, parse_overrides
+from rig.config.dump import as_plain
+from rig.config.located import BROKEN, Node
 from rig.config.models import (
     BusEntry,
     Calibration,
@@ -28,12 +31,9 @@ from rig.config.models import (
     Profile,
     SimulationSettings,
 )
+from rig.config.named_settings import Registry, controller_key, controller_names
 from rig.config.names import find_file, is_name
-from rig.config.registry import Registry, controller_key, controller_names
-from rig.config.resolve import as_plain
-from rig.config.sections import Sections
 from rig.config.settings import build
-from rig.config.source import BROKEN, Node
 
 PROFILE_KEYS: Final = (
     "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",

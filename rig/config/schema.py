@@ -9,9 +9,9 @@ from pydantic import Field, TypeAdapter
 
 from rig.config.experiment import Head as ExperimentHead
 from rig.config.models import MetricSpec
+from rig.config.named_settings import Kind, Registry, controller_names
 from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead
 from rig.config.profile import Head as ProfileHead
-from rig.config.registry import Kind, Registry, controller_names
 from rig.config.settings import annotation, closed_mapping, entries_of
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"

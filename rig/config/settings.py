@@ -23,12 +23,12 @@ from pydantic import Field as PydanticField
 from pydantic_core import PydanticCustomError, core_schema
 from typing_extensions import TypedDict
 
-from rig.config.annotations import hints, split_annotated
 from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
-from rig.config.explain import report
+from rig.config.located import Node
+from rig.config.pydantic_errors import report
 from rig.config.quantities import UnitError, parse_quantity, usual_units
-from rig.config.source import Node
+from rig.config.type_hints import hints, split_annotated
 
 T = TypeVar("T")
 

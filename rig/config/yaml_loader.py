@@ -35,7 +35,7 @@ from yaml.events import (
 )
 
 from rig.config.diagnostics import Diagnostic, Problems, ProfileError
-from rig.config.source import BROKEN, Mark, Node, Scalar, Source
+from rig.config.located import BROKEN, Mark, Node, Scalar, Source
 from rig.hal import ConfigurationError
 
 MAX_BYTES: Final = 1 << 20

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.experiment.measure import NoTruth, Samples, Window
 from rig.experiment.measures import MEASURES
-from rig.experiment.measures.base import NoTruth, Samples, Window
 from rig.hal import RigError
+from rig.hal.motion import Fact, Segment
 from rig.runtime.log import LogError
-from rig.runtime.motion import Fact, Segment
 
 if TYPE_CHECKING:
     from rig.runtime.log import Log
@@ -22,7 +22,7 @@ class MetricError(RigError):
     """A metric cannot be computed from this log."""
 
 
-class MetricSpec(Protocol):
+class MetricRequest(Protocol):
     """What an experiment says of a metric.
 
     `measure` defaults to the metric's name, `segments` is a pattern of segment names, `max`
@@ -44,7 +44,7 @@ class MetricSpec(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class RecordedSpec:
-    """A `MetricSpec` as a run folder keeps it."""
+    """A `MetricRequest` as a run folder keeps it."""
 
     measure: str | None
     segments: str = "*"
@@ -104,7 +104,7 @@ class Metric(NamedTuple):
 def evaluate(
     log: "Log",
     segments: Sequence[Segment],
-    specs: Mapping[str, MetricSpec],
+    specs: Mapping[str, MetricRequest],
     facts: Mapping[str, Fact] | None = None,
 ) -> list[Metric]:
     """Compute an experiment's metrics from a log.
@@ -115,7 +115,7 @@ def evaluate(
         With the columns ``phase`` and ``reference.time``, and those that the measures take.
     segments : sequence of Segment
         Those of the experiment's reference.
-    specs : mapping of str to MetricSpec
+    specs : mapping of str to MetricRequest
         By the metric's name. One with both bounds gives two metrics, ``name`` for the upper
         and ``name.min`` for the lower.
     facts : mapping of str to Fact, optional
@@ -163,7 +163,7 @@ def evaluate(
     return metrics
 
 
-def _bounded(name: str, spec: MetricSpec, measure: str, value: float, unit: str) -> list[Metric]:
+def _bounded(name: str, spec: MetricRequest, measure: str, value: float, unit: str) -> list[Metric]:
     """Hold a value against the bounds that a specification gives: one metric for each."""
     bounds: list[tuple[str, float | None, str | None]] = []
     if spec.max is not None or spec.min is None:
@@ -178,7 +178,7 @@ def _bounded(name: str, spec: MetricSpec, measure: str, value: float, unit: str)
 
 def evaluation_as_json(
     segments: Sequence[Segment],
-    specs: Mapping[str, MetricSpec],
+    specs: Mapping[str, MetricRequest],
     figures: Sequence[str] = (),
     facts: Mapping[str, Fact] | None = None,
 ) -> dict[str, Any]:

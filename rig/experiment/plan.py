@@ -18,11 +18,11 @@ from rig.config import (
     load_experiment,
     load_profile,
 )
+from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
-from rig.config.resolve import setting_of
 from rig.experiment.measures import MEASURES, Measure
 from rig.hal import ConfigurationError
-from rig.runtime.motion import Fact, Motion, facts_of
+from rig.hal.motion import Fact, Motion, facts_of
 
 
 class Plan(NamedTuple):

@@ -9,17 +9,17 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
-from rig.assembly.frames import FORMATS, FRAMES, convert_frames, make_frame_log
+from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
 from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
 from rig.hal import Clock, DeviceError, RigError
+from rig.hal.motion import facts_of
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
 from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Progress
-from rig.runtime.motion import facts_of
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import Recorder
@@ -97,7 +97,7 @@ def run_experiment(
     report : bool
         Draw figures and write the report.
     frames : str, optional
-        Record the CAN buses, in one of `rig.assembly.frames.FORMATS`.
+        Record the CAN buses, in one of `rig.assembly.frame_recording.FORMATS`.
     heed_calibrations : bool
         Refuse hardware whose calibration does not hold; False: it is being mended.
 

@@ -1,7 +1,8 @@
 """The hardware abstraction layer: small, typed, without I/O of its own."""
 
 from rig.hal.bus import Buses, CanBus, CyclicBus, Frame
-from rig.hal.capabilities import (
+from rig.hal.clock import Clock, MonotonicClock
+from rig.hal.devices import (
     ChamberLocks,
     Device,
     Doubtful,
@@ -14,7 +15,6 @@ from rig.hal.capabilities import (
     ServoBus,
     Vector,
 )
-from rig.hal.clock import Clock, MonotonicClock
 from rig.hal.errors import (
     ConfigurationError,
     ConnectionFailed,

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rig.experiment.measures.base import PHASE_RUN
+from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import evaluation_from_json
+from rig.hal.motion import Segment
 from rig.run_folder import EVALUATION, METRICS, RunFolder
 from rig.runtime.log import Log, read_log
-from rig.runtime.motion import Segment
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from rig.runtime.motion import Segment
+    from rig.hal.motion import Segment
 
 COLUMN = 85.0
 PAGE = 170.0

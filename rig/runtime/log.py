@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rig.hal import RigError
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
 from rig.runtime.mcap_file import CHANNEL_ID, decode_columns
 from rig.runtime.recorder import OPCODE_MESSAGE, RECORD_HEAD, RECORD_PREFIX
 

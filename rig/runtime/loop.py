@@ -14,9 +14,9 @@ from typing import Any, Generic, NamedTuple, Protocol
 
 from controllers.base import Controller
 from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
-from rig.mechanisms.base import Command, Margin, Mechanism, Reference, State
-from rig.runtime.columns import Column
-from rig.runtime.motion import Motion
+from rig.hal.columns import Column
+from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
+from rig.hal.motion import Motion
 from rig.runtime.phases import Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests

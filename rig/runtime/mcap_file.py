@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Sequence
 from typing import Any
 
-from rig.runtime.columns import SCHEMA_NAME, Column, schema_text
+from rig.hal.columns import SCHEMA_NAME, Column, schema_text
 
 TOPIC = "/cycle"
 CHANNEL_ID = 1

@@ -5,8 +5,8 @@ from typing import Generic, NamedTuple
 
 from controllers.base import Controller
 from rig.hal import SafetyError
-from rig.mechanisms.base import Command, Mechanism, Reference, State
-from rig.runtime.motion import Motion
+from rig.hal.mechanism import Command, Mechanism, Reference, State
+from rig.hal.motion import Motion
 from rig.runtime.states import RigState, StateMachine
 
 

@@ -10,7 +10,7 @@ from operator import itemgetter
 from pathlib import Path
 
 from rig.hal import RigError
-from rig.runtime.columns import Column, group_order
+from rig.hal.columns import Column, group_order
 from rig.runtime.mcap_file import CHANNEL_ID, encode_ending, encode_preamble
 
 RECORD_HEAD = "<BQHIQQ4siIQd"

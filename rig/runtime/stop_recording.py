@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
 
 
 class StopRecording:

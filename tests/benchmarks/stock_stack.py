@@ -14,7 +14,7 @@ import numpy as np
 from stock_control import StockCascade
 
 from drivers.canopen.mapping import pack
-from rig.mechanisms.cylinder import AntagonisticPair
+from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 
 PERIOD = 2e-3
 ENERGISE, APPROACH = 1.0, 2.0

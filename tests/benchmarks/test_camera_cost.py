@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
-from drivers.cameras.detector import MarkerDetector
-from drivers.cameras.settings import MarkerCameraSettings, MarkerSettings
-from drivers.cameras.sighting import Sight
+from drivers.marker_camera.detector import MarkerDetector
+from drivers.marker_camera.settings import MarkerCameraSettings, MarkerSettings
+from drivers.marker_camera.sighting import Sight
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings

@@ -6,7 +6,7 @@ from statistics import median
 
 import pytest
 
-from rig.runtime.columns import Column, schema_text
+from rig.hal.columns import Column, schema_text
 from rig.runtime.recorder import Recorder
 
 WIDTH = 35

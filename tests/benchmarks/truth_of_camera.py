@@ -1,9 +1,9 @@
 """Calibrations of simulated joints and cameras as drawn, and what is true of each of them."""
 
 from rig.assembly.simulated import make_plant, reality_of
-from rig.calibration.board_views import VIEWS, simulate_views
-from rig.calibration.joint.parameters import LENGTHS
-from rig.calibration.lens import Board, read_views
+from rig.mechanisms.joint.calibration.board_lens import Board, read_views
+from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
+from rig.mechanisms.joint.calibration.parameters import LENGTHS
 
 JOINT = (
     "simulation.perturbation.geometry=0.02",

@@ -10,11 +10,11 @@ from drivers.sim.perturbation import draw, perturb_geometry
 from drivers.sim.plants.spherical_joint_parameters import home_lengths
 from rig.assembly import Backend
 from rig.assembly.simulated import make_plant
-from rig.calibration.mechanism import pneumatics_of
-from rig.calibration.procedures import pair_friction
 from rig.calibration.recording import Recording
 from rig.calibration.session import record
 from rig.experiment.metrics import evaluation_from_json
+from rig.mechanisms.cylinder.calibration import friction as pair_friction
+from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import read_log
 

@@ -22,7 +22,7 @@ from controllers.cylinder.types import PairModel, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.settings import PlantSettings
-from rig.experiment.references.pair import Sine, SineTone, Staircase, Step
+from rig.mechanisms.cylinder.references import Sine, SineTone, Staircase, Step
 
 RATE = 1000
 LATENCY = 0.3e-3

@@ -28,7 +28,7 @@ from controllers.spherical_joint.types import CameraSample, JointReference, Join
 from drivers.sim.plants.spherical_joint import SphericalJointPlant
 from rig.assembly import REGISTRY
 from rig.config import find_configs, load_profile
-from rig.mechanisms.joint import SphericalJoint
+from rig.mechanisms.joint.mechanism import SphericalJoint
 
 RATE = 1000
 LATENCY = 0.3e-3

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 from servo_bench import PERIOD, LaggedJoints, ServoRig
 
 from drivers.dynamixel.bus import SerialBus
-from drivers.dynamixel.servos import DynamixelServos
-from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings, SerialBusSettings
+from drivers.dynamixel.device import DynamixelServos
+from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings, SerialBusSettings
 from drivers.sim.clock import SimClock
 from drivers.sim.dynamixel.line import EmulatedSerialBus
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 
 
 class DynamixelRig(ServoRig):
@@ -33,7 +33,7 @@ def dynamixel_settings(joints=2, **changes):
     """Joints that differ in sign, offset and gear."""
     return DynamixelSettings(
         joints={
-            f"q{k + 1}": DynamixelJoint(
+            f"q{k + 1}": DynamixelAxisSettings(
                 id=k + 1,
                 gear=1.0 + 0.5 * k,
                 reversed=bool(k % 2),

@@ -7,18 +7,18 @@ from types import SimpleNamespace
 from drivers.can.frame import CanFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
-from drivers.servos.cia402 import Cia402Servos
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
-from drivers.servos.odrive import OdriveServos
-from drivers.servos.odrive_bus import OdriveBus
-from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, OdriveSettings
+from drivers.cia402.device import Cia402Servos
+from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.odrive.bus import OdriveBus
+from drivers.odrive.device import OdriveServos
+from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, OdriveSettings
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
 
 PERIOD = 0.005
-_AXIS_FIELDS = [field.name for field in fields(AxisSettings)]
+_AXIS_FIELDS = [field.name for field in fields(OdriveAxisSettings)]
 _DRIVE_FIELDS = [field.name for field in fields(DriveSettings)]
 
 
@@ -214,7 +214,7 @@ def odrive_settings(joints=2, **changes):
     own = {key: changes.pop(key) for key in list(changes) if key in _AXIS_FIELDS}
     return OdriveSettings(
         joints={
-            f"q{k + 1}": AxisSettings(
+            f"q{k + 1}": OdriveAxisSettings(
                 **{
                     "axis": k + 1,
                     "gear": 8.0 + k,

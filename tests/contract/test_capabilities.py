@@ -12,19 +12,19 @@ from servo_bench import NoBus, Wire
 
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
-from drivers.encoders.cia406 import Cia406Encoder
-from drivers.encoders.cia406_settings import Cia406Settings
-from drivers.regulators.cia401 import Cia401Regulators
-from drivers.regulators.cia401_settings import (
+from drivers.cia401.device import Cia401Regulators
+from drivers.cia401.settings import (
     Cia401Settings,
     FollowingSettings,
     MonitorSignal,
     RegulatorChannel,
     SetpointSignal,
 )
+from drivers.cia406.device import Cia406Encoder
+from drivers.cia406.settings import Cia406Settings
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.wiring import emulate_cia401, emulate_cia406, simulate_cia401, simulate_cia406
 from rig.hal import DeviceFault, LimitExceeded, Reading
 

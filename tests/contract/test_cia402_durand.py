@@ -21,8 +21,8 @@ from test_durand_devices import (  # noqa: E402
 
 from drivers.canopen.bus import CanopenBus  # noqa: E402
 from drivers.canopen.settings import CanBusSettings  # noqa: E402
-from drivers.servos.cia402 import Cia402Servos  # noqa: E402
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings  # noqa: E402
+from drivers.cia402.device import Cia402Servos  # noqa: E402
+from drivers.cia402.settings import Cia402Settings, DriveSettings  # noqa: E402
 from rig.hal import ConnectionFailed, DeviceFault  # noqa: E402
 
 NODE = 0x11

@@ -19,7 +19,7 @@ canopen = pytest.importorskip("canopen")
 from canopen.profiles.p402 import BaseNode402  # noqa: E402
 
 from drivers.sim.emulated_bus import EmulatedBus  # noqa: E402
-from drivers.sim.emulation import EmulatedRig  # noqa: E402
+from drivers.sim.emulated_rig import EmulatedRig  # noqa: E402
 from drivers.sim.nodes.cia402 import EmulatedCia402  # noqa: E402
 
 NODE = 5

@@ -16,15 +16,15 @@ from durand.scheduler import VirtualScheduler, get_scheduler, set_scheduler  # n
 from drivers.can.frame import CanFrame  # noqa: E402
 from drivers.canopen.bus import CanopenBus  # noqa: E402
 from drivers.canopen.settings import CanBusSettings  # noqa: E402
-from drivers.encoders.cia406 import Cia406Encoder  # noqa: E402
-from drivers.encoders.cia406_settings import Cia406Settings  # noqa: E402
-from drivers.regulators.cia401 import Cia401Regulators  # noqa: E402
-from drivers.regulators.cia401_settings import (  # noqa: E402
+from drivers.cia401.device import Cia401Regulators  # noqa: E402
+from drivers.cia401.settings import (  # noqa: E402
     Cia401Settings,
     MonitorSignal,
     RegulatorChannel,
     SetpointSignal,
 )
+from drivers.cia406.device import Cia406Encoder  # noqa: E402
+from drivers.cia406.settings import Cia406Settings  # noqa: E402
 from rig.hal import ConnectionFailed, DeviceFault  # noqa: E402
 
 DT = durand.DatatypeEnum

@@ -19,12 +19,12 @@ from dynamixel_sdk import (
     PortHandler,
 )
 
-from drivers.dynamixel import protocol
+from drivers.dynamixel import codec as protocol
 from drivers.dynamixel.bus import SerialBus
+from drivers.dynamixel.device import DynamixelServos
 from drivers.dynamixel.port import open_port
 from drivers.dynamixel.registers import describe_status_error
-from drivers.dynamixel.servos import DynamixelServos
-from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings, SerialBusSettings
+from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings, SerialBusSettings
 from drivers.sim.dynamixel.chain import EmulatedChain
 from drivers.sim.dynamixel.terminal import PseudoTerminal
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
@@ -32,7 +32,7 @@ from rig.hal import DeviceFault, MonotonicClock
 
 IDS = (1, 2, 7)
 SETTINGS = DynamixelSettings(
-    joints={f"joint_{k}": DynamixelJoint(id=k, max_speed=1e3) for k in IDS}
+    joints={f"joint_{k}": DynamixelAxisSettings(id=k, max_speed=1e3) for k in IDS}
 )
 STEP = math.tau / 4096
 TORQUE, GOAL, VELOCITY, POSITION = 64, 116, 128, 132

@@ -17,7 +17,7 @@ can = pytest.importorskip("can")
 canopen = pytest.importorskip("canopen")
 
 from drivers.sim.emulated_bus import EmulatedBus  # noqa: E402
-from drivers.sim.emulation import EmulatedRig  # noqa: E402
+from drivers.sim.emulated_rig import EmulatedRig  # noqa: E402
 from drivers.sim.nodes.analogue import AnalogueScale  # noqa: E402
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring  # noqa: E402
 from drivers.sim.nodes.cia406 import EmulatedCia406  # noqa: E402

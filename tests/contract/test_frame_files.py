@@ -136,7 +136,7 @@ def test_wireshark_finds_nothing_malformed_and_nothing_unknown(folder, frames, r
 @pytest.mark.parametrize("kind", ["asc", "blf"])
 def test_other_formats_hold_the_same_frames(kind, folder, frames, tmp_path, capfd):
     from rig.assembly import REGISTRY
-    from rig.assembly.frames import convert_frames
+    from rig.assembly.frame_recording import convert_frames
     from rig.config import load_profile
 
     copy = shutil.copy(folder / "frames.log", tmp_path / "frames.log")

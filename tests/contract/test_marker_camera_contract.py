@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from drivers.cameras.marker_camera import MarkerCameraDriver
-from drivers.cameras.settings import (
+from drivers.marker_camera.device import MarkerCameraDriver
+from drivers.marker_camera.settings import (
     IntrinsicsSettings,
     MarkerCameraSettings,
     MarkerSettings,
@@ -19,7 +19,7 @@ from drivers.cameras.settings import (
 from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
 from drivers.sim.clock import SimClock
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 from rig.hal import ConnectionFailed, DeviceFault, Markers, MonotonicClock, Reading, StaleReading
 
 RECORDING = Path(__file__).parents[1] / "data" / "marker-circle.avi"

@@ -5,7 +5,7 @@ import struct
 import pytest
 from servo_bench import PERIOD, LaggedJoints, odrive_rig
 
-from drivers.servos.odrive_settings import OdriveEndpoints
+from drivers.odrive.settings import OdriveEndpoints
 from drivers.sim.frame_faults import FrameFault
 from rig.hal import ConnectionFailed, DeviceFault
 

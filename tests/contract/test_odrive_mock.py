@@ -13,10 +13,10 @@ import pytest
 can = pytest.importorskip("can")
 mock = pytest.importorskip("odrive_can.mock")
 
-from drivers.servos.odrive import OdriveServos  # noqa: E402
-from drivers.servos.odrive_bus import OdriveBus  # noqa: E402
-from drivers.servos.odrive_settings import (  # noqa: E402
-    AxisSettings,
+from drivers.odrive.bus import OdriveBus  # noqa: E402
+from drivers.odrive.device import OdriveServos  # noqa: E402
+from drivers.odrive.settings import (  # noqa: E402
+    OdriveAxisSettings,
     OdriveBusSettings,
     OdriveSettings,
 )
@@ -77,7 +77,7 @@ class LiveMock:
             self.clock,
             PERIOD,
         )
-        joint = AxisSettings(axis=NODE, gear=6.283185307179586, following_time=1.0)
+        joint = OdriveAxisSettings(axis=NODE, gear=6.283185307179586, following_time=1.0)
         self.driver = OdriveServos(
             "arm",
             OdriveSettings(

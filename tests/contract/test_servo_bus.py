@@ -46,7 +46,7 @@ def move(rig, cycles, speed=SPEED):
 def test_names_and_shapes(rig):
     driver = rig.driver
     assert driver.name == "arm"
-    assert driver.joint_names == ("q1", "q2")
+    assert driver.axis_names == ("q1", "q2")
     for reading in (driver.positions(), driver.velocities()):
         assert isinstance(reading, Reading)
         assert [type(value) for value in reading.value] == [float, float]

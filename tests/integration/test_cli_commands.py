@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from rig.cli import invoke
+from rig.hal.columns import Column
 from rig.run_folder import RunFolder, RunStatus
-from rig.runtime.columns import Column
 from rig.runtime.recorder import Recorder
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -6,8 +6,8 @@ from dataclasses import fields
 from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
 
 from drivers.canopen.bus import CanopenBus
-from drivers.servos.cia402 import Cia402Servos
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
+from drivers.cia402.device import Cia402Servos
+from drivers.cia402.settings import Cia402Settings, DriveSettings
 
 PERIOD = 0.005
 # 1000 counts for a radian of the joint

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 from drivers.dynamixel.bus import SerialBus
-from drivers.dynamixel.servos import DynamixelServos
-from drivers.dynamixel.settings import DynamixelJoint, DynamixelSettings, SerialBusSettings
+from drivers.dynamixel.device import DynamixelServos
+from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings, SerialBusSettings
 from drivers.sim.clock import SimClock
 from drivers.sim.dynamixel.line import EmulatedSerialBus
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 
 PERIOD = 5e-3
 STEP = math.tau / 4096
@@ -50,7 +50,7 @@ class JointsThatFollow:
 
 def joints(count, **more):
     return {
-        f"joint_{k + 1}": DynamixelJoint(**{"id": k + 1, "max_speed": 1e3, **more})
+        f"joint_{k + 1}": DynamixelAxisSettings(**{"id": k + 1, "max_speed": 1e3, **more})
         for k in range(count)
     }
 

@@ -4,9 +4,9 @@ import struct
 
 from scripted_bus import ScriptedBus, TestClock
 
-from drivers.servos.odrive import OdriveServos
-from drivers.servos.odrive_bus import OdriveBus
-from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, OdriveSettings
+from drivers.odrive.bus import OdriveBus
+from drivers.odrive.device import OdriveServos
+from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, OdriveSettings
 
 PERIOD = 0.005
 TAU = 6.283185307179586
@@ -79,7 +79,7 @@ class TalkingClock(TestClock):
 
 
 def joint(**changes):
-    return AxisSettings(**(AXIS | changes))
+    return OdriveAxisSettings(**(AXIS | changes))
 
 
 class Bench:

@@ -4,7 +4,7 @@ import pytest
 
 from drivers.canopen.load import check_bus_load, compute_bus_load, compute_frame_bits
 from drivers.canopen.settings import CanBusSettings
-from drivers.encoders.cia406_settings import Cia406Settings
+from drivers.cia406.settings import Cia406Settings
 from rig.hal import ConfigurationError
 
 

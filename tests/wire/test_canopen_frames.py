@@ -6,16 +6,16 @@ import pytest
 from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
 
 from drivers.canopen.emergency import decode_emergency
-from drivers.encoders.cia406 import Cia406Encoder
-from drivers.encoders.cia406_settings import Cia406Settings
-from drivers.regulators.cia401 import Cia401Regulators
-from drivers.regulators.cia401_settings import (
+from drivers.cia401.device import Cia401Regulators
+from drivers.cia401.settings import (
     Cia401Settings,
     FollowingSettings,
     MonitorSignal,
     RegulatorChannel,
     SetpointSignal,
 )
+from drivers.cia406.device import Cia406Encoder
+from drivers.cia406.settings import Cia406Settings
 from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded
 
 

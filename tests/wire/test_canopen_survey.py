@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from drivers.canopen.survey import survey_canopen
+from drivers.canopen.discovery import survey_canopen
 
 STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0x04, 0x05, 0x7F
 BY_COMMAND = {0x01: OPERATIONAL, 0x02: STOPPED, 0x80: PRE_OPERATIONAL}

@@ -4,8 +4,8 @@ import pytest
 from cia402_bench import Drive, joint
 from scripted_bus import Bench, u8, u16, u32
 
-from drivers.servos.cia402 import Cia402Servos
-from drivers.servos.cia402_settings import Cia402Settings
+from drivers.cia402.device import Cia402Servos
+from drivers.cia402.settings import Cia402Settings
 from rig.hal import ConnectionFailed
 
 # Settings --------------------------------------------------------------------------------

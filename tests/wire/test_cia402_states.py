@@ -2,9 +2,9 @@
 
 import pytest
 
-from drivers.servos.cia402_errors import describe_error
-from drivers.servos.cia402_setup import encode_interpolation_period
-from drivers.servos.cia402_states import DriveState, Goal, decode_state, next_control
+from drivers.cia402.errors import describe_error
+from drivers.cia402.setup import encode_interpolation_period
+from drivers.cia402.states import DriveState, Goal, decode_state, next_control
 
 STATES = [
     (0x0000, "NOT_READY"),

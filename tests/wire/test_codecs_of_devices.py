@@ -5,15 +5,15 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.encoders.cia406 import decode_position, decode_velocity, linear_codec
-from drivers.encoders.cia406_settings import Cia406Settings
-from drivers.regulators.analogue import (
+from drivers.cia401.codec import (
     decode_pressure,
     encode_pressure,
     monitor_codec,
     setpoint_codec,
 )
-from drivers.regulators.cia401_settings import MonitorSignal, SetpointSignal
+from drivers.cia401.settings import MonitorSignal, SetpointSignal
+from drivers.cia406.device import decode_position, decode_velocity, linear_codec
+from drivers.cia406.settings import Cia406Settings
 
 BAR = 1e5
 PLAIN = SetpointSignal(sub=1, voltage=(0.0, 10.0), pressure=(0.0, 9 * BAR))

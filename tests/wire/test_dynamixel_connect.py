@@ -8,8 +8,8 @@ from dynamixel_bench import STEP, Bench, joints
 from drivers.dynamixel import registers
 from drivers.dynamixel.client import RegisterClient
 from drivers.dynamixel.settings import (
+    DynamixelAxisSettings,
     DynamixelGains,
-    DynamixelJoint,
     DynamixelSettings,
     SerialBusSettings,
 )
@@ -22,8 +22,14 @@ from rig.hal import ConnectionFailed
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ({"joints": {"a": DynamixelJoint(id=1), "b": DynamixelJoint(id=1)}}, "a and b have the"),
-        ({"joints": {"a": DynamixelJoint(id=1, offset=1.0)}}, "in mode position; change offset"),
+        (
+            {"joints": {"a": DynamixelAxisSettings(id=1), "b": DynamixelAxisSettings(id=1)}},
+            "a and b have the",
+        ),
+        (
+            {"joints": {"a": DynamixelAxisSettings(id=1, offset=1.0)}},
+            "in mode position; change offset",
+        ),
         ({"joints": joints(1), "mode": "current_based_position"}, "goal_current belongs"),
         ({"joints": joints(1), "goal_current": 1.0}, "goal_current belongs"),
         ({"joints": joints(1), "voltage": (12.0, 9.0)}, "voltage is not a rising pair"),
@@ -34,8 +40,8 @@ from rig.hal import ConnectionFailed
         (
             {
                 "joints": {
-                    "a": DynamixelJoint(id=1),
-                    "b": DynamixelJoint(id=2, model="xl330-m288"),
+                    "a": DynamixelAxisSettings(id=1),
+                    "b": DynamixelAxisSettings(id=2, model="xl330-m288"),
                 }
             },
             "indirect data at different addresses",
@@ -101,7 +107,7 @@ def test_eeprom_is_not_written_when_it_is_right():
 
 
 def test_limits_of_the_joint_are_given_to_the_servo():
-    bench = Bench(1, joints={"knee": DynamixelJoint(id=7, limits=(-0.5, 1.0), offset=0.1)})
+    bench = Bench(1, joints={"knee": DynamixelAxisSettings(id=7, limits=(-0.5, 1.0), offset=0.1)})
     bench.bus.open()
     bench.device.connect()
     memory = bench.servo(0).table
@@ -189,7 +195,7 @@ def test_a_port_that_is_not_there_is_named():
 
 
 def test_arming_outside_the_range_is_refused():
-    bench = Bench(1, joints={"knee": DynamixelJoint(id=1, limits=(0.5, 1.0))})
+    bench = Bench(1, joints={"knee": DynamixelAxisSettings(id=1, limits=(0.5, 1.0))})
     with pytest.raises(ConnectionFailed, match=r"knee \(id 1\): the joint stands outside"):
         bench.start()
     assert not bench.plant.torque_on[0]

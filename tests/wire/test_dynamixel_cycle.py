@@ -5,7 +5,7 @@ import math
 import pytest
 from dynamixel_bench import PERIOD, STEP, Bench, joints
 
-from drivers.dynamixel.settings import DynamixelJoint
+from drivers.dynamixel.settings import DynamixelAxisSettings
 from drivers.sim.dynamixel import control_table as table
 from rig.hal import LimitExceeded
 
@@ -31,11 +31,11 @@ def test_setpoints_arrive_and_are_read_back_one_cycle_later(fast):
 
 def test_direction_offset_and_gear():
     names = {
-        "plain": DynamixelJoint(id=1, max_speed=1e3),
-        "reversed": DynamixelJoint(
+        "plain": DynamixelAxisSettings(id=1, max_speed=1e3),
+        "reversed": DynamixelAxisSettings(
             id=2, reversed=True, offset=0.3, limits=(-2.0, 2.0), max_speed=1e3
         ),
-        "geared": DynamixelJoint(id=3, gear=2.0, limits=(-1.0, 1.0), max_speed=1e3),
+        "geared": DynamixelAxisSettings(id=3, gear=2.0, limits=(-1.0, 1.0), max_speed=1e3),
     }
     bench = Bench(3, joints=names).start()
     bench.cycle(lambda device: device.command_positions((0.4, 0.4, 0.4)), count=3)
@@ -99,8 +99,8 @@ def test_torques_come_from_the_motor_currents():
     bench = Bench(
         2,
         joints={
-            "plain": DynamixelJoint(id=1),
-            "geared": DynamixelJoint(id=2, gear=3.0, reversed=True),
+            "plain": DynamixelAxisSettings(id=1),
+            "geared": DynamixelAxisSettings(id=2, gear=3.0, reversed=True),
         },
         mode="extended_position",
     )

@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.dynamixel import protocol
+from drivers.dynamixel import codec as protocol
+from drivers.dynamixel.codec import Status
 from drivers.dynamixel.parser import StatusParser
-from drivers.dynamixel.protocol import Status
 from drivers.sim.dynamixel import framing
 
 # Examples of the maker's e-Manual, "DYNAMIXEL Protocol 2.0", and of its SDK.

@@ -7,8 +7,8 @@ import pytest
 from drivers.dynamixel.settings import DynamixelSettings, SerialBusSettings
 from drivers.sim.plants.arm_settings import ArmPlantSettings
 from rig.config.diagnostics import Problems, ProfileError
+from rig.config.located import Source
 from rig.config.settings import build
-from rig.config.source import Source
 from rig.config.yaml_loader import parse
 
 

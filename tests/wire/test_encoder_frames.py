@@ -3,8 +3,8 @@
 import pytest
 from scripted_bus import Bench, ScriptedNode, common_objects, u16, u32
 
-from drivers.encoders.cia406 import Cia406Encoder
-from drivers.encoders.cia406_settings import Cia406Settings, PositionObject
+from drivers.cia406.device import Cia406Encoder
+from drivers.cia406.settings import Cia406Settings, PositionObject
 from rig.hal import ConnectionFailed, DeviceFault
 
 AT_10_MM = "1A0#1027000000000000"

@@ -4,7 +4,7 @@ import struct
 
 import pytest
 
-from drivers.servos.odrive_codec import (
+from drivers.odrive.codec import (
     AxisState,
     Command,
     ControlMode,

@@ -9,8 +9,8 @@ from scripted_bus import ScriptedBus, TestClock
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.can.socketcan import SocketCanBus
-from drivers.servos.odrive_bus import OdriveBus
-from drivers.servos.odrive_settings import OdriveBusSettings, OdriveEndpoints
+from drivers.odrive.bus import OdriveBus
+from drivers.odrive.settings import OdriveBusSettings, OdriveEndpoints
 
 
 def test_the_start_sends_these_frames_in_this_order():

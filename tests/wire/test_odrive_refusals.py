@@ -4,9 +4,9 @@ import pytest
 from odrive_bench import PERIOD, Bench, joint
 from scripted_bus import ScriptedBus, TestClock
 
-from drivers.servos.odrive import OdriveServos
-from drivers.servos.odrive_bus import OdriveBus
-from drivers.servos.odrive_settings import OdriveBusSettings, OdriveEndpoints, OdriveSettings
+from drivers.odrive.bus import OdriveBus
+from drivers.odrive.device import OdriveServos
+from drivers.odrive.settings import OdriveBusSettings, OdriveEndpoints, OdriveSettings
 from rig.hal import ConnectionFailed, DeviceFault
 
 # Settings --------------------------------------------------------------------------------

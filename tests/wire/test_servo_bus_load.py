@@ -4,8 +4,8 @@ import pytest
 
 from drivers.canopen.load import check_bus_load, compute_bus_load
 from drivers.canopen.settings import CanBusSettings
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
-from drivers.servos.odrive_settings import AxisSettings, OdriveBusSettings, OdriveSettings
+from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, OdriveSettings
 from rig.hal import ConfigurationError
 
 CAN = CanBusSettings("socketcan", "can0")
@@ -38,7 +38,7 @@ def test_at_400_hz_they_are_refused_with_what_fills_the_bus():
 
 
 def odrive(**changes):
-    joints = {f"q{k}": AxisSettings(axis=k) for k in range(1, 7)}
+    joints = {f"q{k}": OdriveAxisSettings(axis=k) for k in range(1, 7)}
     return OdriveSettings(joints=joints, **changes)
 
 

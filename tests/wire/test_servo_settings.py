@@ -4,22 +4,22 @@ from dataclasses import fields
 
 import pytest
 
-from drivers.servos.cia402_settings import Cia402Settings, DriveSettings
-from drivers.servos.joint_settings import JointSettings
-from drivers.servos.odrive_settings import (
-    AxisSettings,
+from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.odrive.settings import (
+    OdriveAxisSettings,
     OdriveBusSettings,
     OdriveEndpoints,
     OdriveSettings,
 )
+from drivers.servos.axis_settings import AxisSettings
 from rig.config.docstrings import parameter_texts
 from rig.config.settings import adapter
 
 ALL = (
-    JointSettings,
+    AxisSettings,
     DriveSettings,
     Cia402Settings,
-    AxisSettings,
+    OdriveAxisSettings,
     OdriveBusSettings,
     OdriveEndpoints,
     OdriveSettings,

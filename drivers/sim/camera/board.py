@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.cameras.settings import MarkerCameraSettings
+from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.kernels import cover_squares, expose, trace_rays
 from drivers.sim.camera.poses import rotation_matrix
 from drivers.sim.camera.settings import CameraSimulationSettings

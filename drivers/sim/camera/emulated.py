@@ -8,9 +8,9 @@ bus: it halts at `due`, brings the plant there, and calls `tick`.
 from collections.abc import Sequence
 from math import inf
 
-from drivers.cameras.detector import MarkerDetector
-from drivers.cameras.link import Event, Ready
-from drivers.cameras.settings import MarkerCameraSettings
+from drivers.marker_camera.detector import MarkerDetector
+from drivers.marker_camera.link import Event, Ready
+from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.ports import Delivery, MarkerPort
 from drivers.sim.camera.poses import MarkerPose

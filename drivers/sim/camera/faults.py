@@ -3,7 +3,7 @@
 from math import inf
 from typing import Final
 
-from drivers.cameras.link import Failure
+from drivers.marker_camera.link import Failure
 
 _LASTING: Final = ("covered", "frozen", "lost", "mirrored", "stalled", "swapped", "unplugged")
 _LATE: Final = 0.2

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from drivers.cameras.settings import IntrinsicsSettings
+from drivers.marker_camera.settings import IntrinsicsSettings
 
 _STEPS: Final = 50
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings
+from drivers.marker_camera.settings import IntrinsicsSettings, MarkerCameraSettings
 from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.perturbation import Bounds, draw
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import inf
 from typing import Protocol
 
-from drivers.cameras.link import Event
+from drivers.marker_camera.link import Event
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.cameras.settings import MarkerCameraSettings
+from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.kernels import cover_disc, cover_squares, expose, trace_rays
 from drivers.sim.camera.poses import MarkerPose, rotation_matrix
 from drivers.sim.camera.settings import CameraSimulationSettings

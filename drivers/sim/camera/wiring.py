@@ -6,7 +6,7 @@ Only the camera that is asked for is imported: the one with images needs a compi
 import zlib
 from typing import TYPE_CHECKING, Any
 
-from drivers.cameras.settings import MarkerCameraSettings
+from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.mounting import built, mounted
 from drivers.sim.camera.ports import MarkerPort
 from drivers.sim.camera.settings import CameraSimulationSettings
@@ -15,9 +15,9 @@ from rig.hal import Clock
 
 if TYPE_CHECKING:
     from drivers.sim.camera.emulated import EmulatedCamera
-    from drivers.sim.camera.reached import ReachedCamera
-    from drivers.sim.camera.served import ServedCamera
-    from drivers.sim.camera.simulated import SimulatedMarkerCamera
+    from drivers.sim.camera.imageless import SimulatedMarkerCamera
+    from drivers.sim.camera.remote_camera import ServedCamera
+    from drivers.sim.camera.remote_link import ReachedCamera
 
 
 def emulate_marker_camera(
@@ -87,8 +87,8 @@ def serve_marker_camera(
     ConnectionFailed
         Another process serves it there already.
     """
-    from drivers.sim.camera.reached import camera_address
-    from drivers.sim.camera.served import ServedCamera
+    from drivers.sim.camera.remote_camera import ServedCamera
+    from drivers.sim.camera.remote_link import camera_address
 
     return ServedCamera(
         name,
@@ -112,7 +112,7 @@ def reach_marker_camera(name: str, channel: str) -> "ReachedCamera":
     channel : str
         The rig's first CAN interface.
     """
-    from drivers.sim.camera.reached import ReachedCamera, camera_address
+    from drivers.sim.camera.remote_link import ReachedCamera, camera_address
 
     return ReachedCamera(camera_address(channel, name))
 
@@ -137,7 +137,7 @@ def simulate_marker_camera(
     clock : Clock
         The rig's.
     """
-    from drivers.sim.camera.simulated import SimulatedMarkerCamera
+    from drivers.sim.camera.imageless import SimulatedMarkerCamera
 
     return SimulatedMarkerCamera(
         name,

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from math import inf
 
+from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.servo import EmulatedServo
-from drivers.sim.joint_faults import JointFaults
 
 _HARDWARE_BITS = {
     "undervoltage": 0,
@@ -97,7 +97,7 @@ class StationFaults:
         return value
 
 
-class EmulatedDynamixel(JointFaults):
+class EmulatedDynamixel(AxisFaults):
     """The servos of one device on a chain; a target of faults, see `StationFaults`.
 
     Parameters

@@ -7,13 +7,13 @@ servos make of them is their own.
 from typing import Any
 
 from drivers.dynamixel.settings import DynamixelSettings
+from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.control_table import HOMING_OFFSET
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.servo_wiring import signed_gear
-from drivers.sim.servos import SimulatedServos
 from rig.hal import Clock
 
 _STEPS_PER_TURN = 4096

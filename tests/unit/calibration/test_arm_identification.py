@@ -7,11 +7,11 @@ import pytest
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward
-from rig.calibration.arm.hand_fit import find_directions, fit_hand
-from rig.calibration.arm.model import marker_positions, parameters_of
-from rig.calibration.arm.poses import is_clear, near_poses, wide_poses
 from rig.calibration.recording import CalibrationRefused
-from rig.mechanisms.arm_settings import HandMetrology
+from rig.mechanisms.arm.calibration.hand_fit import find_directions, fit_hand
+from rig.mechanisms.arm.calibration.hand_model import marker_positions, parameters_of
+from rig.mechanisms.arm.calibration.poses import is_clear, near_poses, wide_poses
+from rig.mechanisms.arm.settings import HandMetrology
 
 ZEROS = np.array((0.02, -0.015, 0.03, -0.01, 0.025, 0.012))
 LENGTHS = np.array((1e-3, -2e-3, 0.5e-3, 1.5e-3, -1e-3, 0.7e-3))

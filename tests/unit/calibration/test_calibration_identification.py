@@ -10,9 +10,9 @@ from rig.calibration.catalogue import procedures
 from rig.calibration.estimates import fit, interval, mean_of
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import find_configs, load_profile
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
 from rig.runtime.log import Log
-from rig.runtime.motion import Segment
 
 
 @pytest.fixture(scope="module")

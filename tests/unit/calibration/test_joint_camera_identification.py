@@ -9,17 +9,17 @@ import pytest
 from controllers.spherical_joint.exact_wire import ExactWires
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation, twisted
-from drivers.cameras.projection import View
+from drivers.marker_camera.projection import View
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
-from rig.calibration.joint.model import Wires, axes_seen
-from rig.calibration.joint.parameters import priors_of
-from rig.calibration.joint.rosette import Rosette
-from rig.calibration.joint.sightings import limits_of, senses_of, track_of
-from rig.calibration.procedures.camera import ROSETTE
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import find_configs, load_profile
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
+from rig.mechanisms.joint.calibration.camera import ROSETTE
+from rig.mechanisms.joint.calibration.parameters import priors_of
+from rig.mechanisms.joint.calibration.rosette import Rosette
+from rig.mechanisms.joint.calibration.sighting_model import Wires, axes_seen
+from rig.mechanisms.joint.calibration.sightings import limits_of, senses_of, track_of
 from rig.runtime.log import Log
 
 CHANNELS = ("ch1", "ch2", "ch3", "ch4")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from rig.calibration.joint.fitting import Data, fit_posterior
-from rig.calibration.joint.parameters import Prior
+from rig.mechanisms.joint.calibration.parameters import Prior
+from rig.mechanisms.joint.calibration.pose_fit import Data, fit_posterior
 
 BLOCKS, ROWS = 12, 10
 NOISE, BOUND = 0.3, 0.2

@@ -14,16 +14,16 @@ from controllers.spherical_joint.types import JointCommand, JointReference, Join
 from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
 from rig.calibration.estimates import Fit
-from rig.calibration.excitation import Strokes
-from rig.calibration.joint.breakaway import Breakaways, Case, cases_of, forces_of_tugs
-from rig.calibration.joint.on_ball import belief_of, friction_on_ball
-from rig.calibration.joint.stroke_fit import StrokeFit, fit_strokes
-from rig.calibration.joint.tugs import BACK, OTHER, SAME, StrokesAndTugs, Tugging
-from rig.calibration.mechanism import calm_base, follower, mover
-from rig.calibration.pairs import pairs_of
 from rig.calibration.recording import CalibrationRefused, Stretch
-from rig.calibration.sliding import smooth
 from rig.config import find_configs, load_profile
+from rig.mechanisms.joint.calibration.ball_friction import belief_of, friction_on_ball
+from rig.mechanisms.joint.calibration.breakaway import Breakaways, Case, cases_of, forces_of_tugs
+from rig.mechanisms.joint.calibration.stroke_fit import StrokeFit, fit_strokes
+from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, StrokesAndTugs, Tugging
+from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
+from rig.mechanisms.pneumatic.calibration.pneumatics import calm_base, follower, mover
+from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
+from rig.mechanisms.pneumatic.calibration.sliding_samples import smooth
 
 PERIOD = 1e-3
 ZERO = (0.0, 0.0, 0.0)

@@ -7,11 +7,11 @@ import pytest
 
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
-from rig.calibration.locking import Locking
-from rig.calibration.mechanism import pneumatics_of
 from rig.calibration.preview import preview
 from rig.calibration.recording import CalibrationRefused, RigLacks, Stretch
 from rig.config import find_configs, load_profile
+from rig.mechanisms.pneumatic.calibration.lock_cycles import Locking
+from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
 
 ATMOSPHERE, REFERENCE = 101_325.0, 1.185 * 287.05 * 293.15
 TUBE, EXHAUST = 7e-6, 2e-9

@@ -13,10 +13,10 @@ from rig.calibration.catalogue import procedures
 from rig.calibration.instruments import made_to
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import find_configs, load_profile
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
 from rig.run_folder import RunStatus
-from rig.runtime.columns import Column
 from rig.runtime.log import Log
-from rig.runtime.motion import Segment
 
 TOLERANCE = math.radians(0.1)
 KNEE = JOINT_NAMES.index("left_knee")

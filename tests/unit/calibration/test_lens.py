@@ -8,11 +8,11 @@ import pytest
 
 from rig.assembly import REGISTRY
 from rig.assembly.simulated import board_renderer
-from rig.calibration.board_views import VIEWS, simulate_views
 from rig.calibration.catalogue import procedures
-from rig.calibration.lens import Board, Views, fit_lens, read_views
 from rig.calibration.recording import CalibrationRefused
 from rig.config import find_configs, load_profile
+from rig.mechanisms.joint.calibration.board_lens import Board, Views, fit_lens, read_views
+from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
 
 BOARD = Board()
 SIZE = (1280, 1024)

@@ -10,10 +10,10 @@ import pytest
 from controllers.cylinder.types import PairState
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
-from rig.calibration.gliding import Gliding
 from rig.calibration.preview import preview
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
+from rig.mechanisms.cylinder.calibration.glides import Gliding
 
 PERIOD = 1e-3
 

@@ -9,10 +9,10 @@ from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
 from rig.calibration.estimates import fit, middle_of
-from rig.calibration.excitation import Leaning, Strokes
-from rig.calibration.mechanism import pneumatics_of, reach, relaxed
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
+from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of, reach, relaxed
+from rig.mechanisms.pneumatic.calibration.pressure_steps import Leaning, Strokes
 
 
 @pytest.fixture(scope="module", params=["cylinder", "joint"])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rig.calibration.propagation import half_width
+from rig.calibration.error_sums import half_width
 
 
 def test_a_part_known_from_few_repetitions_has_students_interval():

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 from camera_scenes import pose
 
-from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings, SourceSettings
+from drivers.marker_camera.settings import IntrinsicsSettings, MarkerCameraSettings, SourceSettings
 from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
+from drivers.marker_camera.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings

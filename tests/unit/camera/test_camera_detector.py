@@ -18,12 +18,12 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from drivers.cameras.blob import compute_histogram, find_largest_blob, split_levels
-from drivers.cameras.detector import MarkerDetector
-from drivers.cameras.marker_camera import explain
-from drivers.cameras.projection import View
-from drivers.cameras.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
-from drivers.cameras.sighting import Sight, Sighting, decode_sighting, encode_sighting
+from drivers.marker_camera.blob import compute_histogram, find_largest_blob, split_levels
+from drivers.marker_camera.detector import MarkerDetector
+from drivers.marker_camera.device import explain
+from drivers.marker_camera.projection import View
+from drivers.marker_camera.settings import IntrinsicsSettings, MarkerCameraSettings, MarkerSettings
+from drivers.marker_camera.sighting import Sight, Sighting, decode_sighting, encode_sighting
 from drivers.sim.camera.poses import MarkerPose, twist_of
 from drivers.sim.camera.renderer import MarkerRenderer
 from drivers.sim.camera.settings import CameraSimulationSettings

@@ -21,11 +21,11 @@ from camera_recording import (
 )
 from camera_scenes import rms
 
-from drivers.cameras.link import Failure, Ready
-from drivers.cameras.marker_camera import MarkerCameraDriver
-from drivers.cameras.process import ProcessLink
-from drivers.cameras.sighting import Sight, Sighting
-from drivers.cameras.worker import decode_event, encode_event
+from drivers.marker_camera.device import MarkerCameraDriver
+from drivers.marker_camera.link import Failure, Ready
+from drivers.marker_camera.process import ProcessLink
+from drivers.marker_camera.sighting import Sight, Sighting
+from drivers.marker_camera.worker import decode_event, encode_event
 from rig.hal import ConnectionFailed, DeviceFault, MonotonicClock
 
 CLOCK = MonotonicClock()
@@ -194,7 +194,7 @@ def test_process_ends_with_the_program_that_started_it():
         import sys, os, signal
         sys.path[:0] = {[*sys.path]!r}
         from camera_recording import recorded, FILE
-        from drivers.cameras.process import ProcessLink
+        from drivers.marker_camera.process import ProcessLink
         link = ProcessLink(recorded(FILE, repeat=True))
         link.open(0.0)
         while not link.poll(0.0):
@@ -258,10 +258,10 @@ def test_error_that_nobody_foresaw_is_told_before_the_process_ends(tmp_path):
 @pytest.mark.parametrize(
     ("module", "absent"),
     [
-        ("drivers.cameras.marker_camera", ("cv2", "numpy", "numba")),
-        ("drivers.cameras.process", ("cv2", "numpy", "numba")),
+        ("drivers.marker_camera.device", ("cv2", "numpy", "numba")),
+        ("drivers.marker_camera.process", ("cv2", "numpy", "numba")),
         ("drivers.sim.camera.wiring", ("cv2", "numba")),
-        ("drivers.sim.camera.simulated", ("cv2", "numba")),
+        ("drivers.sim.camera.imageless", ("cv2", "numba")),
     ],
 )
 def test_loops_process_imports_nothing_heavy(module, absent):

@@ -10,8 +10,8 @@ from camera_scenes import BENT, STRAIGHT, H, pose, random_poses, small
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drivers.cameras.projection import View, rotation_from_vector
-from drivers.cameras.settings import MarkerCameraSettings, MarkerSettings
+from drivers.marker_camera.projection import View, rotation_from_vector
+from drivers.marker_camera.settings import MarkerCameraSettings, MarkerSettings
 from drivers.sim.camera.kernels import trace_rays
 from drivers.sim.camera.poses import rotation_matrix, twist_of
 

@@ -17,13 +17,13 @@ from camera_recording import (
 )
 from camera_scenes import rms
 
-from drivers.cameras.detector import MarkerDetector
-from drivers.cameras.frames import RecordingEnded, SourceFailure
-from drivers.cameras.recordings import video_frames
-from drivers.cameras.settings import MarkerCameraSettings, SourceSettings
-from drivers.cameras.sighting import Sight
-from drivers.cameras.sources import open_source
-from drivers.cameras.uvc import UvcSource, read_usb_serial
+from drivers.marker_camera.detector import MarkerDetector
+from drivers.marker_camera.image_files import video_frames
+from drivers.marker_camera.image_source import RecordingEnded, SourceFailure
+from drivers.marker_camera.settings import MarkerCameraSettings, SourceSettings
+from drivers.marker_camera.sighting import Sight
+from drivers.marker_camera.sources import open_source
+from drivers.marker_camera.uvc import UvcSource, read_usb_serial
 
 
 class StandingClock:

@@ -5,7 +5,7 @@ import random
 import pytest
 from config_fakes import CALIBRATION, EXPERIMENT, PROFILE
 
-from rig.config.resolve import dump_resolved
+from rig.config.dump import dump_resolved
 from rig.hal import ConfigurationError
 
 VALUES = [

@@ -7,8 +7,8 @@ import pytest
 from annotated_types import Ge, Interval, MinLen, Unit
 
 from rig.config.diagnostics import Problems, ProfileError
+from rig.config.located import Source
 from rig.config.settings import build
-from rig.config.source import Source
 from rig.config.yaml_loader import parse
 
 

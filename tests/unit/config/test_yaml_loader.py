@@ -5,7 +5,7 @@ import os
 import pytest
 
 from rig.config.diagnostics import Problems, ProfileError
-from rig.config.source import Source
+from rig.config.located import Source
 from rig.config.yaml_loader import MAX_BYTES, MAX_DEPTH, parse, read_source
 from rig.hal import ConfigurationError
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rig.experiment.measures.arm import ARM_MEASURES
-from rig.runtime.motion import Segment
+from rig.hal.motion import Segment
+from rig.mechanisms.arm.measures import ARM_MEASURES
 
 PERIOD = 5e-3
 LAG = 8e-3

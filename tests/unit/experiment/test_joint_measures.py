@@ -5,18 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from rig.experiment.measures.base import Samples, Window
-from rig.experiment.measures.joint import tension_max, tension_min
-from rig.experiment.measures.joint_camera import (
+from rig.experiment.measure import Samples, Window
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
+from rig.mechanisms.joint.measures.camera import (
     camera_latency,
     camera_latency_error,
     camera_latency_found,
 )
-from rig.experiment.measures.joint_laps import lap_errors, laps_learnt, learning_gain
-from rig.experiment.measures.joint_stiffness import pose_stiffness_gain, push_slip, yielding
-from rig.runtime.columns import Column
+from rig.mechanisms.joint.measures.laps import lap_errors, laps_learnt, learning_gain
+from rig.mechanisms.joint.measures.stiffness import pose_stiffness_gain, push_slip, yielding
+from rig.mechanisms.joint.measures.tracking import tension_max, tension_min
 from rig.runtime.log import Log
-from rig.runtime.motion import Segment
 
 PERIOD = 1e-3
 CHANNELS = ("ch1", "ch2", "ch3", "ch4")

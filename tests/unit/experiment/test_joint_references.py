@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.poses import axis_from_tilt, tilt_of
-from rig.experiment.references.joint_circle import CircleTone, JointCircle
-from rig.experiment.references.joint_poses import (
+from rig.mechanisms.joint.references.circle import CircleTone, JointCircle
+from rig.mechanisms.joint.references.poses import (
     JointPose,
     JointPoses,
 )
-from rig.experiment.references.joint_sweeps import JointSpiral, JointStiffness
+from rig.mechanisms.joint.references.sweeps import JointSpiral, JointStiffness
 
 TILT = math.radians(20.0)
 CIRCLE = JointCircle(TILT, (CircleTone(0.1, 1), CircleTone(0.5, 2)))

@@ -4,8 +4,8 @@ import pytest
 
 from controllers.spherical_joint.types import CameraSample
 from rig.hal import SafetyError
-from rig.mechanisms.joint_alarms.camera import MarkerWatch
-from rig.mechanisms.joint_alarms.settings import TwistAlarm
+from rig.mechanisms.joint.alarms.camera import MarkerWatch
+from rig.mechanisms.joint.alarms.settings import TwistAlarm
 
 ENCODERS = ("e1", "e2", "e3", "e4")
 LIMIT, GRACE, FRAME = 3e-3, 0.05, 1 / 60

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rig.experiment.measures.base import local_slope
+from rig.experiment.measure import local_slope
 from rig.experiment.metrics import (
     MetricError,
     all_passed,
@@ -15,9 +15,9 @@ from rig.experiment.metrics import (
     evaluation_as_json,
     evaluation_from_json,
 )
-from rig.runtime.columns import Column
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
 from rig.runtime.log import Log
-from rig.runtime.motion import Segment
 
 PERIOD = 0.002
 

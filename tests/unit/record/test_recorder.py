@@ -13,7 +13,7 @@ from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from rig.runtime.columns import Column, schema_text
+from rig.hal.columns import Column, schema_text
 from rig.runtime.log import LogError, is_locked, read_log
 from rig.runtime.recorder import Recorder, RecorderError
 

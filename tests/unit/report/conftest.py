@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from rig.experiment.metrics import RecordedSpec, evaluate, evaluation_as_json
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
 from rig.report.timing import summarise_timing
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
-from rig.runtime.columns import Column
 from rig.runtime.log import read_log
-from rig.runtime.motion import Segment
 from rig.runtime.recorder import Recorder
 
 PERIOD = 0.002

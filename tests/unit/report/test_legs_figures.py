@@ -8,11 +8,11 @@ import pytest
 from rig.assembly import Backend
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
+from rig.mechanisms.legs.comparison import LEGS_COMPARISON
+from rig.mechanisms.legs.figures.gait import LEGS_FIGURES
+from rig.report.comparison import metric_values
 from rig.report.comparisons import comparison_of
-from rig.report.comparisons.base import metric_values
-from rig.report.comparisons.legs import LEGS_COMPARISON
 from rig.report.data import load_run
-from rig.report.figures.legs import LEGS_FIGURES
 from rig.report.style import paper_style
 
 CONFIGS = Path(__file__).parents[3] / "configs"

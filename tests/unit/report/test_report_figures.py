@@ -9,14 +9,14 @@ import pytest
 from matplotlib.image import imread
 
 from rig.hal import ConfigurationError
+from rig.mechanisms.cylinder.figures import PAIR_FIGURES, draw_error
 from rig.report.compare import compare_metrics, draw_comparison
 from rig.report.data import load_run
 from rig.report.envelope import envelope
 from rig.report.figures import draw_figures
-from rig.report.figures.pair import PAIR_FIGURES, draw_error
-from rig.report.figures.timing import TIMING_FIGURES
 from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
+from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_folder import RunFolderError, RunStatus
 
 MakeRun = Callable[..., Path]

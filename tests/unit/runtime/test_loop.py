@@ -3,7 +3,7 @@
 import pytest
 
 from rig.hal import DeviceFault, LoopStalled
-from rig.mechanisms.base import Margin
+from rig.hal.mechanism import Margin
 from rig.runtime.loop import SAFE_CYCLES, Loop
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.states import RigState, StateMachine

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from types import SimpleNamespace
 
 from drivers.sim.emulated_bus import EmulatedBus
-from drivers.sim.emulation import EmulatedRig
+from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406

@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.sim.devices import SimulatedRegulators
+from drivers.sim.direct.regulators import SimulatedRegulators
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.settings import PlantSettings
 

@@ -3,8 +3,8 @@
 import pytest
 
 from drivers.sim.clock import SimClock
-from drivers.sim.devices import SimulatedRegulators
-from drivers.sim.rods import SimulatedEncoder
+from drivers.sim.direct.encoders import SimulatedEncoder
+from drivers.sim.direct.regulators import SimulatedRegulators
 from rig.hal import DeviceFault
 
 PERIOD = 2e-3

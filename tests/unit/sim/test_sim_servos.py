@@ -2,10 +2,10 @@
 
 import pytest
 
-from drivers.servos.joint_settings import JointSettings
+from drivers.servos.axis_settings import AxisSettings
+from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.clock import SimClock
-from drivers.sim.joint_faults import JointFaults
-from drivers.sim.servos import SimulatedServos
+from drivers.sim.direct.servos import SimulatedServos
 from rig.hal import DeviceFault
 
 PERIOD = 5e-3
@@ -49,7 +49,7 @@ def clock(plant):
 def servos(plant, clock):
     device = SimulatedServos(
         "arm",
-        {"q1": JointSettings(limits=(-1.0, 1.0)), "q2": JointSettings(limits=(-1.0, 1.0))},
+        {"q1": AxisSettings(limits=(-1.0, 1.0)), "q2": AxisSettings(limits=(-1.0, 1.0))},
         plant,
         (0, 1),
         clock,
@@ -177,4 +177,4 @@ def test_faults_may_befall_all_joints(servos, clock):
     assert "stuck" in known
     assert "q2.stuck" in known
     assert len(set(known)) == len(known)
-    assert JointFaults("arm", {}).known_faults == ()
+    assert AxisFaults("arm", {}).known_faults == ()

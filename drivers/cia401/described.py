@@ -1,0 +1,110 @@
+"""What a CiA 401 module with regulators exchanges, as data: for decoding, and for its EDS."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from drivers.canopen.described import DescribedNode, Quantity
+from drivers.canopen.mapping import Entry, pack
+from drivers.cia401.settings import (
+    DIGITAL_INPUT,
+    DIGITAL_OUTPUT,
+    AnalogueSignal,
+    Cia401Settings,
+)
+
+Keys = tuple[str | int, ...]
+
+
+def describe_nodes(settings: Cia401Settings, name: str) -> tuple[DescribedNode, ...]:
+    """Return what the module exchanges and what its counts mean.
+
+    Parameters
+    ----------
+    settings : Cia401Settings
+        Of the module.
+    name : str
+        The device's name in the profile.
+    """
+    quantities: dict[Entry, Quantity] = {}
+    origins: dict[Entry, Keys] = {}
+    valves: list[tuple[str, int]] = []
+    if settings.supply_bit is not None:
+        valves.append(("supply", settings.supply_bit))
+        origins[DIGITAL_OUTPUT] = ("supply_bit",)
+    for channel, wired in settings.channels.items():
+        for side, what in (("setpoint", "setpoint"), ("monitor", "pressure")):
+            signal: AnalogueSignal = getattr(wired, side)
+            quantities[signal.entry] = _pressure(f"{channel} {what}", signal)
+            origins[signal.entry] = ("channels", channel, side)
+        if wired.lock_bit is not None:
+            valves.append((f"{channel} lock", wired.lock_bit))
+            origins.setdefault(DIGITAL_OUTPUT, ("channels", channel, "lock_bit"))
+    if valves:
+        quantities[DIGITAL_OUTPUT] = _valves(valves)
+    if settings.stop_bit is not None:
+        quantities[DIGITAL_INPUT] = _stop(settings.stop_bit, settings.stop_active_low)
+        origins[DIGITAL_INPUT] = ("stop_bit",)
+    return (
+        DescribedNode(
+            name,
+            settings.node,
+            pack(settings.receive_entries),
+            pack(settings.transmit_entries),
+            settings.remap,
+            quantities,
+            origins,
+        ),
+    )
+
+
+def typed_objects(plain: Mapping[str, Any]) -> dict[Keys, tuple[int, int]]:
+    """Return the objects whose types are settings, from the settings as they were written.
+
+    Parameters
+    ----------
+    plain : mapping
+        A device's entry in a profile; it may have errors.
+
+    Returns
+    -------
+    dict
+        Index and sub-index, by the keys of the setting that holds the object's type.
+    """
+    found: dict[Keys, tuple[int, int]] = {}
+    channels = plain.get("channels")
+    for name, channel in channels.items() if isinstance(channels, Mapping) else ():
+        for side, usual in (("setpoint", 0x6411), ("monitor", 0x6401)):
+            signal = channel.get(side) if isinstance(channel, Mapping) else None
+            if not isinstance(signal, Mapping):
+                continue
+            index, sub = signal.get("index", usual), signal.get("sub")
+            if isinstance(index, int) and isinstance(sub, int):
+                found["channels", name, side, "type"] = index, sub
+                mode = plain.get("error_mode", 0x6443)
+                if side == "setpoint" and isinstance(mode, int):
+                    found["error_mode_type",] = mode, sub
+    return found
+
+
+def _pressure(name: str, signal: AnalogueSignal) -> Quantity:
+    (raw_low, raw_high), (low, high) = signal.raw, signal.pressure
+    gain = (high - low) / (raw_high - raw_low)
+    return Quantity(name, "Pa", gain, low - gain * raw_low)
+
+
+def _stop(bit: int, active_low: bool) -> Quantity:
+    words = ("pressed", "released") if active_low else ("released", "pressed")
+    return Quantity("stop", words=lambda byte: words[byte >> bit & 1])
+
+
+def _valves(bits: Iterable[tuple[str, int]]) -> Quantity:
+    """Return the digital output: one valve by its name, several as a list."""
+    valves = tuple(bits)
+    words = ("shut", "open")
+    if len(valves) == 1:
+        ((name, only),) = valves
+        return Quantity(name, words=lambda byte: words[byte >> only & 1])
+    return Quantity(
+        "valves",
+        words=lambda byte: ", ".join(f"{name} {words[byte >> bit & 1]}" for name, bit in valves),
+    )

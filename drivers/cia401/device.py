@@ -1,0 +1,367 @@
+"""Electro-pneumatic regulators behind a CiA 401 analogue module.
+
+References
+----------
+CiA 401 V3.0: 0x6411 and 0x6401 analogue outputs and inputs, 0x6443 … 0x6445 their error
+modes and values, 0x6000 and 0x6200 digital inputs and outputs, 0x6206 and 0x6207 the
+digital error modes and values. CiA 301: 0x1029 error behaviour.
+"""
+
+from math import inf
+from typing import Any, Final
+
+from drivers.can.cyclic import CyclicFrame
+from drivers.canopen.bus import CanopenBus
+from drivers.canopen.inputs import CyclicInputs, layout_struct
+from drivers.canopen.mapping import pack
+from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia401.codec import (
+    encode_pressure,
+    monitor_codec,
+    setpoint_codec,
+    setpoint_encoder,
+)
+from drivers.cia401.settings import Cia401Settings
+from drivers.cia401.stuck import StuckWatch
+from rig.hal import DeviceFault, LimitExceeded, Reading, Vector
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+_PROFILE: Final = 401
+_HOLD: Final = 0  # 0x6443
+_TAKE_ERROR_VALUE: Final = 1
+_TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
+_BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wire
+_ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
+
+
+class Cia401Regulators:
+    """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
+
+    Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`; with lock valves
+    `rig.hal.ChamberLocks`.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    settings : Cia401Settings
+        See there.
+    bus : CanopenBus
+        The bus that it hangs on.
+    serial : int, optional
+        The serial number that it must report.
+    """
+
+    Settings = Cia401Settings
+
+    def __init__(
+        self, name: str, settings: Cia401Settings, bus: CanopenBus, *, serial: int | None = None
+    ) -> None:
+        self.name = name
+        self.settings = settings
+        self.channels = tuple(settings.channels)
+        self.pressure_range = settings.pressure_range
+        self._bus = bus
+        self._serial = serial
+        self._node = CanopenNode(name, settings.node, bus)
+        wiring = tuple(settings.channels.values())
+        self._setpoint_codecs = tuple(setpoint_codec(channel.setpoint) for channel in wiring)
+        self._encoders = tuple(setpoint_encoder(codec) for codec in self._setpoint_codecs)
+        self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
+        # What every sample needs of them, in counts.
+        self._monitor_lines = tuple(
+            (k, codec.gain, codec.offset, *codec.intact_counts)
+            for k, codec in enumerate(self._monitor_codecs)
+        )
+        low, high = self.pressure_range
+        slack = _ROUNDING * (high - low)
+        self._lowest, self._highest = low - slack, high + slack
+        count = len(wiring)
+        self._vented: Vector = (min(max(settings.vented, low), high),) * count
+        self._held = tuple(channel.safe == "hold" for channel in wiring)
+        self.lockable = tuple(channel.lock_bit is not None for channel in wiring)
+        self._lock_bits = tuple(
+            0 if channel.lock_bit is None else 1 << channel.lock_bit for channel in wiring
+        )
+        self._open = self._opened = settings.opening_bits
+        self._kept = settings.kept_bits
+        self._digital = 0  # of the safe state: nothing is kept open that was not opened
+        self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
+        self._pressed_level = 0 if settings.stop_active_low else self._stop
+
+        self._receive_layouts = pack(settings.receive_entries)
+        self._transmit_layouts = pack(settings.transmit_entries)
+        self._packers = tuple(layout_struct(layout) for layout in self._receive_layouts)
+        self._pack_only = self._packers[0].pack if len(self._packers) == 1 else None
+        vented = [encode(self._vented[k]) for k, encode in enumerate(self._encoders)]
+        safe = self._contents(vented, 0)
+        self._pdos = tuple(
+            CyclicFrame(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
+        )
+        for pdo in self._pdos:
+            bus.add(pdo)
+        self._inputs = CyclicInputs(
+            name,
+            settings.node,
+            bus,
+            self._transmit_layouts,
+            self._take,
+            hold_after=settings.hold_after,
+            fault_after=settings.fault_after,
+        )
+        self._following = tuple(
+            StuckWatch(name, settings.node, channel, settings.following)
+            for channel in self.channels
+        )
+        self._setpoint = self._vented
+        self._pressure: Vector = (0.0,) * count
+        self._measured_at = -inf
+        self._pressed = True
+        self._pressed_at = -inf
+        self._broken = [0] * count
+        self._intact = True
+        self._signals = [0.0] * count
+        self._armed = False
+
+    # Codec ----------------------------------------------------------------------------
+
+    def _contents(self, counts: list[int | float], digital: int) -> tuple[bytes, ...]:
+        """Return what the receive PDOs hold for setpoints in counts and the digital outputs."""
+        values = [*counts, digital] if self._open else counts
+        contents = []
+        for layout, packer in zip(self._receive_layouts, self._packers, strict=True):
+            part, values = values[: len(layout)], values[len(layout) :]
+            contents.append(packer.pack(*part))
+        return tuple(contents)
+
+    def _take(self, values: tuple[Any, ...], t: float) -> None:
+        """Decode a sample: monitors, then the digital byte. Hot path."""
+        pressures = []
+        intact = True
+        for k, gain, offset, low, high in self._monitor_lines:
+            raw = values[k]
+            if not low <= raw <= high:
+                intact = False
+            pressures.append(gain * raw + offset)
+        if intact:  # else the last good sample is held, and grows old
+            self._pressure = tuple(pressures)
+            self._measured_at = t
+        if not (intact and self._intact):
+            self._count_broken(values)
+            self._intact = intact
+        if self._stop:
+            self._pressed = values[-1] & self._stop == self._pressed_level
+            self._pressed_at = t
+
+    def _count_broken(self, values: tuple[Any, ...]) -> None:
+        """Count in how many samples in a row each monitor's signal told a broken wire."""
+        for k, _, _, low, high in self._monitor_lines:
+            if low <= values[k] <= high:
+                self._broken[k] = 0
+            else:
+                codec = self._monitor_codecs[k]
+                self._broken[k] += 1
+                self._signals[k] = codec.signal_gain * values[k] + codec.signal_offset
+
+    # Life cycle -----------------------------------------------------------------------
+
+    def connect(self) -> None:
+        """Find, identify and configure the module; leave it vented, in PRE-OPERATIONAL.
+
+        A chamber that is locked stays so until the first setpoint. Every object that matters
+        for safety is written and read back.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer, is another device, or did not take a setting.
+        """
+        self._armed = False
+        self._forget_setpoints()
+        settings, node = self.settings, self._node
+        node.connect(
+            profile=_PROFILE,
+            vendor=settings.vendor,
+            product=settings.product,
+            serial=self._serial,
+        )
+        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+            signal = channel.setpoint
+            raw = encode_pressure(codec, self._vented[0])
+            if settings.error_mode is not None:
+                mode = _HOLD if channel.safe == "hold" else _TAKE_ERROR_VALUE
+                node.write(settings.error_mode, signal.sub, settings.error_mode_type, mode)
+            if settings.error_value is not None:
+                kind = "f32" if signal.type == "f32" else "i32"
+                node.write(settings.error_value, signal.sub, kind, raw)
+        if self._open:
+            node.write(0x6206, 1, "u8", 0xFF & ~self._kept)
+            node.write(0x6207, 1, "u8", 0)
+        node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
+        node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
+        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+            signal = channel.setpoint
+            raw = encode_pressure(codec, self._vented[0])
+            node.write(signal.index, signal.sub, signal.type, raw)
+        if self._open:
+            node.write(0x6200, 1, "u8", 0)
+        self._set_safe()
+
+    def arm(self) -> None:
+        """Start the node and take first readings; the supply opens with the first setpoint.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not become OPERATIONAL, or sends no readings.
+        """
+        self._forget_setpoints()
+        self._set_safe()
+        self._node.arm()
+        for pdo in self._pdos:
+            pdo.active = True
+        self._broken = [0] * len(self.channels)
+        self._intact = True
+        self._inputs.take_first()
+        now = self._bus.clock.now()
+        for watch, pressure in zip(self._following, self._pressure, strict=True):
+            watch.reset(pressure, now)
+        self._armed = True
+
+    def doubt(self, now: float) -> str | None:
+        """Return which channel is furthest off its setpoint, if one is; see `Doubtful`."""
+        doubts = [found for watch in self._following if (found := watch.doubt()) is not None]
+        return f"{self.name}: {max(doubts)[1]}" if doubts else None
+
+    def make_safe(self) -> None:
+        """Vent, hold or lock each channel as its settings say, until it is armed again."""
+        self._armed = False
+        self._set_safe()
+
+    def close(self) -> None:
+        """Expect nothing of the module any more; the bus stops it. Idempotent."""
+        self.make_safe()
+        self._node.disarm()
+
+    # The cycle ------------------------------------------------------------------------
+
+    def pressure(self) -> Reading[Vector]:
+        """Return the monitored pressures, Pa gauge, shape (n,)."""
+        return _new(Reading, (self._pressure, self._measured_at))
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop is pressed; without a contact it reads pressed."""
+        return _new(Reading, (self._pressed, self._pressed_at))
+
+    def set_pressure(self, pressure: Vector) -> None:
+        """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.
+
+        Raises
+        ------
+        LimitExceeded
+            A setpoint is outside the range or not a number. The setpoints stay as they were.
+        ValueError
+            There is not one setpoint per channel.
+        """
+        if not self._armed:
+            return
+        if len(pressure) != len(self.channels):
+            raise ValueError(f"{self.name}: {len(pressure)} setpoints")
+        lowest, highest = self._lowest, self._highest
+        counts: list[int | float] = []
+        for k, encode in enumerate(self._encoders):
+            value = pressure[k]
+            if not lowest <= value <= highest:
+                raise LimitExceeded(
+                    f"{self.name}: setpoint of {self.channels[k]}",
+                    value,
+                    *self.pressure_range,
+                    "Pa",
+                )
+            counts.append(encode(value))
+        self._setpoint = pressure
+        digital = self._opened
+        self._digital = self._kept
+        if self._pack_only is not None:  # as most modules have it: one PDO for everything
+            self._pdos[0].data = (
+                self._pack_only(*counts, digital) if self._open else self._pack_only(*counts)
+            )
+            return
+        for pdo, data in zip(self._pdos, self._contents(counts, digital), strict=True):
+            pdo.data = data
+
+    def lock(self, shut: tuple[bool, ...]) -> None:
+        """Shut or open the lock valves from the next setpoints on; see `ChamberLocks`.
+
+        Raises
+        ------
+        ValueError
+            A channel is to be shut that has no valve.
+        """
+        closed = 0
+        for name, bit, wanted in zip(self.channels, self._lock_bits, shut, strict=True):
+            if wanted and not bit:
+                raise ValueError(f"{self.name}: no valve locks {name}; it has no lock_bit")
+            closed |= bit if wanted else 0
+        self._opened = self._open & ~closed if self._armed else self._open
+
+    def check(self, now: float) -> None:
+        """Raise if the module or a regulator is not well.
+
+        Raises
+        ------
+        DeviceFault
+            Emergency, silence, reboot, missing or malformed readings, a broken monitor wire,
+            or a regulator that does not follow.
+        """
+        self._node.check(now)
+        if not self._armed:
+            return
+        self._inputs.check(now)
+        if not self._intact:
+            for k, count in enumerate(self._broken):
+                if count >= _BROKEN_AFTER:
+                    raise self._broken_wire(k)
+        setpoint, pressure = self._setpoint, self._pressure
+        for k, watch in enumerate(self._following):
+            watch.check(setpoint[k], pressure[k], now)
+
+    def statistics(self) -> dict[str, float]:
+        """Return counters for the run's manifest."""
+        return self._inputs.statistics()
+
+    def safe_pressure(self) -> Vector:
+        """Return the setpoints of the safe state, Pa gauge, shape (n,); see `SafePressure`."""
+        return tuple(
+            setpoint if held else vented
+            for held, setpoint, vented in zip(self._held, self._setpoint, self._vented, strict=True)
+        )
+
+    def _forget_setpoints(self) -> None:
+        """Hold nothing and keep nothing open: nothing has been commanded yet."""
+        self._setpoint = self._vented
+        self._digital = 0
+        self._opened = self._open
+
+    def _set_safe(self) -> None:
+        self._setpoint = setpoint = self.safe_pressure()
+        counts = [encode(setpoint[k]) for k, encode in enumerate(self._encoders)]
+        for pdo, data in zip(self._pdos, self._contents(counts, self._digital), strict=True):
+            pdo.data = pdo.safe = data
+
+    def _broken_wire(self, k: int) -> DeviceFault:
+        signal = self.settings.channels[self.channels[k]].monitor
+        codec, unit = self._monitor_codecs[k], signal.signal_unit
+        prefix, factor = ("m", 1e3) if unit == "A" else ("", 1.0)
+        low = self._signals[k] < codec.broken_below
+        bound = codec.broken_below if low else codec.broken_above
+        return DeviceFault(
+            self.name,
+            f"the pressure monitor of {self.channels[k]} has a "
+            f"{'broken' if low else 'shorted'} wire",
+            node=self.settings.node,
+            object=str(signal.entry),
+            value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
+            bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
+        )

@@ -1,0 +1,143 @@
+"""A chain of joints on CiA 402 drives, in cyclic synchronous position or velocity mode.
+
+References
+----------
+IEC 61800-7-201 (CiA 402-2): state machine, modes csp (8) and csv (9). CiA 301: SYNC, PDOs.
+"""
+
+from drivers.canopen.bus import CanopenBus
+from drivers.cia402.drive import Cia402Drive
+from drivers.cia402.settings import Cia402Settings
+from drivers.cia402.setup import encode_interpolation_period, reset_fault
+from drivers.servos.axis_chain import ServoChain
+
+
+class Cia402Servos(ServoChain[Cia402Drive]):
+    """Joints on CiA 402 drives; satisfies `rig.hal.ServoBus`.
+
+    The drives enable operation in the cycles after `arm`, one transition a time. The safe
+    state is a quick stop: every drive slows its joint down by the profile's deceleration and
+    then holds it (or, with ``after_stop: release``, lets its brake do so). Torque is not taken
+    away in mid-motion, where gravity would take over. Connecting resets the drives, and that
+    does take it away: support what has no brake before.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    settings : Cia402Settings
+        See there.
+    bus : CanopenBus
+        The bus of all these drives; with the period of its cycle, which the drives must know.
+    serial : int, optional
+        The serial number of the drive, where there is one only; else each joint has its own.
+
+    Raises
+    ------
+    ValueError
+        The bus has no period, or one that drives cannot be told; a serial number for several.
+    """
+
+    Settings = Cia402Settings
+
+    def __init__(
+        self, name: str, settings: Cia402Settings, bus: CanopenBus, *, serial: int | None = None
+    ) -> None:
+        period = bus.period
+        if period is None:
+            raise ValueError(f"{name}: the bus {bus.name} has no period, which drives must know.")
+        encode_interpolation_period(period)
+        if serial is not None and len(settings.joints) > 1:
+            raise ValueError(f"{name}: give each joint its serial number, not the device.")
+        super().__init__(
+            name,
+            settings.joints,
+            [
+                Cia402Drive(name, joint, drive, settings, bus, period)
+                for joint, drive in settings.joints.items()
+            ],
+            period=period,
+            sends_velocity=settings.mode == "csv",
+            position_gain=settings.position_gain,
+            enable_time=settings.enable_time,
+        )
+        self.settings = settings
+        self._bus = bus
+        self._serial = serial
+
+    def connect(self) -> None:
+        """Find, identify and configure every drive; leave them without torque.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive does not answer, is another device, is in a fault, or did not take a setting.
+        """
+        self._armed = self._enabled = False
+        for drive in self.drives:
+            own = drive.settings.serial
+            drive.connect(self._serial if own is None else own)
+
+    def arm(self) -> None:
+        """Start the nodes and take first readings; the cycles from now on enable the drives.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive does not become OPERATIONAL, sends no readings, is in a fault, or its joint
+            stands outside its limits.
+        """
+        self.listen()
+        for drive in self.drives:
+            drive.check_start()
+        self.set_torque_enabled(True)
+
+    def listen(self) -> None:
+        """Start the nodes and take readings in every cycle from now on, without torque.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive does not become OPERATIONAL, or sends no readings.
+        """
+        for drive in self.drives:
+            drive.start()
+        for drive in self.drives:
+            drive.inputs.arm()
+        bus = self._bus
+        bus.synchronise()
+        bus.wait_until(
+            lambda: all(drive.inputs.is_current() for drive in self.drives),
+            bus.settings.sdo_timeout,
+        )
+        for drive in self.drives:
+            if not drive.inputs.is_current():
+                drive.inputs.take_first()
+        self._armed = True
+
+    def close(self) -> None:
+        """Expect nothing of the drives any more; the bus stops the nodes. Idempotent."""
+        self.make_safe()
+        for drive in self.drives:
+            drive.node.disarm()
+
+    def reset_fault(self) -> None:
+        """End the faults of all drives whose causes have gone: an operator's act, never ours.
+
+        To be called on a device that is connected or refused to connect, not in the cycle.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive stays in its fault.
+        """
+        for drive in self.drives:
+            reset_fault(drive.node)
+
+    def statistics(self) -> dict[str, float]:
+        """Return counters for the run's manifest, of all drives together."""
+        total: dict[str, float] = {}
+        for drive in self.drives:
+            for name, count in drive.inputs.statistics().items():
+                total[name] = total.get(name, 0) + count
+        return total

@@ -1,0 +1,380 @@
+"""One joint on one CiA 402 drive: its state machine, its codec and its faults."""
+
+from math import inf
+from typing import Any, Final
+
+from drivers.can.cyclic import CyclicFrame
+from drivers.canopen.bus import CanopenBus
+from drivers.canopen.inputs import CyclicInputs, layout_struct
+from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia402.errors import describe_error
+from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.cia402.setup import (
+    MODES,
+    check_kind,
+    check_scale,
+    configure,
+    read_torque_unit,
+    refuse_fault,
+)
+from drivers.cia402.states import (
+    DISABLE_VOLTAGE,
+    ENABLE_OPERATION,
+    FAULTY,
+    FOLLOWING_ERROR,
+    LIMIT_ACTIVE,
+    QUICK_STOP,
+    DriveState,
+    Goal,
+    decode_state,
+    describe_status,
+    next_control,
+)
+from drivers.servos.following_error import FollowingWatch
+from rig.hal import ConnectionFailed, DeviceFault
+
+_PROFILE: Final = 402
+_JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
+
+
+class Cia402Drive:
+    """The master's side of one drive.
+
+    Parameters
+    ----------
+    device, joint : str
+        Names in the profile.
+    settings : DriveSettings
+        Of the joint.
+    shared : Cia402Settings
+        Of all joints of the device.
+    bus : CanopenBus
+        With the period of its cycle.
+
+    Attributes
+    ----------
+    position, velocity, torque : float
+        Of the joint, rad, rad/s, N m.
+    time : float
+        When they were sampled, s.
+    state : DriveState or None
+        Of the last status word.
+    goal : Goal
+        Where the state machine shall go, one transition a time.
+    """
+
+    def __init__(
+        self,
+        device: str,
+        joint: str,
+        settings: DriveSettings,
+        shared: Cia402Settings,
+        bus: CanopenBus,
+        period: float,
+    ) -> None:
+        self.name = f"{device} joint {joint}"
+        self.settings = settings
+        self.position = self.velocity = self.torque = 0.0
+        self.time = -inf
+        self.status = 0
+        self.error_code = 0
+        self.state: DriveState | None = None
+        self.goal = Goal.DISABLED
+        self.node = CanopenNode(self.name, settings.node, bus)
+        self._shared = shared
+        self._period = period
+        self._follows_velocity = shared.mode == "csv"
+        # In csp the drive watches as well, and knows more: it speaks first.
+        patience = settings.following_time * (1.0 if self._follows_velocity else 2.0)
+        self.watch = FollowingWatch(settings.following_window, patience)
+        self._gain = settings.counts_per_radian
+        self._radians = 1.0 / settings.counts_per_radian
+        self._velocity_gain = settings.velocity_per_radian
+        self._offset = settings.offset
+        self._torque_unit = 0.0
+        self._reach = _JUMP * settings.max_speed
+        self._mode = MODES[shared.mode]
+        self._shown_mode = 0
+        self._counts: int | None = None
+        self._earlier = -inf
+        self._target = 0
+        self._trouble: DeviceFault | None = None
+        order = shared.feedback
+        self._velocity_at, self._torque_at, self._code_at = (
+            3 + order.index(what) if what in order else None
+            for what in ("velocity", "torque", "error_code")
+        )
+        self._pack = layout_struct(shared.receive_layout).pack
+        self.pdo = CyclicFrame(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
+        bus.add(self.pdo)
+        self.inputs = CyclicInputs(
+            self.name,
+            settings.node,
+            bus,
+            shared.transmit_layouts,
+            self._take,
+            hold_after=shared.hold_after,
+            fault_after=shared.fault_after,
+        )
+
+    # Codec ----------------------------------------------------------------------------
+
+    def _take(self, values: tuple[Any, ...], t: float) -> None:
+        """Decode a sample; one whose position cannot be true is not taken, and is a fault."""
+        status, counts = values[0], values[1]
+        if status != self.status:
+            self.status = status
+            self.state = decode_state(status)
+        self._shown_mode = values[2]
+        if self._code_at is not None:
+            self.error_code = values[self._code_at]
+        position = counts * self._radians + self._offset
+        then = self.time
+        if self._counts is not None:
+            # A late sample and the next one come in one cycle and bear the same time.
+            since = then if t > then else self._earlier
+            reach = self._reach * (t - since) + 2.0 * abs(self._radians)
+            if not -reach <= position - self.position <= reach:
+                self._latch_jump(position, reach)
+                return
+        if t > then:
+            self._earlier = then
+        self._counts = counts
+        self.position = position
+        self.time = t
+        if self._velocity_at is not None:
+            self.velocity = values[self._velocity_at] / self._velocity_gain
+        if self._torque_at is not None:
+            self.torque = values[self._torque_at] * self._torque_unit
+
+    def command_position(self, position: float, velocity: float) -> None:
+        """Send a target position (rad) with the next cycle, to an enabled drive in csp.
+
+        The drive takes its velocity from the targets' distance.
+        """
+        self.watch.reference = position
+        self._target = target = round((position - self._offset) * self._gain)
+        self.pdo.data = self._pack(ENABLE_OPERATION, target, self._mode)
+
+    def command_velocity(self, velocity: float) -> None:
+        """Send a target velocity (rad/s) with the next cycle, to an enabled drive in csv."""
+        self.watch.drift(velocity, self.position, self._period)
+        self.pdo.data = self._pack(
+            ENABLE_OPERATION, round(velocity * self._velocity_gain), self._mode
+        )
+
+    # Life cycle -----------------------------------------------------------------------
+
+    def connect(self, serial: int | None) -> None:
+        """Find, identify and configure the drive; leave it without torque, PRE-OPERATIONAL.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer, is another device, is in a fault, has other units, or did not
+            take a setting.
+        """
+        shared, node = self._shared, self.node
+        self.goal = Goal.DISABLED
+        try:
+            kind = node.connect(
+                profile=_PROFILE, vendor=shared.vendor, product=shared.product, serial=serial
+            )
+        except ConnectionFailed as error:
+            if error.object == "0x1001:00":
+                raise refuse_fault(node, error) from error
+            raise
+        check_kind(node, kind, shared.mode)
+        check_scale(node, self.settings)
+        if "torque" in shared.feedback:
+            self._torque_unit = read_torque_unit(node, self.settings)
+        configure(node, self.settings, shared, self._period)
+
+    def start(self) -> None:
+        """Bring the node to OPERATIONAL, still without torque, and have its PDO sent.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not become OPERATIONAL.
+        """
+        self._trouble = None
+        self._counts = None
+        self._earlier = -inf
+        self.status = self.error_code = 0
+        self.state = DriveState.NOT_READY
+        self.goal = Goal.DISABLED
+        # A drive that is not enabled takes a quick stop for "stay as you are".
+        self.pdo.safe = self._pack(QUICK_STOP, 0, self._mode)
+        self.pdo.data = self._pack(DISABLE_VOLTAGE, 0, self._mode)
+        self.node.arm()
+        self.pdo.active = True
+
+    def check_start(self) -> None:
+        """Refuse to energise a joint that is in a fault, or stands outside its limits.
+
+        Raises
+        ------
+        ConnectionFailed
+            One of the two. Outside its limits a drive would jump to the nearest one.
+        """
+        if self.state in FAULTY or self.state is None:
+            raise ConnectionFailed(
+                self.name,
+                f"it cannot be enabled: {self.describe()}",
+                node=self.node.node,
+                object="0x6041:00",
+            )
+        low, high = self.settings.limits
+        if not low <= self.position <= high:
+            raise ConnectionFailed(
+                self.name,
+                "the joint stands outside its limits; move it back before it is enabled",
+                node=self.node.node,
+                object="0x6064:00",
+                value=f"{self.position:.6g} rad",
+                bound=f"{low:g} … {high:g} rad",
+            )
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether the last status word says OPERATION ENABLED."""
+        return self.state is DriveState.OPERATION_ENABLED
+
+    def enable(self, enabled: bool) -> None:
+        """Go towards OPERATION ENABLED, or by a ramp to SWITCH ON DISABLED."""
+        self.goal = Goal.ENABLED if enabled else Goal.DISABLED
+        self.step()
+
+    def step(self) -> None:
+        """Send the control word of the next transition; hold the joint where it is."""
+        self._target = self._counts or 0
+        target = 0 if self._follows_velocity else self._target
+        self.pdo.data = self._pack(next_control(self.state, self.goal), target, self._mode)
+
+    def begin_following(self, now: float) -> None:
+        """Take the measured position for the reference, and the last hold for the target."""
+        self.watch.reset(self._target * self._radians + self._offset, now)
+
+    def stop(self) -> None:
+        """Stop quickly, from the next frame on. Never raises."""
+        self.goal = Goal.STOPPED
+        target = 0 if self._follows_velocity else self._target
+        self.pdo.safe = self.pdo.data = self._pack(QUICK_STOP, target, self._mode)
+
+    # The cycle ------------------------------------------------------------------------
+
+    def check(self, now: float) -> None:
+        """Raise if the drive reports a fault, is silent, or does what nobody asked for.
+
+        Raises
+        ------
+        DeviceFault
+            The message says joint, node, status word and error code in words.
+        """
+        if self._trouble is not None:
+            raise self._trouble
+        # What it says of itself tells more than what follows from it.
+        if self.state in FAULTY or self.node.emergency.active is not None:
+            raise self._fault(f"the drive reports a fault: {self.describe()}")
+        try:
+            self.node.check(now)
+            self.inputs.check(now)
+        except DeviceFault as fault:
+            raise DeviceFault(
+                self.name,
+                f"{fault.what}; before that: {self.describe()}",
+                node=fault.node,
+                object=fault.object,
+                value=fault.value,
+                bound=fault.bound,
+            ) from fault
+
+    def check_following(self, now: float) -> None:
+        """Raise if an enabled drive is not enabled any more, or does not follow.
+
+        Raises
+        ------
+        DeviceFault
+            As `check`.
+        """
+        if self.state is not DriveState.OPERATION_ENABLED:
+            raise self._fault(f"the drive left OPERATION ENABLED by itself: {self.describe()}")
+        if self._shown_mode != self._mode:
+            raise self._fault(
+                f"the drive left its mode of operation, {self.describe()}",
+                object="0x6061:00",
+                value=f"mode {self._shown_mode}",
+                bound=f"mode {self._mode} ({self._shared.mode})",
+            )
+        if self.status & FOLLOWING_ERROR and not self._follows_velocity:
+            raise self._fault(f"the drive reports a following error: {self.describe()}")
+        low, high = self.settings.limits
+        margin = self.settings.following_window
+        if not low - margin <= self.position <= high + margin:
+            raise self._fault(
+                f"the joint left its limits: {self.describe()}",
+                object="0x6064:00",
+                value=f"{self.position:.6g} rad",
+                bound=f"{low:g} … {high:g} rad",
+            )
+        duration = self.watch.exceeds(self.position, now)
+        if duration:
+            raise self._fault(
+                f"the joint does not follow its reference: {self.describe()}",
+                object="0x6064:00",
+                value=f"{self.watch.error:+.4g} rad for {duration:.3g} s",
+                bound=f"{self.watch.window:g} rad for {self.watch.time:g} s",
+            )
+
+    def lag(self) -> DeviceFault:
+        """Return what would be the fault if the joint went on to be away from its reference."""
+        return self._fault(
+            f"the joint is not where its reference is: {self.describe()}",
+            object="0x6064:00",
+            value=f"{self.watch.error:+.4g} rad",
+            bound=f"{self.watch.window:g} rad",
+        )
+
+    def fail_to_enable(self, since: float) -> DeviceFault:
+        """Return the fault of a drive that has not become enabled in `since` seconds."""
+        return self._fault(
+            f"the drive does not enable operation: {self.describe()}",
+            value=f"{since:.3g} s",
+            bound=f"{self._shared.enable_time:g} s",
+        )
+
+    def describe(self) -> str:
+        """Return error code and status word in words."""
+        emergency = self.node.emergency.active
+        code = self.error_code or (0 if emergency is None else emergency.code)
+        parts = [f"{describe_error(code)} (error code 0x{code:04X})"] if code else []
+        if not parts and self.state in FAULTY:
+            parts.append("error code not reported")
+        parts.append(describe_status(self.status))
+        if self.status & LIMIT_ACTIVE:
+            parts.append("a limit inside the drive is active")
+        return ", ".join(parts)
+
+    # Inside ---------------------------------------------------------------------------
+
+    def _latch_jump(self, position: float, reach: float) -> None:
+        if self._trouble is None:
+            self._trouble = self._fault(
+                f"the position jumped, {self.describe()}",
+                object="0x6064:00",
+                value=f"{position - self.position:+.6g} rad",
+                bound=f"{reach:.3g} rad",
+            )
+
+    def _fault(
+        self,
+        what: str,
+        *,
+        object: str = "0x6041:00",
+        value: str | None = None,
+        bound: str | None = None,
+    ) -> DeviceFault:
+        return DeviceFault(
+            self.name, what, node=self.node.node, object=object, value=value, bound=bound
+        )

@@ -1,0 +1,268 @@
+"""What a profile says of joints on CiA 402 drives."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+from annotated_types import Ge, Gt, Interval, MinLen, Unit
+
+from drivers.canopen.described import DescribedNode, Quantity, Told
+from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
+from drivers.cia402.errors import describe_error
+from drivers.cia402.states import decode_state
+from drivers.servos.axis_settings import AxisSettings
+
+if TYPE_CHECKING:
+    from drivers.canopen.eds_check import DeviceFile
+
+Mode = Literal["csp", "csv"]
+Feedback = Literal["velocity", "torque", "error_code"]
+
+_TARGETS: Final[dict[str, Entry]] = {
+    "csp": Entry(0x607A, 0, "i32"),
+    "csv": Entry(0x60FF, 0, "i32"),
+}
+_FEEDBACK: Final[dict[str, Entry]] = {
+    "velocity": Entry(0x606C, 0, "i32"),
+    "torque": Entry(0x6077, 0, "i16"),
+    "error_code": Entry(0x603F, 0, "u16"),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSettings(AxisSettings):
+    """One joint with its drive.
+
+    Parameters
+    ----------
+    node : int
+        The drive's number on the bus.
+    counts_per_turn : float
+        Position units for one turn of the drive's shaft; compared with what the drive says
+        in 0x6092, or in 0x608F and 0x6091.
+    velocity_units : float, optional
+        Velocity units for one turn per second of the shaft. None: position units per second.
+    acceleration_units : float, optional
+        Acceleration units for one turn per second squared. None: position units.
+    deceleration : float
+        Of a quick stop and of every other ramp to standstill, rad/s².
+    following_window, following_time : float
+        How far (rad) and for how long (s) the joint may be from its reference.
+    serial : int, optional
+        The serial number that the drive must report.
+    """
+
+    node: Annotated[int, Interval(ge=1, le=127)]
+    counts_per_turn: Annotated[float, Unit("1"), Gt(0)]
+    velocity_units: Annotated[float, Unit("1"), Gt(0)] | None = None
+    acceleration_units: Annotated[float, Unit("1"), Gt(0)] | None = None
+    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
+    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
+    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
+    serial: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+
+    def __post_init__(self) -> None:
+        # A dataclass with slots is a new class, which a bare super() would not find.
+        AxisSettings.__post_init__(self)
+        low, high = RANGES["i32"]
+        for angle in self.limits:
+            counts = (angle - self.offset) * self.counts_per_radian
+            if not low <= counts <= high:
+                raise ValueError(
+                    f"limits: {angle:g} rad is {counts:.4g} counts, which a 32-bit position "
+                    "cannot hold; change offset, gear or counts_per_turn."
+                )
+
+    @property
+    def counts_per_radian(self) -> float:
+        """Signed position units for one radian of the joint."""
+        return self.turns_per_radian * self.counts_per_turn
+
+    @property
+    def velocity_per_radian(self) -> float:
+        """Signed velocity units for one radian per second of the joint."""
+        return self.turns_per_radian * (self.velocity_units or self.counts_per_turn)
+
+    @property
+    def acceleration_per_radian(self) -> float:
+        """Acceleration units for one radian per second squared of the joint."""
+        return abs(self.turns_per_radian) * (self.acceleration_units or self.counts_per_turn)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cia402Settings:
+    """Joints on CiA 402 drives, one node each, in a cyclic synchronous mode.
+
+    Parameters
+    ----------
+    joints : dict of str to DriveSettings
+        In the order of the joints.
+    mode : str
+        ``csp``: the drives follow positions. ``csv``: they follow velocities, and positions
+        are held by the rig's loop.
+    feedback : tuple of str
+        What each drive sends beside status word, position and mode, in a second PDO. Without
+        ``error_code`` a fault is named from the drive's emergency message alone.
+    position_gain : float
+        In ``csv``: velocity for an error in position, 1/s, where positions are commanded
+        or the velocity is zero.
+    after_stop : str
+        What a drive does when it has stopped quickly: ``hold`` its position under torque
+        until it is connected again (a joint that gravity pulls does not fall), or
+        ``release`` its torque (for joints with brakes that the drive applies itself).
+    enable_time : float
+        How long the drives may take to enable operation, s.
+    absent : tuple of int
+        Objects among those that are written at each start that these drives do not have;
+        what the drive does instead must be found in its manual.
+    vendor, product : int, optional
+        What every drive must report in 0x1018.
+    eds : str, optional
+        The device's own EDS file, relative to this one: types are taken from it, and what it
+        says the device cannot do is refused.
+    remap : bool
+        Write the PDO mapping; False for drives whose mapping is fixed, which is then compared.
+    hold_after, fault_after : int
+        Readings missed in a row that are counted as held, and that are a fault.
+    """
+
+    joints: Annotated[dict[str, DriveSettings], MinLen(1)]
+    mode: Mode = "csp"
+    feedback: tuple[Feedback, ...] = ("velocity", "torque", "error_code")
+    position_gain: Annotated[float, Unit("1/s"), Gt(0)] = 10.0
+    after_stop: Literal["hold", "release"] = "hold"
+    enable_time: Annotated[float, Unit("s"), Gt(0)] = 1.0
+    absent: tuple[int, ...] = ()
+    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
+    eds: str | None = None
+    remap: bool = True
+    hold_after: Annotated[int, Ge(1)] = 2
+    fault_after: Annotated[int, Ge(1)] = 5
+
+    def __post_init__(self) -> None:
+        owner: dict[int, str] = {}
+        for name, joint in self.joints.items():
+            if joint.node in owner:
+                raise ValueError(
+                    f"joints {owner[joint.node]} and {name} have the same node number "
+                    f"0x{joint.node:02X}."
+                )
+            owner[joint.node] = name
+        if len(set(self.feedback)) != len(self.feedback):
+            raise ValueError("feedback: a quantity is named twice.")
+        if self.fault_after < self.hold_after:
+            raise ValueError(
+                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
+            )
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The joints' names, in order."""
+        return tuple(self.joints)
+
+    @property
+    def receive_layout(self) -> Layout:
+        """What each drive receives in its one PDO."""
+        return (Entry(0x6040, 0, "u16"), _TARGETS[self.mode], Entry(0x6060, 0, "i8"))
+
+    @property
+    def transmit_layouts(self) -> tuple[Layout, ...]:
+        """What each drive sends, PDO by PDO."""
+        # Feedback has a PDO of its own, so that the first one is the same on every drive.
+        first: Layout = (Entry(0x6041, 0, "u16"), Entry(0x6064, 0, "i32"), Entry(0x6061, 0, "i8"))
+        return (first, *pack([_FEEDBACK[name] for name in self.feedback], first=2))
+
+    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
+        """Return what all drives put on the bus each cycle: names and bytes."""
+        frames: list[tuple[str, int]] = []
+        layouts = self.transmit_layouts
+        for joint in self.joints:
+            frames.append((f"{joint} RPDO1 setpoint", layout_size(self.receive_layout)))
+            frames += [
+                (f"{joint} TPDO{n} state", layout_size(layout))
+                for n, layout in enumerate(layouts, 1)
+            ]
+        return tuple(frames)
+
+    def timed_frames(self, heartbeat: float) -> tuple[tuple[str, int, float], ...]:
+        """Return what comes besides: names, bytes and rates (Hz), one heartbeat per drive."""
+        return tuple((f"{joint} heartbeat", 1, 1.0 / heartbeat) for joint in self.joints)
+
+    @staticmethod
+    def read_eds(path: Path) -> "DeviceFile":
+        """Read the drive's own EDS.
+
+        Raises
+        ------
+        EdsError
+            It cannot be read or understood.
+        """
+        from drivers.canopen.eds_check import DeviceFile
+
+        return DeviceFile(path, lambda _: {})
+
+    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+        """Return what each drive exchanges and what its counts mean.
+
+        Parameters
+        ----------
+        name : str
+            The device's name in the profile.
+        """
+        layouts = self.transmit_layouts
+        origins: dict[Entry, tuple[str | int, ...]] = {_TARGETS[self.mode]: ("mode",)}
+        for k, what in enumerate(self.feedback):
+            origins[_FEEDBACK[what]] = ("feedback", k)
+        return tuple(
+            DescribedNode(
+                f"{name} {joint}",
+                drive.node,
+                (self.receive_layout,),
+                layouts,
+                self.remap,
+                _quantities(drive),
+                origins,
+                (Told(0x6076, 0, _FEEDBACK["torque"], _torque_factor(drive)),),
+            )
+            for joint, drive in self.joints.items()
+        )
+
+
+def _quantities(drive: DriveSettings) -> dict[Entry, Quantity]:
+    angle, speed = 1.0 / drive.counts_per_radian, 1.0 / drive.velocity_per_radian
+    return {
+        Entry(0x6040, 0, "u16"): Quantity("control", words=_control_words),
+        Entry(0x6041, 0, "u16"): Quantity("status", words=_status_words),
+        Entry(0x6060, 0, "i8"): Quantity("mode", words=_mode_words),
+        Entry(0x6061, 0, "i8"): Quantity("mode", words=_mode_words),
+        Entry(0x6064, 0, "i32"): Quantity("position", "rad", angle, drive.offset),
+        _TARGETS["csp"]: Quantity("target position", "rad", angle, drive.offset),
+        _TARGETS["csv"]: Quantity("target velocity", "rad/s", speed),
+        _FEEDBACK["velocity"]: Quantity("velocity", "rad/s", speed),
+        _FEEDBACK["torque"]: Quantity("torque", "N m", None),
+        _FEEDBACK["error_code"]: Quantity("error", words=_error_words),
+    }
+
+
+def _torque_factor(drive: DriveSettings) -> float:
+    """Return the joint's torque (N m) for one count of 0x6077 and one mN m rated torque."""
+    return (-1.0 if drive.reversed else 1.0) * drive.gear * 1e-6
+
+
+def _control_words(word: int) -> str:
+    names = {0x00: "disable voltage", 0x02: "quick stop", 0x06: "shutdown", 0x07: "switch on"}
+    return {**names, 0x0F: "enable operation", 0x80: "fault reset"}.get(word, f"0x{word:04X}")
+
+
+def _status_words(word: int) -> str:
+    state = decode_state(word)
+    return f"0x{word:04X} {'no state' if state is None else state.name.replace('_', ' ')}"
+
+
+def _mode_words(mode: int) -> str:
+    return {8: "csp", 9: "csv"}.get(mode, str(mode))
+
+
+def _error_words(code: int) -> str:
+    return "none" if code == 0 else f"0x{code:04X} {describe_error(code)}"

@@ -1,0 +1,206 @@
+"""What a profile says of a CAN bus with ODrives on it, and of joints on them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf
+from typing import Annotated, Final, Literal
+
+from annotated_types import Ge, Gt, Interval, MinLen, Unit
+
+from drivers.servos.axis_settings import AxisSettings
+
+_FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
+_I16: Final = 0x7FFF
+
+
+@dataclass(frozen=True, slots=True)
+class OdriveBusSettings:
+    """One CAN interface with nothing but CANSimple devices on it.
+
+    Parameters
+    ----------
+    interface : str
+        A python-can interface: ``socketcan``, ``virtual``, ``pcan``, ``kvaser``, ``slcan``, …
+    channel : str
+        What the interface calls the bus: ``can0``, ``PCAN_USBBUS1``, ``/dev/ttyACM0``, …
+    bitrate : int
+        Of the bus, bit/s. SocketCAN's is set with ``ip link``, outside the program.
+    options : dict of str to str, int, float or bool
+        More arguments for the interface's python-can class.
+    reply_timeout : float
+        How long the master waits for an answer while it configures, s.
+    boot_timeout : float
+        How long the master waits for an axis to appear or to change its state, s.
+    max_load : float
+        Highest share of the bus's time that everything may need, worst case.
+    receive_limit : int
+        Most frames taken in one cycle; what is beyond waits for the next one.
+    max_refused : int
+        Cycles in a row in which the interface may refuse a frame before this is a fault.
+    """
+
+    interface: Annotated[str, MinLen(1)]
+    channel: Annotated[str, MinLen(1)]
+    bitrate: Annotated[int, Unit("bit/s"), Interval(ge=10_000, le=1_000_000)] = 1_000_000
+    options: dict[str, str | int | float | bool] = field(default_factory=dict)
+    reply_timeout: Annotated[float, Unit("s"), Gt(0)] = 0.1
+    boot_timeout: Annotated[float, Unit("s"), Gt(0)] = 2.0
+    max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
+    receive_limit: Annotated[int, Ge(1)] = 256
+    max_refused: Annotated[int, Ge(0)] = 3
+
+    @property
+    def sync(self) -> bool:
+        """Whether the master sends SYNC: there is none."""
+        return False
+
+    @property
+    def heartbeat(self) -> float:
+        """Period of the master's heartbeat, s: it sends none, setpoints feed the watchdogs."""
+        return inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OdriveAxisSettings(AxisSettings):
+    """One joint with its ODrive axis.
+
+    Parameters
+    ----------
+    axis : int
+        The axis's node number on the bus, 0 … 62.
+    serial : int, optional
+        The serial number that the ODrive must report (48 bits).
+    speed_limit : float, optional
+        Where the ODrive itself limits its motor, turn/s. None: a quarter above `max_speed`.
+    current_limit : float
+        Greatest motor current, A.
+    deceleration : float
+        With which the joint is brought to a standstill, rad/s².
+    following_window, following_time : float
+        How far (rad) and for how long (s) the joint may be from its reference.
+    """
+
+    axis: Annotated[int, Interval(ge=0, le=0x3E)]
+    serial: Annotated[int, Interval(ge=0, lt=1 << 48)] | None = None
+    speed_limit: Annotated[float, Unit("1/s"), Gt(0)] | None = None
+    current_limit: Annotated[float, Unit("A"), Gt(0)] = 10.0
+    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
+    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
+    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
+
+    @property
+    def motor_speed_limit(self) -> float:
+        """Where the ODrive limits its motor, turn/s."""
+        return self.speed_limit or 1.25 * self.max_speed * abs(self.turns_per_radian)
+
+
+@dataclass(frozen=True, slots=True)
+class OdriveEndpoints:
+    """Numbers of an ODrive's parameters, which differ from firmware to firmware.
+
+    They stand in the ``flat_endpoints.json`` that ODrive Robotics publishes for each firmware.
+    Those that are given are written and read back at each start.
+
+    Parameters
+    ----------
+    enable_watchdog : int
+        Of ``axis0.config.enable_watchdog``.
+    watchdog_timeout : int
+        Of ``axis0.config.watchdog_timeout``.
+    heartbeat_period : int, optional
+        Of ``axis0.config.can.heartbeat_msg_rate_ms``.
+    encoder_period : int, optional
+        Of ``axis0.config.can.encoder_msg_rate_ms``.
+    """
+
+    enable_watchdog: Annotated[int, Interval(ge=0, le=0xFFFF)]
+    watchdog_timeout: Annotated[int, Interval(ge=0, le=0xFFFF)]
+    heartbeat_period: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
+    encoder_period: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OdriveSettings:
+    """Joints on ODrives (firmware 0.6 and later), one axis each, by CANSimple.
+
+    Every axis must have its watchdog enabled: setpoints feed it, and it takes the torque away
+    when they stay away. CANSimple alone cannot read that back; with `endpoints` it is written
+    and read back at each start, without them it must have been set by hand.
+
+    Parameters
+    ----------
+    joints : dict of str to OdriveAxisSettings
+        In the order of the joints.
+    mode : str
+        ``position``: the axes follow positions; ``velocity``: they follow velocities, and
+        positions are held by the rig's loop.
+    feedforward : bool
+        In ``position``: send the setpoints' velocity as feedforward.
+    feedforward_scale : float
+        Steps of the velocity feedforward, s/turn: ``axis0.config.can.input_vel_scale``.
+    position_gain : float
+        In ``velocity``: velocity for an error in position, 1/s, where positions are commanded
+        or the velocity is zero.
+    watchdog : float
+        ``axis0.config.watchdog_timeout``, s: about five periods of the cycle.
+    heartbeat : float
+        ``axis0.config.can.heartbeat_msg_rate_ms``, s.
+    encoder_period : float
+        ``axis0.config.can.encoder_msg_rate_ms``, s: at most the period of the cycle.
+    endpoints : OdriveEndpoints, optional
+        To write these three settings and read them back.
+    enable_time : float
+        How long the axes may take to close their loops, s.
+    fault_after : int
+        Readings or heartbeats missed in a row that are a fault.
+    """
+
+    joints: Annotated[dict[str, OdriveAxisSettings], MinLen(1)]
+    mode: Literal["position", "velocity"] = "position"
+    feedforward: bool = True
+    feedforward_scale: Annotated[float, Unit("s"), Gt(0)] = _FEEDFORWARD_STEPS
+    position_gain: Annotated[float, Unit("1/s"), Gt(0)] = 10.0
+    watchdog: Annotated[float, Unit("s"), Interval(ge=0.01, le=1.0)] = 0.05
+    heartbeat: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] = 0.02
+    encoder_period: Annotated[float, Unit("s"), Interval(ge=1e-3, le=0.1)] = 0.005
+    endpoints: OdriveEndpoints | None = None
+    enable_time: Annotated[float, Unit("s"), Gt(0)] = 2.0
+    fault_after: Annotated[int, Ge(2)] = 5
+
+    def __post_init__(self) -> None:
+        owner: dict[int, str] = {}
+        for name, joint in self.joints.items():
+            if joint.axis in owner:
+                raise ValueError(
+                    f"joints {owner[joint.axis]} and {name} have the same axis {joint.axis}."
+                )
+            owner[joint.axis] = name
+            fastest = joint.max_speed * abs(joint.turns_per_radian)
+            if self.feedforward and fastest * self.feedforward_scale > _I16:
+                raise ValueError(
+                    f"joint {name}: a feedforward of {fastest:g} turn/s does not fit into 16 "
+                    f"bits in steps of 1/{self.feedforward_scale:g}; lower max_speed or "
+                    "feedforward_scale, or set feedforward to false."
+                )
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The joints' names, in order."""
+        return tuple(self.joints)
+
+    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
+        """Return what the master sends each cycle: names and bytes."""
+        frame = "Set_Input_Pos" if self.mode == "position" else "Set_Input_Vel"
+        return tuple((f"{joint} {frame}", 8) for joint in self.joints)
+
+    def timed_frames(self, heartbeat: float) -> tuple[tuple[str, int, float], ...]:
+        """Return what the axes send by their own clocks: names, bytes and rates, Hz."""
+        rates: Mapping[str, float] = {
+            "Heartbeat": self.heartbeat,
+            "Get_Encoder_Estimates": self.encoder_period,
+        }
+        return tuple(
+            (f"{joint} {frame}", 8, 1.0 / period)
+            for joint in self.joints
+            for frame, period in rates.items()
+        )

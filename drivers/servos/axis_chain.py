@@ -1,0 +1,280 @@
+"""Joints on drives, whatever the drives: what every servo driver does alike."""
+
+from collections.abc import Mapping, Sequence
+from typing import Generic, Protocol, TypeVar
+
+from drivers.servos.axis_guard import AxisGuard
+from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.following_error import FollowingWatch
+from drivers.servos.velocity_reference import VelocityReference
+from rig.hal import DeviceFault, Reading, Vector
+
+
+class AxisDrive(Protocol):
+    """One joint's drive, as a chain needs it."""
+
+    @property
+    def settings(self) -> AxisSettings:
+        """How the joint hangs on it."""
+        ...
+
+    @property
+    def watch(self) -> FollowingWatch:
+        """Where the joint should be."""
+        ...
+
+    position: float
+    velocity: float
+    torque: float
+    time: float
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether it says that it follows its setpoints."""
+        ...
+
+    def enable(self, enabled: bool) -> None:
+        """Begin to energise the joint, or to slow it down and release it."""
+        ...
+
+    def step(self) -> None:
+        """Take one step of that, while the joint is held or free; called once a cycle."""
+        ...
+
+    def begin_following(self, now: float) -> None:
+        """Take the setpoint that holds the joint for the first reference."""
+        ...
+
+    def command_position(self, position: float, velocity: float) -> None:
+        """Take a position setpoint (rad) that moves at a velocity (rad/s)."""
+        ...
+
+    def command_velocity(self, velocity: float) -> None:
+        """Take a velocity setpoint, rad/s."""
+        ...
+
+    def stop(self) -> None:
+        """Slow the joint down to a standstill. Never raises."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Raise `DeviceFault` if the drive is not well."""
+        ...
+
+    def check_following(self, now: float) -> None:
+        """Raise `DeviceFault` if the enabled drive does not do what it was told."""
+        ...
+
+    def lag(self) -> DeviceFault:
+        """Return what would be the fault if the joint went on to be away from its reference."""
+        ...
+
+    def fail_to_enable(self, since: float) -> DeviceFault:
+        """Return the fault of a drive that has not become enabled in so many seconds."""
+        ...
+
+
+Drive = TypeVar("Drive", bound=AxisDrive)
+
+
+class ServoChain(Generic[Drive]):
+    """The part of a servo driver that is the same for all drives.
+
+    Drives are enabled in the cycles after arming. Until all of them are, and `is_enabled` says
+    so, each holds its joint where it is and commands are not sent; then the first setpoint
+    starts from there.
+
+    Drives that follow positions get velocities integrated. Drives that follow velocities get
+    positions by a proportional controller, and so the position at which the commanded velocity
+    became zero: a drive that holds a velocity of zero lets its joint creep.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    joints : mapping of str to AxisSettings
+        In order.
+    drives : sequence
+        One per joint, in the same order.
+    period : float
+        Of the cycle, s.
+    sends_velocity : bool
+        The drives follow velocities.
+    position_gain : float
+        Velocity for an error in position where they do, 1/s.
+    enable_time : float
+        How long the drives may take to become enabled, s.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        joints: Mapping[str, AxisSettings],
+        drives: Sequence[Drive],
+        *,
+        period: float,
+        sends_velocity: bool,
+        position_gain: float,
+        enable_time: float,
+    ) -> None:
+        self.name = name
+        self.axis_names = tuple(joints)
+        self.drives = tuple(drives)
+        self._period = period
+        self._sends_velocity = sends_velocity
+        self._velocities = VelocityReference(
+            position_gain, [joint.max_speed for joint in joints.values()], period
+        )
+        self._enable_time = enable_time
+        self._guard = AxisGuard(name, joints, period)
+        self._armed = False
+        self._enabled = False
+        self._enabling = False
+        self._since: float | None = None
+
+    # Life cycle -----------------------------------------------------------------------
+
+    def set_torque_enabled(self, enabled: bool) -> None:
+        """Have the next cycles energise all joints, or slow them down and release them.
+
+        Ignored unless armed.
+        """
+        if not self._armed:
+            return
+        self._enabled = False
+        self._enabling = enabled
+        self._since = None  # the loop may start much later
+        for drive in self.drives:
+            drive.enable(enabled)
+
+    def make_safe(self) -> None:
+        """Slow every joint down to a standstill, and keep it there until armed again."""
+        self._armed = self._enabled = self._enabling = False
+        for drive in self.drives:
+            drive.stop()
+
+    # The cycle ------------------------------------------------------------------------
+
+    @property
+    def is_enabled(self) -> bool:
+        """Whether every drive is enabled and follows commands."""
+        return self._enabled
+
+    def positions(self) -> Reading[Vector]:
+        """Return the joint positions, rad, shape (n,); as old as the oldest of them."""
+        drives = self.drives
+        return Reading(
+            tuple([drive.position for drive in drives]), min([drive.time for drive in drives])
+        )
+
+    def velocities(self) -> Reading[Vector]:
+        """Return the drives' own joint velocities, rad/s, shape (n,)."""
+        drives = self.drives
+        return Reading(
+            tuple([drive.velocity for drive in drives]), min([drive.time for drive in drives])
+        )
+
+    def torques(self) -> Reading[Vector]:
+        """Return the drives' torques at the joints, N m, shape (n,); 0 where none is known."""
+        drives = self.drives
+        return Reading(
+            tuple([drive.torque for drive in drives]), min([drive.time for drive in drives])
+        )
+
+    def command_positions(self, positions: Vector) -> None:
+        """Take position setpoints for this cycle, rad, shape (n,); ignored until enabled.
+
+        Raises
+        ------
+        LimitExceeded
+            One is outside its limits, or too far from the one before for its greatest speed.
+            No setpoint changes.
+        """
+        if not self._enabled:
+            return
+        guard, period = self._guard, self._period
+        before = guard.positions
+        guard.check_positions(positions)
+        if self._sends_velocity:
+            measured = tuple([drive.position for drive in self.drives])
+            self._send(self._velocities.follow(positions, before, measured))
+            return
+        for k, drive in enumerate(self.drives):
+            position = positions[k]
+            drive.command_position(position, (position - before[k]) / period)
+
+    def command_velocities(self, velocities: Vector) -> None:
+        """Take velocity setpoints for this cycle, rad/s, shape (n,); ignored until enabled.
+
+        Raises
+        ------
+        LimitExceeded
+            One is faster than its joint may be, or would leave its limits where it is
+            integrated. No setpoint changes.
+        """
+        if not self._enabled:
+            return
+        guard, period = self._guard, self._period
+        guard.check_velocities(velocities)
+        if self._sends_velocity:
+            measured = guard.positions = tuple([drive.position for drive in self.drives])
+            self._send(self._velocities.turn(velocities, measured))
+            return
+        positions = tuple(
+            [
+                position + velocity * period
+                for position, velocity in zip(guard.positions, velocities, strict=True)
+            ]
+        )
+        guard.check_positions(positions)
+        for k, drive in enumerate(self.drives):
+            drive.command_position(positions[k], velocities[k])
+
+    def check(self, now: float) -> None:
+        """Raise if a drive is not well; else take those that are not enabled one step further.
+
+        Raises
+        ------
+        DeviceFault
+            The message says joint, node and what the drive reports, in words.
+        """
+        for drive in self.drives:
+            drive.check(now)
+        if not self._armed:
+            return
+        if self._enabled:
+            for drive in self.drives:
+                drive.check_following(now)
+            return
+        for drive in self.drives:
+            drive.step()
+        if not self._enabling:
+            return
+        if self._since is None:
+            self._since = now
+        lagging = [drive for drive in self.drives if not drive.is_enabled]
+        if not lagging:
+            self._begin_following(now)
+        elif now - self._since > self._enable_time:
+            raise lagging[0].fail_to_enable(now - self._since)
+
+    def doubt(self, now: float) -> str | None:
+        """Return what the joint that is furthest beyond its following window says of itself."""
+        if not self._enabled:
+            return None
+        worst = max(self.drives, key=lambda drive: abs(drive.watch.error) - drive.watch.window)
+        return str(worst.lag()) if abs(worst.watch.error) > worst.watch.window else None
+
+    # Inside ---------------------------------------------------------------------------
+
+    def _begin_following(self, now: float) -> None:
+        """Start from where each drive holds its joint: the first setpoint makes no bump."""
+        for drive in self.drives:
+            drive.begin_following(now)
+        self._guard.positions = tuple([drive.watch.reference for drive in self.drives])
+        self._velocities.reset()
+        self._enabled = True
+
+    def _send(self, velocities: Sequence[float]) -> None:
+        for drive, velocity in zip(self.drives, velocities, strict=True):
+            drive.command_velocity(velocity)

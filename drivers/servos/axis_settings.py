@@ -1,0 +1,46 @@
+"""What every servo driver's settings say of a joint, whatever the drive."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import Annotated
+
+from annotated_types import Gt, Unit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AxisSettings:
+    """How one joint hangs on its drive, and what it may do.
+
+    The joint's angle is ``± (turns of the drive's shaft) · 2π / gear + offset``.
+
+    Parameters
+    ----------
+    gear : float
+        Turns of the drive's shaft for one turn of the joint.
+    reversed : bool
+        The joint turns against its drive.
+    offset : float
+        The joint's angle where the drive counts 0, rad; found by calibration.
+    limits : tuple of float
+        The angles that may be commanded, rad.
+    max_speed : float
+        The fastest that may be commanded, rad/s. A reading that implies twice as much is a
+        fault.
+    """
+
+    gear: Annotated[float, Unit("1"), Gt(0)] = 1.0
+    reversed: bool = False
+    offset: Annotated[float, Unit("rad")] = 0.0
+    limits: Annotated[tuple[float, float], Unit("rad")] = (-pi, pi)
+    max_speed: Annotated[float, Unit("rad/s"), Gt(0)] = 2.0
+
+    def __post_init__(self) -> None:
+        low, high = self.limits
+        if not low < high:
+            raise ValueError(f"limits: {low:g} … {high:g} rad is no range of angles.")
+
+    @property
+    def turns_per_radian(self) -> float:
+        """Signed turns of the drive's shaft for one radian of the joint."""
+        turns = self.gear / (2.0 * pi)
+        return -turns if self.reversed else turns

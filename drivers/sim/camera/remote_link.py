@@ -1,0 +1,89 @@
+"""The link to a camera that another process simulates, over a local socket.
+
+It stands where the process that grabs and detects stands otherwise, and hands over the same
+events. The socket has a name of Linux's abstract kind: it belongs to the network namespace, as
+a virtual CAN interface does, so what can reach the one can reach the other.
+"""
+
+import socket
+from collections.abc import Sequence
+from typing import Final
+
+from drivers.marker_camera.link import Event, Failure
+from drivers.marker_camera.worker import decode_event
+
+_PACKET: Final = 65536
+
+
+def camera_address(channel: str, camera: str) -> str:
+    """Return the socket of a simulated camera.
+
+    Parameters
+    ----------
+    channel : str
+        The first CAN interface of its rig.
+    camera : str
+        Its name in the profile.
+    """
+    return f"\0rig-simulate/{channel}/{camera}"
+
+
+class ReachedCamera:
+    """A camera of `rig simulate`; satisfies `drivers.marker_camera.link.CameraLink`.
+
+    Parameters
+    ----------
+    address : str
+        See `camera_address`.
+    """
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+        self._socket: socket.socket | None = None
+        self._failure: Failure | None = None
+
+    def open(self, now: float) -> None:
+        """Reach for the camera, which begins to expose frames."""
+        del now  # both processes have the same monotonic clock
+        self.close()
+        link = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        try:
+            link.connect(self._address)
+        except OSError as error:
+            link.close()
+            self._failure = Failure(
+                "nobody simulates it; start `rig simulate` with the same --on, or leave the "
+                "camera out of the mechanism",
+                object=self._address[1:],
+                value=error.strerror,
+            )
+            return
+        link.setblocking(False)
+        self._socket = link
+
+    def poll(self, now: float) -> Sequence[Event]:
+        """Return what has come since the last call; never waits."""
+        del now
+        events: list[Event] = []
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            events.append(failure)
+        while self._socket is not None:
+            try:
+                packet = self._socket.recv(_PACKET)
+            except BlockingIOError:
+                break
+            except ConnectionResetError:
+                packet = b""
+            if packet:
+                events.append(decode_event(packet))
+            else:
+                self.close()
+                events.append(Failure("its simulation ended"))
+        return events
+
+    def close(self) -> None:
+        """Let go of the camera. Idempotent."""
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None

@@ -1,0 +1,1 @@
+"""Devices of `--on sim`: the capabilities straight on a plant, without a bus."""

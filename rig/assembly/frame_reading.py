@@ -1,0 +1,182 @@
+"""Where frames come from: files of the field's tools, and interfaces that are listened to."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from rig.assembly.buses import is_can
+from rig.assembly.frame_recording import FORMATS, FRAMES
+from rig.assembly.on_interfaces import Interfaces
+from rig.config import Profile
+from rig.hal import CanBus, ConfigurationError, ConnectionFailed
+
+STDIN: Final = "-"
+"""Stands for frames on standard input, in candump's format."""
+
+_LOOK_EVERY: Final = 2e-3  # at interfaces without frames, s
+
+
+def frames_of_run(folder: Path) -> Path:
+    """Return the file of frames in a run folder.
+
+    Raises
+    ------
+    ConfigurationError
+        The run was not recorded with ``--frames``.
+    """
+    for kind in FORMATS:
+        path = folder / f"{FRAMES}.{kind}"
+        if path.is_file():
+            return path
+    raise ConfigurationError(
+        f"{folder} has no frames; `rig run` records them with --frames (as {FRAMES}.{FORMATS[0]})"
+    )
+
+
+def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
+    """Yield the `drivers.can.candump.LoggedFrame` of a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log of candump (``-L`` or ``-l``), or an ASC or BLF file. `STDIN` for a pipe.
+    profile : Profile
+        Whose buses become the channels: one is meant by its name, by its interface's channel,
+        or, where the file counts channels, by its place; a single CAN bus is every channel.
+
+    Raises
+    ------
+    ConfigurationError
+        The file is missing, or none of these.
+    """
+    buses = _Buses(profile)
+    try:
+        if str(path) != STDIN and Path(path).suffix.lower() in (".asc", ".blf"):
+            frames = _read_vector(Path(path))
+        else:
+            frames = _read_candump(path)
+        for frame in frames:
+            yield frame._replace(channel=buses.name_of(frame.channel))
+    except OSError as error:
+        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+
+
+class Listener:
+    """Open CAN buses on which nothing is ever sent.
+
+    Parameters
+    ----------
+    buses : mapping of str to CanBus
+        By name.
+    """
+
+    def __init__(self, buses: Mapping[str, CanBus]) -> None:
+        from drivers.can.candump import LoggedFrame
+        from drivers.can.fast_path import drain_of, drops_of
+
+        self._logged = LoggedFrame
+        self._drains = [(name, drain_of(bus)) for name, bus in buses.items()]
+        self._drops = [drops_of(bus) for bus in buses.values()]
+
+    def look(self) -> list[Any]:
+        """Return the frames that have come; none after a moment in which there were none.
+
+        Raises
+        ------
+        ConnectionFailed
+            An interface went down.
+        """
+        frames = []
+        for name, drain in self._drains:
+            try:
+                found = drain(256)
+            except Exception as error:  # each interface has errors of its own
+                raise ConnectionFailed(name, f"the interface failed: {error}") from error
+            now = time.time()
+            frames += [self._logged(now, name, can_id, data) for can_id, data in found]
+        if not frames:
+            time.sleep(_LOOK_EVERY)
+        return frames
+
+    def count_dropped(self) -> int:
+        """Return how many frames came faster than they were looked at, and are lost."""
+        return sum(count() for count in self._drops)
+
+
+@contextlib.contextmanager
+def listen(profile: Profile, interfaces: Interfaces) -> Iterator[Listener]:
+    """Open the CAN buses of a profile to listen on them.
+
+    Raises
+    ------
+    ConnectionFailed
+        An interface is missing or down.
+    """
+    import dataclasses
+
+    from drivers.can import close_bus, open_bus
+
+    with contextlib.ExitStack() as stack:
+        buses = {}
+        for name, entry in profile.buses.items():
+            if not is_can(entry):
+                continue
+            bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
+            stack.callback(close_bus, bus)
+            buses[name] = bus
+        yield Listener(buses)
+
+
+class _Buses:
+    """Finds the profile's bus that a file means by a channel."""
+
+    def __init__(self, profile: Profile) -> None:
+        can = {name: entry for name, entry in profile.buses.items() if is_can(entry)}
+        if not can:
+            raise ConfigurationError(f"the profile {profile.name} has no CAN bus")
+        self._names: Mapping[str, str] = {
+            **{str(number): name for number, name in enumerate(can)},
+            **{entry.settings.channel: name for name, entry in can.items()},
+            **{name: name for name in can},
+        }
+        self._only = next(iter(can)) if len(can) == 1 else None
+
+    def name_of(self, channel: str) -> str:
+        """Return the bus's name, or the channel where there is none."""
+        return self._only or self._names.get(channel, channel)
+
+
+def _read_candump(path: str | Path) -> Iterator[Any]:
+    from drivers.can.candump import parse_lines
+
+    if str(path) == STDIN:
+        yield from parse_lines(sys.stdin, "standard input")
+        return
+    with Path(path).open(encoding="utf-8", errors="replace") as lines:
+        yield from parse_lines(lines, str(path))
+
+
+def _read_vector(path: Path) -> Iterator[Any]:
+    import can
+
+    from drivers.can.candump import LoggedFrame
+    from drivers.can.fast_path import flagged_id
+
+    is_binary = path.suffix.lower() == ".blf"
+    with path.open("rb" if is_binary else "r") as content:
+        try:
+            make: Any = can.BLFReader if is_binary else can.ASCReader
+            for frame in make(content):
+                yield LoggedFrame(
+                    frame.timestamp, str(frame.channel or 0), flagged_id(frame), bytes(frame.data)
+                )
+        except (OSError, GeneratorExit):
+            raise
+        except Exception as error:  # the readers raise whatever comes of a broken file
+            kind = path.suffix[1:].upper()
+            raise ValueError(f"{path}: this is no {kind} file: {error}") from error

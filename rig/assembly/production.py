@@ -1,0 +1,102 @@
+"""From a profile's entries to production drivers, mechanism, controller and motion."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from controllers.motion import InfeasibleMotion
+from rig.assembly.registry import REGISTRY
+from rig.config import Profile
+from rig.config.named_settings import controller_key
+from rig.hal import Clock, ConfigurationError, CyclicBus, Device, MotionRefused
+from rig.hal.motion import Motion
+
+
+def make_devices(
+    profile: Profile,
+    buses: Mapping[str, CyclicBus],
+    clock: Clock,
+    links: Mapping[str, Any] | None = None,
+) -> dict[str, Device]:
+    """Make the production driver of every device.
+
+    Parameters
+    ----------
+    profile : Profile
+        What the rig is.
+    buses : mapping
+        By name.
+    clock : Clock
+        The rig's, for devices that hang on no bus.
+    links : mapping, optional
+        What stands in for the hardware of such a device, by its name.
+
+    Raises
+    ------
+    ConfigurationError
+        A device needs a bus and has none, or has one and takes none.
+    """
+    devices: dict[str, Device] = {}
+    for name, entry in profile.devices.items():
+        driver = REGISTRY.load("driver", entry.driver)
+        needs_bus = getattr(driver, "needs_bus", True)
+        if needs_bus and entry.bus is None:
+            raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
+        if not needs_bus and entry.bus is not None:
+            raise ConfigurationError(f"{name}: the driver {entry.driver} hangs on no bus")
+        if entry.bus is not None:
+            devices[name] = driver(name, entry.settings, buses[entry.bus], serial=entry.serial)
+            continue
+        link = {"link": links[name]} if links and name in links else {}
+        devices[name] = driver(name, entry.settings, clock, serial=entry.serial, **link)
+    return devices
+
+
+def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
+    """Make the loop's view of the rig."""
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    return mechanism.assemble(profile.mechanism_settings, devices, profile.loop.period)
+
+
+def make_controller(profile: Profile, name: str) -> Any:
+    """Make a controller with the profile's settings, for the profile's mechanism.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has no settings for it.
+    MotionRefused
+        It cannot be had here: a package that it needs is not installed.
+    """
+    if name not in profile.controllers:
+        raise ConfigurationError(
+            f"the profile {profile.name} has no controller {name!r}; "
+            f"it has {', '.join(profile.controllers)}"
+        )
+    model = REGISTRY.load("mechanism", profile.mechanism).model_of(profile.mechanism_settings)
+    key = controller_key(REGISTRY, profile.mechanism, name)
+    controller = REGISTRY.load("controller", key)
+    try:
+        made = controller(profile.controllers[name], model, profile.loop.period)
+    except InfeasibleMotion as error:
+        raise MotionRefused(str(error)) from error
+    if hasattr(made, "compile"):
+        made.compile()
+    return made
+
+
+def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any]:
+    """Turn an experiment's reference into a motion of the profile's mechanism.
+
+    Raises
+    ------
+    MotionRefused
+        The rig cannot or must not move so.
+    """
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    try:
+        motion: Motion[Any] = mechanism.plan(
+            profile.mechanism_settings, reference, controller, profile.loop.period
+        )
+    except ValueError as error:
+        raise MotionRefused(str(error)) from error
+    return motion

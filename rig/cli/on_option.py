@@ -1,0 +1,75 @@
+"""The options ``--on``, a backend or a CAN interface, and ``--frames``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+BACKENDS = ("sim", "virtual", "vcan", "hardware")
+
+
+class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """One of the backends, or the CAN interface to run on.
+
+    What is neither is told here: a channel bears a number (``vcan0``), and anything else has an
+    interface in front of it (``slcan:/dev/ttyACM0``).
+    """
+
+    name = "backend"
+
+    def get_metavar(self, *_: Any, **__: Any) -> str:
+        """Return what the help calls the value."""
+        return f"[{'|'.join(BACKENDS)}|INTERFACE]"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the value if it may be a backend or an interface."""
+        text = str(value)
+        if text not in BACKENDS and ":" not in text and not any(map(str.isdigit, text)):
+            self.fail(
+                f"{text!r} is neither one of {', '.join(BACKENDS)} nor a CAN interface such as "
+                "vcan0, vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0.",
+                param,
+                ctx,
+            )
+        return text
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete the backends."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(name) for name in BACKENDS if name.startswith(incomplete)]
+
+
+class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A format of frames on file."""
+
+    name = "format"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the value if it is a format."""
+        from rig.assembly.frame_recording import FORMATS
+
+        if value not in FORMATS:
+            self.fail(
+                f"{value!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
+                "write --frames last.",
+                param,
+                ctx,
+            )
+        return value
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete the formats."""
+        from click.shell_completion import CompletionItem
+
+        from rig.assembly.frame_recording import FORMATS
+
+        return [CompletionItem(name) for name in FORMATS if name.startswith(incomplete)]

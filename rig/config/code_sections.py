@@ -1,0 +1,118 @@
+"""Reading the parts of a profile or experiment that name code: drivers, controllers, plants."""
+
+from typing import Any, TypeVar
+
+from rig.config.diagnostics import Problems, nearest, shown
+from rig.config.located import BROKEN, Node
+from rig.config.named_settings import Kind, Registry
+from rig.config.names import is_name
+from rig.config.settings import build
+
+T = TypeVar("T")
+
+
+class Sections:
+    """The top-level entries of one document.
+
+    Parameters
+    ----------
+    root : Node
+        The document's mapping.
+    keys : tuple of str
+        Every top-level key, for hints.
+    registry : Registry
+        The names of code.
+    problems : Problems
+        Takes every error.
+    """
+
+    def __init__(
+        self, root: Node, keys: tuple[str, ...], registry: Registry, problems: Problems
+    ) -> None:
+        assert isinstance(root.value, dict)
+        self.root = root
+        self.keys = keys
+        self.registry = registry
+        self.problems = problems
+        self._entries = dict(root.value)
+
+    def take(self, key: str, *, required: bool = False) -> Node | None:
+        """Take an entry out of the document; null is the same as none."""
+        node = self._entries.pop(key, None)
+        if node is not None and node.value is not None:
+            return node
+        if required:
+            where = self.root.mark if node is None else node.heading
+            self.problems.add(where, f"key {key!r} is missing")
+        return None
+
+    def rest(self, settings: type[T]) -> T | None:
+        """Build a dataclass from all entries that were not taken."""
+        return build(settings, self.root.with_items(self._entries), self.problems, also=self.keys)
+
+    def named(self, key: str, *, names: bool = True) -> dict[str, Node]:
+        """Take an entry that is a mapping of names to mappings."""
+        node = self.take(key)
+        found: dict[str, Node] = {}
+        if node is not None and self.is_mapping(node, key):
+            assert isinstance(node.value, dict)
+            for name, entry in node.value.items():
+                if names and not is_name(name):
+                    self.problems.add(
+                        entry.heading,
+                        f"{shown(name)} cannot be a name in {key}",
+                        "use letters, digits, and _ - + . after the first",
+                    )
+                elif self.is_mapping(entry, f"{key}.{name}"):
+                    found[name] = entry
+        return found
+
+    def is_mapping(self, node: Node, what: str) -> bool:
+        """Return whether a node is a mapping, and note it if not."""
+        if isinstance(node.value, dict):
+            return True
+        if node.value is not BROKEN:
+            self.problems.add(node.mark, f"{what} is {shown(node.plain())}, expected a mapping")
+        return False
+
+    def settings_of(self, kind: Kind, name: str, node: Node) -> type[Any] | None:
+        """Return the settings behind a name that the file gives at a node."""
+        try:
+            return self.registry.settings(kind, name)
+        except KeyError:
+            hint = nearest(name, self.registry.names(kind))
+            self.problems.add(node.mark, f"no {kind} is called {shown(name)}", hint)
+            return None
+
+    def chosen(self, kind: Kind, node: Node, key: str) -> tuple[str, Any] | None:
+        """Build an entry whose `key` names the code that the keys beside it belong to.
+
+        Returns
+        -------
+        name : str
+            The name.
+        settings : object
+            Its settings.
+        """
+        if not self.is_mapping(node, kind):
+            return None
+        assert isinstance(node.value, dict)
+        name = self.text(node, key)
+        settings = self.settings_of(kind, name, node.value[key]) if name is not None else None
+        if name is None or settings is None:
+            return None
+        items = {k: v for k, v in node.value.items() if k != key}
+        built = build(settings, node.with_items(items), self.problems, also=(key,))
+        return None if built is None else (name, built)
+
+    def text(self, node: Node, key: str) -> str | None:
+        """Return the text below a key of a mapping, None after noting why there is none."""
+        assert isinstance(node.value, dict)
+        entry = node.value.get(key)
+        if entry is None:
+            self.problems.add(node.heading, f"key {key!r} is missing")
+        elif isinstance(entry.value, str):
+            return entry.value
+        elif entry.value is not BROKEN:
+            self.problems.add(entry.mark, f"{key} is {shown(entry.plain())}, expected a name")
+        return None

@@ -1,1 +1,0 @@
-"""Desired motions, as experiments name them; one module per kind of rig."""

@@ -1,0 +1,177 @@
+"""What devices can do, as protocols.
+
+Getters never block: they return the last reading, and the age says what it is worth.
+I/O happens in the cycle, when a device's bus is drained and its setpoints are sent.
+Everything is in SI units: m, rad, s, Pa (gauge). Vectors are tuples of floats, shape (n,).
+"""
+
+from typing import NamedTuple, Protocol
+
+from rig.hal.reading import Reading
+
+Vector = tuple[float, ...]
+
+
+class Device(Protocol):
+    """Something on the rig with a name and a life cycle."""
+
+    name: str
+
+    def connect(self) -> None:
+        """Find, identify, configure and read back; leave it safe and not energised.
+
+        Raises
+        ------
+        ConnectionFailed
+            It did not answer, is of the wrong type, or did not take a setting.
+        """
+        ...
+
+    def arm(self) -> None:
+        """Make it follow setpoints from now on (NMT operational, torque on, supply open)."""
+        ...
+
+    def check(self, now: float) -> None:
+        """Raise if the device is not well.
+
+        Raises
+        ------
+        DeviceFault
+            It reported a fault, fell silent, rebooted or behaves implausibly.
+        """
+        ...
+
+    def make_safe(self) -> None:
+        """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
+        ...
+
+    def close(self) -> None:
+        """Release it. Idempotent, and safe to call in any state."""
+        ...
+
+
+class PressureRegulator(Device, Protocol):
+    """Electro-pneumatic regulators, n channels."""
+
+    channels: tuple[str, ...]
+    pressure_range: tuple[float, float]
+
+    def pressure(self) -> Reading[Vector]:
+        """Return the monitored pressures, Pa gauge, shape (n,)."""
+        ...
+
+    def set_pressure(self, pressure: Vector) -> None:
+        """Take setpoints for this cycle, Pa gauge, shape (n,)."""
+        ...
+
+
+class SafePressure(Protocol):
+    """Regulators of which some keep their pressure in the safe state."""
+
+    def safe_pressure(self) -> Vector:
+        """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
+        ...
+
+
+class ChamberLocks(Protocol):
+    """Regulators with a valve between some of them and their chambers."""
+
+    lockable: tuple[bool, ...]
+    """Which of the channels have one."""
+
+    def lock(self, shut: tuple[bool, ...]) -> None:
+        """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.
+
+        What becomes of the chambers in the safe state is not changed by it.
+
+        Raises
+        ------
+        ValueError
+            A channel is to be shut that has no valve.
+        """
+        ...
+
+
+class LinearEncoder(Device, Protocol):
+    """Linear encoders, n channels."""
+
+    channels: tuple[str, ...]
+    stroke: float
+
+    def position(self) -> Reading[Vector]:
+        """Return the rod extensions, m, shape (n,), each within 0 … `stroke`."""
+        ...
+
+    def velocity(self) -> Reading[Vector]:
+        """Return the device's own velocities, m/s, shape (n,); often coarse."""
+        ...
+
+
+class Homeable(Protocol):
+    """A device whose zero must be found before use."""
+
+    def home(self) -> None:
+        """Find the zero."""
+        ...
+
+
+class Doubtful(Protocol):
+    """A device that may look wrong for a while before it is a fault."""
+
+    def doubt(self, now: float) -> str | None:
+        """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
+        ...
+
+
+class EmergencyStopInput(Protocol):
+    """A device that also reads the emergency-stop contact."""
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop is pressed (an open contact or broken wire is pressed)."""
+        ...
+
+
+class Markers(NamedTuple):
+    """Markers seen in one image; a marker that was not seen is absent, not zero.
+
+    `twists` are the rotations about the markers' normals beyond the shortest from the base's z
+    axis there, rad; it is empty if the markers do not show them, as discs do not.
+    """
+
+    ids: tuple[int, ...]
+    positions: tuple[tuple[float, float, float], ...]
+    twists: tuple[float, ...] = ()
+
+
+class MarkerCamera(Device, Protocol):
+    """A camera with its marker detector."""
+
+    def markers(self) -> Reading[Markers]:
+        """Return the newest markers; `t` is the middle of the exposure."""
+        ...
+
+
+class ServoBus(Device, Protocol):
+    """A chain of servo drives, n joints."""
+
+    axis_names: tuple[str, ...]
+
+    def positions(self) -> Reading[Vector]:
+        """Return the joint positions, rad, shape (n,)."""
+        ...
+
+    def velocities(self) -> Reading[Vector]:
+        """Return the drives' own joint velocities, rad/s, shape (n,); often coarse."""
+        ...
+
+    def command_positions(self, positions: Vector) -> None:
+        """Take position setpoints for this cycle, rad, shape (n,)."""
+        ...
+
+    def command_velocities(self, velocities: Vector) -> None:
+        """Take velocity setpoints for this cycle, rad/s, shape (n,)."""
+        ...
+
+    def set_torque_enabled(self, enabled: bool) -> None:
+        """Energise or release all joints."""
+        ...

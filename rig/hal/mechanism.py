@@ -1,0 +1,173 @@
+"""The seam between the loop, which is the same for every rig, and a mechanism."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, Protocol, TypeVar
+
+from rig.hal.columns import Column
+from rig.hal.errors import ConfigurationError
+from rig.hal.motion import Motion
+
+State = TypeVar("State")
+Reference = TypeVar("Reference")
+Command = TypeVar("Command")
+
+
+class Margin(NamedTuple):
+    """How far a quantity is from its limit: 1 is far, 0 is on it."""
+
+    name: str
+    fraction: float
+
+
+class Mechanism(Protocol[State, Reference, Command]):
+    """What the loop needs to know of a rig's mechanics.
+
+    The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
+    `write`, `row`.
+    """
+
+    columns: Sequence[Column]
+
+    @classmethod
+    def model_of(cls, settings: Any) -> Any:
+        """Return what the controllers are told of the mechanics, from the profile's settings."""
+        ...
+
+    @classmethod
+    def plan(
+        cls, settings: Any, reference: Any, controller: Any, period: float
+    ) -> Motion[Reference]:
+        """Turn what an experiment asks for into a motion, and refuse it if it cannot be.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        reference : object
+            The settings of the experiment's reference.
+        controller : Controller
+            The one that will follow the motion.
+        period : float
+            The loop's period, s.
+
+        Raises
+        ------
+        ValueError
+            With the instant, the quantity and the bound that make it impossible.
+        """
+        ...
+
+    @classmethod
+    def approach(cls, start: Reference, end: Reference, duration: float, t: float) -> Reference:
+        """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
+        ...
+
+    def read(self, now: float) -> State:
+        """Assemble one frozen state from the devices' last readings.
+
+        Raises
+        ------
+        StaleReading
+            A reading is older than its limit.
+        """
+        ...
+
+    def check(self, state: State, now: float) -> None:
+        """Raise if the state is not safe.
+
+        Raises
+        ------
+        LimitExceeded, EmergencyStop
+        """
+        ...
+
+    def resting_command(self, state: State) -> Command:
+        """Return the command that changes nothing: what the devices hold now."""
+        ...
+
+    def energised_command(self, state: State) -> Command:
+        """Return the command that energises without moving; control starts from it."""
+        ...
+
+    def released_command(self) -> Command:
+        """Return the command of the released rig, to which a stop leads."""
+        ...
+
+    def blend(self, start: Command, end: Command, share: float) -> Command:
+        """Return the command `share` (0 … 1) of the way from `start` to `end`."""
+        ...
+
+    def start_limiting(self, state: State) -> None:
+        """Make the measured state the one that the rate limit starts from."""
+        ...
+
+    def limit(self, command: Command) -> Command:
+        """Return the command that may be applied; the one choke point."""
+        ...
+
+    def write(self, applied: Command) -> None:
+        """Hand the applied command to the devices as this cycle's setpoints."""
+        ...
+
+    def row(
+        self, state: State, reference: Reference, command: Command, applied: Command
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        ...
+
+    def reference_of(self, state: State) -> Reference:
+        """Return the reference that the rig fulfils as it stands: no motion."""
+        ...
+
+    def worst_margin(self, state: State, applied: Command, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        ...
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        ...
+
+
+class Explaining(Protocol):
+    """A mechanism that knows more of a fault than the device or limit that showed it first."""
+
+    def explain(self, error: Exception, state: Any) -> Exception:
+        """Return the error with its cause, or as it is; called once, with that cycle's state."""
+        ...
+
+
+def pick_device(role: str, name: str, kind: type[Any], devices: Mapping[str, Any]) -> Any:
+    """Return the device of a role.
+
+    Parameters
+    ----------
+    role : str
+        Where the profile names it, for messages.
+    name : str
+        The device's name.
+    kind : type
+        A capability protocol of `rig.hal` that it must satisfy.
+    devices : mapping
+        The rig's devices by name.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such device, or it lacks the capability.
+    """
+    if name not in devices:
+        raise ConfigurationError(
+            f"{role}: no device is called {name!r}; there are {', '.join(devices)}"
+        )
+    device = devices[name]
+    lacking = sorted(
+        member
+        for base in kind.__mro__
+        for member in (*vars(base), *vars(base).get("__annotations__", ()))
+        if not member.startswith("_") and not hasattr(device, member)
+    )
+    if lacking:
+        raise ConfigurationError(
+            f"{role}: {name} is no {kind.__name__}: it has no {', '.join(lacking)}"
+        )
+    return device

@@ -1,0 +1,1 @@
+"""A six-joint U-R-S arm on servo drives."""

@@ -1,0 +1,239 @@
+"""An arm's laws on one path: the rates they ask for, and where each of them loses."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rig.experiment.metrics import facts_from_json
+from rig.hal.motion import Fact
+from rig.mechanisms.arm.figures import JOINTS, geometry_of, mark_region
+from rig.report.comparison import Comparison, write_value
+from rig.report.data import RunData
+from rig.report.envelope import envelope
+from rig.report.figure import TIME_LABEL
+from rig.report.style import GREY, INK, PAGE, PALETTE, VERMILION, new_figure
+from rig.run_folder import EVALUATION
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_OUTCOMES = ("done", "halts", "stalls")
+_SHOWN = 2.4
+"""Rates are drawn up to so many times the limit."""
+_SINGULARITIES = ("elbow", "shoulder", "wrist")
+
+
+class _Row(NamedTuple):
+    """A row of the table that is a fact.
+
+    Parameters
+    ----------
+    name, fact, unit : str
+        In the table; of the run; SI unit.
+    """
+
+    name: str
+    fact: str
+    unit: str
+
+
+_ROWS = (
+    *(_Row(f"peak_rate_{joint}", f"peak_rate_{joint}", "rad/s") for joint in JOINTS),
+    _Row("peak_acceleration", "peak_acceleration", "rad/s^2"),
+    _Row("path_deviation", "path_deviation", "m"),
+    _Row("closest_boundary", "closest_boundary", "m"),
+    _Row("closest_shoulder (c)", "closest_shoulder", "m"),
+    _Row("closest_wrist (S5)", "closest_wrist", ""),
+    _Row("time_crossing", "time_crossing", "s"),
+    _Row("time_end", "time_end", "s"),
+    _Row("time_over_optimum", "time_over_optimum", ""),
+)
+
+
+class _Cost(NamedTuple):
+    """A panel of bars on a logarithmic scale.
+
+    Parameters
+    ----------
+    title : str
+        With the unit.
+    factor : float
+        From SI to that unit.
+    floor : float
+        In that unit; less is as good as nothing.
+    bound : float, optional
+        In that unit; drawn as a line.
+    linear : bool
+        On a linear scale instead.
+    """
+
+    title: str
+    factor: float
+    floor: float
+    bound: float | None = None
+    linear: bool = False
+
+
+def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the table: facts of the commanded motion, what is measured, and how each law ends."""
+    del labels
+    facts = [_facts(run) for run in runs]
+    rows = [
+        _as_row(row.name, row.unit, [_value(known, row.fact) for known in facts]) for row in _ROWS
+    ]
+    measured = [_metric(run, "path_deviation_measured") for run in runs]
+    place = next(k for k, row in enumerate(rows) if row["name"] == "path_deviation")
+    rows.insert(place + 1, _as_row("path_deviation_measured", "m", measured))
+    crosses = [_crossed(known) for known in facts]
+    ends = [_outcome(known) for known in facts]
+    rows.append({**_as_row("crosses", "", crosses), "refused": None})
+    rows.append({**_as_row("ends", "", ends), "refused": "refuses"})
+    return rows
+
+
+def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
+    """Draw each law's rates over time, as shares of the limits, beside what the law costs."""
+    figure = new_figure(PAGE, 24.0 + 23.0 * max(len(runs), 4))
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.6, 1.0])
+    over_time, costs = halves
+    panels = over_time.subplots(len(runs), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    facts = [_facts(run) for run in runs]
+    for axes, run, label, known in zip(panels, runs, labels, facts, strict=True):
+        _draw_rates(axes, run)
+        axes.set_title(f"{label}: {_in_words(known)}", loc="left", pad=2.0)
+    panels[0].set_xlim(0.0, max(float(run.t[run.followed][-1]) for run in runs))
+    panels[0].set_ylim(-_SHOWN, _SHOWN)
+    panels[-1].set_xlabel(TIME_LABEL)
+    over_time.supylabel("joint rate over its limit", fontsize=8.5)
+    panels[0].legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.16), ncols=6, frameon=False, borderaxespad=0.0
+    )
+    limits = geometry_of(runs[0])["rate_limits"]
+    shares = [
+        max(known[f"peak_rate_{j}"].value / limit for j, limit in zip(JOINTS, limits, strict=True))
+        for known in facts
+    ]
+    ends = [_outcome(known) for known in facts]
+    whole = ["" if end == "done" else end for end in ends]
+    nearest, approaches = _closest(runs, facts)
+    panels_of_costs: list[tuple[_Cost, list[float], list[str]]] = [
+        (_Cost("peak rate over its limit", 1.0, 1e-2, 1.0), shares, [""] * len(runs)),
+        (
+            _Cost("off the path (mm)", 1e3, 1e-3),
+            [known["path_deviation"].value for known in facts],
+            [""] * len(runs),
+        ),
+        (
+            _Cost("off the path, measured (mm)", 1e3, 1e-3, 1.0),
+            [_metric(run, "path_deviation_measured") or np.nan for run in runs],
+            [""] * len(runs),
+        ),
+        (nearest, approaches, [""] * len(runs)),
+        (
+            _Cost("time over the least one", 1.0, 0.0, 1.0, linear=True),
+            [known["time_over_optimum"].value for known in facts],
+            whole,
+        ),
+    ]
+    for axes, (cost, values, texts) in zip(
+        costs.subplots(len(panels_of_costs), 1), panels_of_costs, strict=True
+    ):
+        _draw_cost(axes, cost, np.array(values, float), texts, labels)
+    return figure
+
+
+def _draw_rates(axes: "Axes", run: RunData) -> None:
+    t = run.t[run.followed]
+    for bound in (-1.0, 1.0):
+        axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+    limits = geometry_of(run)["rate_limits"]
+    for joint, limit, color in zip(JOINTS, limits, PALETTE, strict=True):
+        rate = run.log.column(f"command.velocity_{joint}")[run.followed]
+        axes.plot(*envelope(t, rate / limit), color=color, lw=0.8, label=joint)
+    mark_region(axes, run)
+
+
+def _draw_cost(
+    axes: "Axes", cost: _Cost, values: Any, texts: Sequence[str], labels: Sequence[str]
+) -> None:
+    values = np.where(np.isfinite(values), values * cost.factor, np.nan)
+    shown = np.maximum(values, cost.floor)
+    lengths = np.where(values > cost.floor, shown, 0.0)
+    axes.barh(range(len(values)), np.nan_to_num(lengths), 0.7, color=GREY)
+    for row, (value, end, text) in enumerate(zip(values, shown, texts, strict=True)):
+        if text:
+            write_value(axes, text, cost.floor, row)
+        elif np.isfinite(value):
+            write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
+    if cost.bound is not None:
+        axes.axvline(cost.bound, color=INK, lw=0.8, ls=(0, (3, 1.5)))
+    most = float(np.nanmax(shown)) if np.isfinite(shown).any() else 1.0
+    if cost.linear:
+        axes.set_xlim(left=0.0, right=1.25 * max(most, cost.bound or 0.0))
+    else:
+        # Limits first: where nothing is above the floor, there is nothing to scale to.
+        axes.set_xlim(left=0.7 * cost.floor, right=max(6.0 * most, 3.0 * (cost.bound or 0.0)))
+        axes.set_xscale("log")
+    axes.set_yticks(range(len(values)), labels=labels)
+    axes.tick_params(axis="y", labelsize=6.5, length=0)
+    axes.invert_yaxis()
+    axes.minorticks_off()
+    axes.grid(axis="y", visible=False)
+    axes.set_title(cost.title, loc="left", pad=2.0)
+
+
+def _facts(run: RunData) -> dict[str, Fact]:
+    return facts_from_json(run.folder.read_json(EVALUATION))
+
+
+def _value(facts: dict[str, Fact], name: str) -> float | None:
+    value = facts[name].value
+    return value if np.isfinite(value) else None
+
+
+def _metric(run: RunData, name: str) -> float | None:
+    return next((m["value"] for m in run.metrics if m["name"] == name), None)
+
+
+def _crossed(facts: dict[str, Fact]) -> str:
+    crossed = [name for name in _SINGULARITIES if facts[f"crosses_{name}"].value]
+    return " and ".join(crossed) or "no"
+
+
+def _outcome(facts: dict[str, Fact]) -> str:
+    return _OUTCOMES[round(facts["outcome"].value)]
+
+
+def _in_words(facts: dict[str, Fact]) -> str:
+    """Return what became of the motion."""
+    outcome, crossed = _outcome(facts), _crossed(facts)
+    text = outcome if outcome != "done" else f"{facts['time_end'].value:.2f} s"
+    return text if crossed == "no" else f"{text}, crosses the singularity of the {crossed}"
+
+
+def _closest(
+    runs: Sequence[RunData], facts: Sequence[dict[str, Fact]]
+) -> tuple[_Cost, list[float]]:
+    """Return how near each law comes to the singularity that the path is about."""
+    geometry = geometry_of(runs[0])
+    reach = geometry["a2"] + geometry["a3"]
+    offered = (
+        ("closest_boundary", reach, _Cost("closest to the boundary (mm)", 1e3, 1e-2)),
+        ("closest_shoulder", reach, _Cost("closest to the axis of q1, |c| (mm)", 1e3, 1e-2)),
+        ("closest_wrist", 1.0, _Cost("closest to the wrist's, |sin q5|", 1.0, 1e-5)),
+    )
+    name, _, cost = min(
+        offered, key=lambda entry: min(known[entry[0]].value for known in facts) / entry[1]
+    )
+    return cost, [known[name].value for known in facts]
+
+
+def _as_row(name: str, unit: str, values: Sequence[Any]) -> dict[str, Any]:
+    return {"name": name, "unit": unit, "bound": None, "bound_kind": None, "values": list(values)}
+
+
+ARM_COMPARISON = Comparison(
+    lambda run: run.has("plan.index_elbow", "command.velocity_q1"), draw_laws, tabulate_laws
+)

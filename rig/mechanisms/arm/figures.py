@@ -1,0 +1,231 @@
+"""The figures of the arm, as its paper draws them and beyond."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rig.report.data import RunData
+from rig.report.figure import FigureKind, draw_line, finish_time_axis
+from rig.report.style import (
+    BLUE,
+    GREY,
+    INK,
+    PAGE,
+    VERMILION,
+    new_figure,
+    place_legend,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
+_INDICES = (
+    ("index_shoulder", "shoulder: $c$ (m)"),
+    ("index_elbow", "elbow: $S_3$"),
+    ("index_wrist", "wrist: $S_5$"),
+)
+_POSTURES = 9
+_POINTS = ("plan.elbow", "plan.wrist", "reference.hand")
+
+
+def draw_rates(run: RunData) -> "Figure | None":
+    """Draw the commanded joint rates with their limits (as in the paper's Fig. 4 and 6)."""
+    if not run.has("command.velocity_q1", "reading.velocity_q1", "plan.index_elbow"):
+        return None
+    figure = new_figure(PAGE, 92.0)
+    panels = figure.subplots(2, 3, sharex=True)
+    part = run.followed
+    t = run.t[part]
+    limits = geometry_of(run)["rate_limits"]
+    for axes, name, limit in zip(panels.flat, JOINTS, limits, strict=True):
+        measured = run.log.column(f"reading.velocity_{name}")[part]
+        commanded = run.log.column(f"command.velocity_{name}")[part]
+        draw_line(axes, t, measured, GREY, "measured", lw=0.6)
+        draw_line(axes, t, commanded, BLUE, "commanded", lw=0.9)
+        for bound in (-limit, limit):
+            axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+        mark_region(axes, run)
+        finish_time_axis(axes, t, f"{name} (rad/s)")
+        # A spike beyond three times the permitted rate does not set the scale.
+        extent = min(max(1.2, 1.1 * float(np.abs(commanded).max()) / limit), 3.0) * limit
+        axes.set_ylim(-extent, extent)
+        axes.set_xlabel("")
+    for axes in panels[-1]:
+        axes.set_xlabel("time (s)")
+    place_legend(panels[0, 2], 2)
+    return figure
+
+
+def draw_indices(run: RunData) -> "Figure | None":
+    """Draw the singularity indices of shoulder, elbow and wrist, planned and measured."""
+    if not run.has(*(f"{of}.{name}" for name, _ in _INDICES for of in ("plan", "reading"))):
+        return None
+    figure = new_figure(PAGE, 50.0)
+    panels = figure.subplots(1, 3)
+    part = run.followed
+    t = run.t[part]
+    for axes, (name, label) in zip(panels, _INDICES, strict=True):
+        axes.axhline(0.0, color=GREY, lw=0.6)
+        draw_line(axes, t, run.log.column(f"reading.{name}")[part], GREY, "measured", lw=2.0)
+        draw_line(axes, t, run.log.column(f"plan.{name}")[part], BLUE, "commanded", lw=0.9)
+        mark_region(axes, run)
+        finish_time_axis(axes, t, label)
+        axes.set_xlabel("time (s)")
+        _keep_above_noise(axes, 2e-3)
+    place_legend(panels[0], 2)
+    return figure
+
+
+def draw_hand(run: RunData) -> "Figure | None":
+    """Draw the hand's velocity and angular velocity against what the path asks for."""
+    if not run.has("plan.twist_vx", "plan.asked_vx", "reading.twist_vx"):
+        return None
+    figure = new_figure(PAGE, 88.0)
+    panels = figure.subplots(2, 3, sharex=True, sharey="row")
+    part = run.followed
+    t = run.t[part]
+    kinds = (("v", "v", "m/s"), ("w", r"\omega", "rad/s"))
+    for row, (letter, symbol, unit) in zip(panels, kinds, strict=True):
+        extent = 0.0
+        for axes, axis in zip(row, "xyz", strict=True):
+            name = f"{letter}{axis}"
+            planned = run.log.column(f"plan.twist_{name}")[part]
+            asked = run.log.column(f"plan.asked_{name}")[part]
+            measured = run.log.column(f"reading.twist_{name}")[part]
+            draw_line(axes, t, measured, GREY, "measured", lw=1.2)
+            draw_line(axes, t, planned, BLUE, "commanded, scaled by b", lw=0.9)
+            draw_line(axes, t, asked, INK, "asked for by the path", lw=0.7, ls=(0, (4, 2)))
+            mark_region(axes, run)
+            finish_time_axis(axes, t, f"${symbol}_{axis}$ ({unit})")
+            axes.set_xlabel("")
+            extent = max(extent, *(float(np.abs(x).max()) for x in (planned, asked)))
+        row[0].set_ylim(*(sign * max(1.25 * extent, 0.02) for sign in (-1.0, 1.0)))
+    for axes in panels[-1]:
+        axes.set_xlabel("time (s)")
+    figure.legend(
+        handles=panels[0, 0].get_legend_handles_labels()[0],
+        loc="outside upper right",
+        ncols=3,
+        frameon=False,
+    )
+    return figure
+
+
+def draw_inside(run: RunData) -> "Figure | None":
+    """Draw how far the wrist is inside the boundary, and how far the hand is off its path."""
+    if not run.has("plan.inside", "plan.path_x"):
+        return None
+    figure = new_figure(PAGE, 58.0)
+    left, right = figure.subplots(1, 2)
+    part = run.followed
+    t = run.t[part]
+    draw_line(left, t, run.log.column("plan.inside")[part] * 1e3, BLUE, "wrist centre")
+    mark_region(left, run)
+    finish_time_axis(left, t, "inside the boundary (mm)")
+    left.set_xlabel("time (s)")
+    source = "truth" if run.has("truth.hand_x") else "reading"
+    hand, place, path = (
+        np.column_stack([run.log.column(f"{name}_{axis}")[part] for axis in "xyz"])
+        for name in (f"{source}.hand", "reference.hand", "plan.path")
+    )
+    error = hand - path
+    ahead = np.gradient(path, axis=0)
+    size = np.linalg.norm(ahead, axis=1, keepdims=True)
+    unit = np.divide(ahead, size, out=np.zeros_like(ahead), where=size > 1e-12)
+    along = ((hand - place) * unit).sum(axis=1)
+    across = np.linalg.norm(error - (error * unit).sum(axis=1)[:, None] * unit, axis=1)
+    draw_line(right, t, along * 1e3, GREY, "along the path", lw=0.7)
+    draw_line(right, t, across * 1e3, VERMILION, "off the path", lw=0.9)
+    mark_region(right, run)
+    finish_time_axis(right, t, "hand off its place (mm)")
+    right.set_xlabel("time (s)")
+    place_legend(right, 2)
+    return figure
+
+
+def draw_arm(run: RunData) -> "Figure | None":
+    """Draw the arm along its path, from the side and from above."""
+    if not run.has("plan.elbow_x", "plan.wrist_x", "reference.hand_x"):
+        return None
+    figure = new_figure(PAGE, 84.0)
+    side, above = figure.subplots(1, 2)
+    followed = np.flatnonzero(run.followed)
+    chosen = followed[np.linspace(0, len(followed) - 1, _POSTURES).astype(int)]
+    geometry = geometry_of(run)
+    base = float(geometry["base_height"])
+    for number, k in enumerate(chosen):
+        points = np.array([(0.0, 0.0, base), *(_point(run, name, int(k)) for name in _POINTS)])
+        shade = 0.85 - 0.75 * number / (_POSTURES - 1)
+        color = (shade, shade, shade)
+        side.plot(points[:, 0], points[:, 2], "-o", ms=2.0, lw=1.2, color=color)
+        above.plot(points[:, 0], points[:, 1], "-o", ms=2.0, lw=1.2, color=color)
+    x, y, z = (run.log.column(f"reference.hand_{axis}")[run.followed] for axis in "xyz")
+    side.plot(x, z, color=VERMILION, lw=1.2, label="path of the hand")
+    above.plot(x, y, color=VERMILION, lw=1.2, label="path of the hand")
+    _draw_boundary(side, base, geometry)
+    for axes, label in ((side, "z (m)"), (above, "y (m)")):
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_xlabel("x (m)")
+        axes.set_ylabel(label)
+    above.plot([], [], "-o", ms=2.0, color="#555555", label="arm, light to dark")
+    handles = [*above.get_legend_handles_labels()[0], *side.get_legend_handles_labels()[0][1:]]
+    figure.legend(handles=handles, loc="outside upper right", ncols=3, frameon=False)
+    return figure
+
+
+def _draw_boundary(axes: Any, base: float, geometry: dict[str, Any]) -> None:
+    """Draw how far the wrist can get, as far as the picture reaches."""
+    from matplotlib.patches import Circle
+
+    reach = geometry["a2"] + float(np.hypot(geometry["a3"], geometry["elbow_offset"]))
+    edge = Circle((0.0, base), reach, fill=False, ec=GREY, lw=0.7, ls=(0, (2, 2)))
+    axes.add_artist(edge)  # as an artist, not a patch: it does not set the scale
+    axes.plot([], [], color=GREY, lw=0.7, ls=(0, (2, 2)), label="reach of the wrist")
+
+
+def _point(run: RunData, name: str, sample: int) -> tuple[float, float, float]:
+    x, y, z = (float(run.log.column(f"{name}_{axis}")[sample]) for axis in "xyz")
+    return x, y, z
+
+
+def mark_region(axes: Any, run: RunData) -> None:
+    """Mark where the singular region is entered and left, as the paper does, by black lines."""
+    for segment in run.segments:
+        if segment.name == "region":
+            for instant in (segment.start, segment.end):
+                axes.axvline(instant, color=INK, lw=0.8)
+
+
+def _keep_above_noise(axes: Any, least: float) -> None:
+    """Widen an axis on which nothing happens, so that rounding does not look like a signal."""
+    low, high = axes.get_ylim()
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
+
+
+def geometry_of(run: RunData) -> dict[str, Any]:
+    """Return the arm's dimensions and limits from the run's own profile."""
+    import yaml
+
+    profile = yaml.safe_load((run.folder.path / "profile.yaml").read_text(encoding="utf-8"))
+    geometry: dict[str, Any] = profile["arm"]["geometry"]
+    return geometry
+
+
+ARM_FIGURES = {
+    "rates": FigureKind(
+        draw_rates, "Joint rates; limits dashed, black lines where the region is entered and left."
+    ),
+    "indices": FigureKind(draw_indices, "Singularity indices of shoulder, elbow and wrist."),
+    "hand": FigureKind(
+        draw_hand,
+        "Velocity and angular velocity of the hand against what the path asks for; black lines "
+        "where the region is entered and left.",
+    ),
+    "inside": FigureKind(
+        draw_inside, "Wrist centre inside the workspace's boundary; hand off its place."
+    ),
+    "arm": FigureKind(draw_arm, "The arm along its path from the side and from above."),
+}

@@ -1,0 +1,195 @@
+"""A U-R-S arm of six joints on servo drives."""
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import numpy as np
+
+from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.kinematics import (
+    dimensions_of,
+    forward,
+    hand_twist,
+    link_points,
+    singularity_indices,
+)
+from controllers.arm.paths import ArmPathSettings
+from controllers.arm.plan import ArmPlan
+from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from rig.hal.columns import Column
+from rig.hal.motion import Fact, Segment
+from rig.mechanisms.arm.facts import INDICES, facts_of_plan
+from rig.mechanisms.arm.settings import ArmSettings
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+
+SETTLING = 0.25
+"""For how long the end of the motion is held before the run ends, s: the arm gets there later."""
+_TWIST = (
+    *((f"v{axis}", "m/s") for axis in "xyz"),
+    *((f"w{axis}", "rad/s") for axis in "xyz"),
+)
+"""The hand's velocity and angular velocity, base axes: names and units."""
+_NOTHING_PLANNED = (0.0,) * 30
+
+
+class PlannedArmMotion:
+    """A plan of a law as the loop follows it, with what is known of it beforehand."""
+
+    waits = True
+    """A late cycle holds the motion: what a law has not commanded must not be left out."""
+
+    def __init__(self, plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -> None:
+        self.plan = plan
+        arm = dimensions_of(geometry)
+        points = [link_points(arm, tuple(q)) for q in plan.positions.tolist()]
+        self._rows: list[tuple[float, ...]] = [
+            tuple(row)
+            for row in np.column_stack(
+                [
+                    plan.hand,
+                    np.array([point[2] for point in points]),
+                    np.array([point[3] for point in points]),
+                    plan.twist,
+                    plan.command,
+                    plan.indices,
+                    plan.scale,
+                    plan.inside,
+                    plan.path,
+                ]
+            ).tolist()
+        ]
+        self.facts: Mapping[str, Fact] = facts_of_plan(plan, geometry, path)
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s: whole periods, and `SETTLING`."""
+        return float(self.plan.t[-1]) + SETTLING
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The whole motion, the path without the settling, and the law's region if it has one."""
+        # A law that halts where it starts has one cycle.
+        end = max(min(self.plan.duration, float(self.plan.t[-1])), self.plan.period)
+        whole = (Segment("all", 0.0, self.duration), Segment("path", 0.0, end))
+        region = self.plan.marks.get("region", ())
+        if len(region) < 2:
+            return whole
+        return (*whole, Segment("region", region[0], min(region[1], self.duration)))
+
+    def at(self, t: float) -> ArmReference:
+        """Return what the arm should do at `t`."""
+        plan = self.plan
+        if t > plan.t[-1] + 0.5 * plan.period:
+            return plan.at(float(plan.t[-1]))._replace(velocities=(0.0,) * 6)
+        return plan.at(t)
+
+    def sample(self, number: int) -> tuple[float, ...]:
+        """Return the plan's columns of a cycle."""
+        return self._rows[min(max(number, 0), len(self._rows) - 1)]
+
+
+class Arm(ServoAxes):
+    """The loop's view of the arm.
+
+    Parameters
+    ----------
+    settings : ArmSettings
+        Geometry and limits.
+    devices : mapping
+        The rig's devices by name.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices do not have each of the six joints exactly once.
+    """
+
+    Settings = ArmSettings
+
+    columns = (
+        *servo_columns(JOINT_NAMES),
+        *(Column(f"reading.hand_{axis}", "m", "hand by the measured joints") for axis in "xyz"),
+        *(Column(f"reading.twist_{name}", unit, "of the hand, measured") for name, unit in _TWIST),
+        *(
+            Column(f"reading.index_{name}", unit or "1", "singularity index, measured")
+            for name, unit in INDICES
+        ),
+        *(Column(f"reference.hand_{axis}", "m", "planned hand") for axis in "xyz"),
+        *(Column(f"plan.elbow_{axis}", "m", "planned elbow") for axis in "xyz"),
+        *(Column(f"plan.wrist_{axis}", "m", "planned wrist centre") for axis in "xyz"),
+        *(Column(f"plan.twist_{name}", unit, "planned, of the hand") for name, unit in _TWIST),
+        *(Column(f"plan.asked_{name}", unit, "what the path asks for") for name, unit in _TWIST),
+        *(Column(f"plan.index_{name}", unit or "1", "singularity index") for name, unit in INDICES),
+        Column("plan.scale", "1", "b, of the hand's velocity"),
+        Column("plan.scale_turn", "1", "b², of the hand's angular velocity"),
+        Column("plan.inside", "m", "wrist centre inside the boundary of the workspace"),
+        *(Column(f"plan.path_{axis}", "m", "nearest place of the path") for axis in "xyz"),
+    )
+
+    def __init__(self, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> None:
+        geometry = settings.geometry
+        super().__init__(
+            AxisLimits(
+                JOINT_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
+            ),
+            settings.limits,
+            *self.pick("arm", settings, devices),
+            Kinds(ArmState, ArmReference, ArmCommand),
+            period,
+        )
+        self.settings = settings
+        self.controller: Any = None
+        self.motion: PlannedArmMotion | None = None
+        self._arm = dimensions_of(geometry)
+        self._followed = 0
+        self.stopping_time = max(geometry.rate_limits) / settings.limits.acceleration + SETTLING
+
+    @classmethod
+    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> "Arm":
+        """Pick the devices that the settings name."""
+        return cls(settings, devices, period)
+
+    @classmethod
+    def model_of(cls, settings: ArmSettings) -> ArmGeometry:
+        """Return what the laws are told of the arm."""
+        return settings.geometry
+
+    @classmethod
+    def plan(
+        cls, settings: ArmSettings, reference: Any, controller: Any, period: float
+    ) -> PlannedArmMotion:
+        """Have the law work out the whole motion; see `Mechanism.plan`."""
+        if not isinstance(reference, get_args(ArmPathSettings)):
+            raise ValueError("the reference is not one for an arm")
+        return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
+
+    @classmethod
+    def approach(
+        cls, start: ArmReference, end: ArmReference, duration: float, t: float
+    ) -> ArmReference:
+        """Return the minimum-jerk way between two postures at `t`."""
+        reference: ArmReference = cls.approach_joints(ArmReference, start, end, duration, t)
+        return reference
+
+    def start_limiting(self, state: Any) -> None:
+        """See `ServoAxes.start_limiting`."""
+        super().start_limiting(state)
+        self._followed = 0
+
+    def row(
+        self, state: ArmState, reference: ArmReference, command: ArmCommand, applied: ArmCommand
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        motion, arm, q = self.motion, self._arm, state.positions
+        planned = motion.sample(self._followed) if motion is not None else _NOTHING_PLANNED
+        if reference.following:
+            self._followed += 1
+        return (
+            *self.joint_row(state, reference, command, applied),
+            *forward(arm, q).position,
+            *hand_twist(arm, q, state.velocities),
+            *singularity_indices(arm, q),
+            *planned,
+        )

@@ -1,0 +1,60 @@
+"""What a profile says of a six-joint arm."""
+
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+from annotated_types import Ge, Gt, Interval, MinLen, Unit
+
+from controllers.arm.geometry import ArmGeometry
+from rig.mechanisms.servo.settings import ServoLimits
+
+
+@dataclass(frozen=True, slots=True)
+class HandMetrology:
+    """How the hand's positions are measured when the arm is calibrated.
+
+    Parameters
+    ----------
+    accuracy : float
+        Standard uncertainty of each coordinate, m.
+    marker_accuracy : float
+        To which the marker's place on the hand is known, along each axis, m.
+    frame : str
+        ``base``: the instrument was aligned to the base, and its axes define the zero of q1
+        and the height of the base. ``free``: it stands anywhere, and these two are not seen.
+    poses : int
+        How many are measured for the lengths.
+    dwell : float
+        How long each one is held, s: as long as it takes to measure it.
+    """
+
+    accuracy: Annotated[float, Unit("m"), Gt(0)] = 50e-6
+    marker_accuracy: Annotated[float, Unit("m"), Ge(0)] = 20e-6
+    frame: Literal["base", "free"] = "base"
+    poses: Annotated[int, Interval(ge=10, le=200)] = 24
+    dwell: Annotated[float, Unit("s"), Interval(ge=0.5, le=600)] = 1.2
+
+
+@dataclass(frozen=True, slots=True)
+class ArmSettings:
+    """A U-R-S arm: which devices, what geometry, which limits.
+
+    Parameters
+    ----------
+    servos : tuple of str
+        Devices; together they have q1 … q6 once.
+    limits : ServoLimits
+        What the loop never permits, beside the joint limits of the geometry.
+    geometry : ArmGeometry
+        Dimensions, joint ranges, rates and accelerations.
+    metrology : HandMetrology
+        How the hand's positions are measured in a calibration.
+    emergency_stop : str, optional
+        The device that reads the emergency-stop contact.
+    """
+
+    servos: Annotated[tuple[str, ...], MinLen(1)]
+    limits: ServoLimits
+    geometry: ArmGeometry = field(default_factory=ArmGeometry)
+    metrology: HandMetrology = field(default_factory=HandMetrology)
+    emergency_stop: str | None = None

@@ -1,0 +1,1 @@
+"""One antagonistic pair of pneumatic cylinders."""

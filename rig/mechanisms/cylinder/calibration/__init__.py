@@ -1,0 +1,1 @@
+"""Procedures that only a single pair has."""

@@ -1,0 +1,314 @@
+"""Friction of a pair: breakaway, Coulomb, viscous and Stribeck, from glides.
+
+In each glide (`rig.mechanisms.cylinder.calibration.glides`) the force of the chambers rises until
+the pair breaks away, and the pair then slides ever more slowly until it sticks. While it slides,
+
+    f = c_0 + (F_c + D (T - T_0) + F_s exp(-(v / v_s)^2)) sgn v + B v + M a,
+
+T being the sum of the two tensions, T_0 that at base pressure; the mean pressure differs from glide
+to glide, so that D, what grows with it, is no part of the rest. The greatest force before the pair
+moves, its breakaway, is taken as the same with v = 0, F_c + F_s.
+
+Steady sliding does not exist at all speeds. Where friction falls with the speed by more than the
+viscous part of the same seals grows, a pair runs away from any speed within a millisecond, which
+no regulator can hold; for standard seals this is below 1.7 v_s. What is left of the effect above
+is a few hundredths of F_s. By itself that tells v_s to 3 to 10 %; with F_s from the breakaway it
+tells more, if seals have the shape that is written above. But breakaway and F_c + F_s are not quite
+the same: bristles that still bend, and slide a little as they do, let the pair go too soon, and the
+chambers gain force until it is seen to move. Under 20 N/s either is 1 to 1.5 % at most, as the
+force shows between a creep of 2 mm/s and 5 mm/s, and they oppose each other. Each is taken to lie
+anywhere between nothing and 1.5 % of the breakaway, and so enters the interval of v_s beside what
+the glides' scatter says (a type B evaluation; the interval is that of drawn sums). Where the pair
+slides on without its friction turning up, v_s is not told.
+
+Each glide is a block of its own: its samples depend on each other, and the intervals are robust
+against that.
+
+References
+----------
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7; JCGM 101:2008.
+H. Olsson, K. J. Åström, C. Canudas de Wit, M. Gäfvert and P. Lischinsky, "Friction models and
+friction compensation", European J. Control 4(3), 1998, pp. 176-195: the shape.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from rig.assembly import make_controller
+from rig.assembly.registry import REGISTRY
+from rig.calibration.error_sums import half_width
+from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.instruments import Instrument
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Profile
+from rig.mechanisms.cylinder.calibration.glides import Glides, Gliding
+from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
+from rig.mechanisms.pneumatic.calibration.pneumatics import mover, reach, relaxed
+from rig.mechanisms.pneumatic.calibration.sliding_samples import bump_of, smooth
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_BASES: Final = (1.0, 0.8, 1.2, 0.9, 1.1)
+_SHARE: Final = 0.8
+"""Of the permitted positions that the glides use."""
+
+_BUMP: Final = 0.041
+"""Width of the bump that glides are weighed with, s: they change slowly."""
+
+_MOVING: Final = 5e-3
+_EVEN: Final = 2.5
+"""A pair that changes its speed by a larger share of it in a second is breaking away or being
+caught: seals need tens of micrometres to settle on a new speed's friction, 1/s."""
+
+_THIN: Final = 14
+_LEAST_ROWS: Final = 10
+_TOLD: Final = 0.4
+"""A Stribeck velocity is told if its interval is no wider than this share of it either way."""
+
+_APART: Final = 0.015
+"""By this share of it at most a pair is let go too soon, or seen to move too late."""
+
+_BOUND: Final = 0.2
+"""rms of the residuals, N."""
+
+
+class _Glides(NamedTuple):
+    """What the pair did in all glides, forwards being where each went; one element per row.
+
+    Parameters
+    ----------
+    glide : ndarray
+        Its number.
+    side : ndarray
+        +1 or -1.
+    force, velocity, acceleration : ndarray
+        N, m/s and m/s². Velocity and acceleration are 0 where it was about to break away.
+    load : ndarray
+        Sum of the tensions less that at base pressure, N.
+    """
+
+    glide: "Array"
+    side: "Array"
+    force: "Array"
+    velocity: "Array"
+    acceleration: "Array"
+    load: "Array"
+
+
+class PairFriction:
+    """Breakaway, Coulomb, viscous and Stribeck friction of a pair."""
+
+    name = "friction"
+    title = "friction of the pair: breakaway, Coulomb, viscous, Stribeck"
+    mechanisms = ("cylinder",)
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the mechanism's file."""
+        return (profile.mechanism,)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return none: monitors and encoders measure it."""
+        return ()
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the glides; those of a run that was broken off are done again."""
+        glides = _glides(profile)
+        wider, notes = relaxed(profile)
+        wider, name = mover(wider)
+        model = REGISTRY.load("mechanism", profile.mechanism).model_of(wider.mechanism_settings)
+        motion = Gliding(glides, make_controller(wider, name), model)
+        return Excitation(glides, motion, motion, name, wider, notes, approach=2.5)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Fit all glides as one."""
+        glides = _glides(profile)
+        recording.require(segment.name for segment in glides.segments)
+        rows = _rows(profile, recording, glides)
+        found, told, notes = _fit(profile, rows)
+        growth = [0.0] * len(found.values)
+        growth[0] = growth[4] = 1.0
+        breakaway = float(found.values[0] + found.values[4])
+        estimates: list[Estimate] = [
+            found.parameter(0, "friction.coulomb", "N"),
+            found.parameter(1, "friction.viscous", "N s/m"),
+            found.estimate("friction.breakaway", "N", growth, breakaway),
+        ]
+        coulomb, viscous = max(float(found.values[0]), 0.0), max(float(found.values[1]), 0.0)
+        values = {
+            "coulomb": quantity(coulomb, "N"),
+            "breakaway": quantity(max(breakaway, coulomb), "N"),
+            "viscous": quantity(viscous, "N s/m"),
+        }
+        if told is not None:
+            estimates.append(told)
+            values["stribeck_velocity"] = quantity(told.value, "m/s")
+        return (
+            Finding(
+                profile.mechanism, {"friction": values}, estimates, found.residuals, "N", _BOUND,
+                len(list(glides.glides())), (_panel(profile, rows, found),), notes=notes,
+            ),
+        )  # fmt: skip
+
+
+def _glides(profile: Profile) -> Glides:
+    base = profile.mechanism_settings.base_pressure
+    return Glides(reach(profile, _SHARE), tuple(share * base for share in _BASES))
+
+
+def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
+    """Return where the pair slides evenly, and where each glide breaks away.
+
+    Raises
+    ------
+    CalibrationRefused
+        It did not move, or hardly.
+    """
+    period, settings = profile.loop.period, profile.mechanism_settings
+    usual = 2.0 * settings.area * settings.base_pressure
+    width = len(bump_of(period, _BUMP)[0])
+    rows: list[tuple[float, ...]] = []
+    for number, glide in enumerate(glides.glides()):
+        (pair,) = pairs_of(profile, recording[glide.name])
+        sharp = smooth(pair.force, pair.position, pair.load, period)
+        way = glide.side * float(pair.position[-1] - pair.position[0])
+        signals = smooth(pair.force, pair.position, pair.load, period, _BUMP)
+        pull, velocity, acceleration = (
+            glide.side * x for x in (signals.force, signals.velocity, signals.acceleration)
+        )
+        moving = np.flatnonzero(velocity > _MOVING)
+        if not len(moving) or way < 0.3 * glides.travel:
+            raise CalibrationRefused(
+                f"{glide.name}: the pair moved by {1e3 * way:.3g} mm with {pull.max():.3g} N, "
+                f"about {2e3 * glides.travel:.2g} mm are needed: a rod is stuck, the supply is "
+                "shut, or there is more friction than that"
+            )
+        load = signals.load - usual
+        start = int(moving[0])
+        # Where a narrower bump is centred when the pair starts, the force was a little later.
+        broke = int(np.argmax(glide.side * sharp.velocity > _MOVING)) + len(bump_of(period)[0]) // 2
+        most = float((glide.side * sharp.force[:broke]).max())
+        rows.append((number, glide.side, most, 0.0, 0.0, load[start]))
+        # Nothing but the glide itself: what happens after it has stopped is none.
+        stopped = np.flatnonzero(velocity[start:] < 0.5 * _MOVING)
+        end = start + (int(stopped[0]) if len(stopped) else len(velocity) - start)
+        even = np.flatnonzero((np.abs(acceleration) < _EVEN * velocity) & (velocity > _MOVING))
+        even = even[(even >= start + width) & (even < end - width)][::_THIN]
+        if len(even) < _LEAST_ROWS:
+            raise CalibrationRefused(
+                f"{glide.name}: the pair slid evenly in {len(even)} places, {_LEAST_ROWS} are "
+                "needed: something catches it"
+            )
+        rows += [
+            (number, glide.side, pull[k], velocity[k], acceleration[k], load[k])
+            for k in even.tolist()
+        ]
+    return _Glides(*np.array(rows, float).T)
+
+
+def _model(rows: _Glides, q: "Array", speed: float) -> "Array":
+    coulomb, viscous, mass, growth, stribeck, zero = q[:6]
+    fade = np.exp(-((rows.velocity / speed) ** 2))
+    return np.asarray(
+        coulomb + viscous * rows.velocity + mass * rows.acceleration + growth * rows.load
+        + stribeck * fade + zero * rows.side
+    )  # fmt: skip
+
+
+def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[str]]:
+    """Fit everything, or all but the Stribeck velocity if it is not told.
+
+    Returns
+    -------
+    found : Fit
+        Coulomb, viscous, mass, growth, Stribeck force, zero and, if it is told, Stribeck velocity.
+    told : Estimate or None
+        The Stribeck velocity.
+    notes : list of str
+        Why it is not told.
+    """
+    settings = profile.mechanism_settings
+    believed = settings.friction
+    start = [
+        believed.coulomb, believed.viscous, settings.moving_mass, 0.1,
+        believed.breakaway - believed.coulomb, 0.0,
+    ]  # fmt: skip
+    scale = [1.0, 10.0, 0.1, 0.1, 1.0, 0.1]
+    usual = believed.stribeck_velocity
+
+    def without(q: "Array") -> "Array":
+        return rows.force - _model(rows, q, usual)
+
+    try:
+        found = fit(
+            lambda q: _left(rows, q), [*start, usual], [*scale, 1e-3], groups=rows.glide
+        )  # fmt: skip
+        told = _stribeck(rows, found, [*scale, 1e-3])
+        if told.value > 0.0 and told.high - told.low < 2.0 * _TOLD * told.value:
+            return found, told, []
+    except ValueError:
+        pass  # it is refused below if it is more than the one parameter that nothing tells
+    try:
+        found = fit(without, start, scale, groups=rows.glide)
+    except ValueError as error:
+        raise CalibrationRefused(f"the friction: {error}") from error
+    slowest = float(rows.velocity[rows.velocity > 0.0].min())
+    note = (
+        f"the pair slides down to {1e3 * slowest:.2g} mm/s without its friction turning up: its "
+        "Stribeck velocity is not told, and stays what it was believed to be"
+    )
+    return found, None, [note]
+
+
+def _left(rows: _Glides, q: "Array") -> "Array":
+    """Return what the model leaves of the force, N."""
+    return rows.force - _model(rows, q, abs(float(q[6])) + 1e-9)
+
+
+def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
+    """Return the Stribeck velocity with what the breakaway leaves open."""
+    from scipy.optimize import least_squares
+
+    breakaway = float(found.values[0] + found.values[4])
+    apart = np.where(rows.velocity == 0.0, _APART / math.sqrt(12.0) * breakaway, 0.0)
+    below, above = (
+        least_squares(
+            lambda q, force: _left(rows._replace(force=force), q), found.values, x_scale=scale,
+            args=(rows.force + side * apart,),
+        ).x[6]
+        for side in (-1.0, 1.0)
+    )  # fmt: skip
+    scatter = found.parameter(6, "friction.stribeck_velocity", "m/s")
+    either = 0.5 * abs(float(above - below))
+    freedom = found.freedom_of([0.0] * 6 + [1.0])
+    half, value = half_width(scatter.std, freedom, even=(either, either)), scatter.value
+    std = math.hypot(scatter.std, either, either)
+    return Estimate(scatter.name, value, "m/s", std, value - half, value + half)
+
+
+def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
+    friction = profile.mechanism_settings.friction
+    _, _, mass, growth, _, zero = found.values[:6]
+    other = mass * rows.acceleration + growth * rows.load + zero * rows.side
+    measured = rows.force - other
+
+    def believed(velocity: "Array") -> "Array":
+        fade = np.exp(-((velocity / friction.stribeck_velocity) ** 2))
+        rise = friction.breakaway - friction.coulomb
+        force: Array = friction.coulomb + rise * fade + friction.viscous * velocity
+        return force
+
+    speeds = np.linspace(0.0, rows.velocity.max(), 200)
+    return Panel(
+        "breaking away, and gliding", "velocity (mm/s)", "friction at base pressure (N)",
+        "residual (N)", 1e3 * rows.velocity, measured, measured - found.residuals,
+        believed(rows.velocity), curve=(1e3 * speeds, believed(speeds)),
+    )  # fmt: skip

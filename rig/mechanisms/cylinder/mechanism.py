@@ -1,0 +1,381 @@
+"""One antagonistic pair: two cylinders that pull one carriage against each other."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
+from controllers.minimum_jerk import minimum_jerk
+from rig.hal import (
+    Device,
+    EmergencyStop,
+    EmergencyStopInput,
+    LimitExceeded,
+    LinearEncoder,
+    PressureRegulator,
+    SafetyError,
+    StaleReading,
+)
+from rig.hal.columns import Column
+from rig.hal.mechanism import Margin, pick_device
+from rig.hal.motion import Motion
+from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.runtime.limits import VectorLimiter
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+_CHANNELS = ("agonist", "antagonist")
+
+_SPEED_WINDOW = 0.01
+"""The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
+
+
+class EstimatingController(Protocol):
+    """A controller that shows what it believes: velocity (m/s) and disturbance (N)."""
+
+    @property
+    def estimate(self) -> tuple[float, float]:
+        """Velocity of the pair, m/s, and disturbance force on it, N."""
+        ...
+
+
+class AntagonisticPair:
+    """The loop's view of one antagonistic pair.
+
+    Parameters
+    ----------
+    settings : CylinderSettings
+        Geometry and limits.
+    regulators : PressureRegulator
+        Channels ``agonist`` and ``antagonist``.
+    encoder_agonist, encoder_antagonist : LinearEncoder
+        One channel each.
+    emergency_stop : EmergencyStopInput, optional
+        The device that reads the emergency-stop contact.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices have other channels, or a range that does not hold the limits.
+    """
+
+    Settings = CylinderSettings
+
+    # The reference comes first, where the loop's own column of that group ends: a log whose groups
+    # stand together already needs no rearranging.
+    columns = (
+        Column("reference.position", "m", "desired position"),
+        Column("reference.velocity", "m/s", "desired velocity"),
+        Column("reference.acceleration", "m/s^2", "desired acceleration"),
+        Column("reading.position", "m", "position of the pair, mean of both rods"),
+        Column("reading.position_agonist", "m", "extension of the agonist's rod"),
+        Column("reading.position_antagonist", "m", "extension of the antagonist's rod"),
+        Column("reading.pressure_agonist", "Pa", "monitored chamber pressure, gauge"),
+        Column("reading.pressure_antagonist", "Pa", "monitored chamber pressure, gauge"),
+        Column("reading.age", "s", "age of the oldest reading when it was used"),
+        Column("estimate.velocity", "m/s", "velocity as the controller estimates it"),
+        Column("estimate.disturbance", "N", "disturbance as the controller estimates it"),
+        Column("command.agonist", "Pa", "setpoint that the controller wants, gauge"),
+        Column("command.antagonist", "Pa", "setpoint that the controller wants, gauge"),
+        Column("applied.agonist", "Pa", "setpoint that was sent, gauge"),
+        Column("applied.antagonist", "Pa", "setpoint that was sent, gauge"),
+    )
+
+    def __init__(
+        self,
+        settings: CylinderSettings,
+        *,
+        regulators: PressureRegulator,
+        encoder_agonist: LinearEncoder,
+        encoder_antagonist: LinearEncoder,
+        emergency_stop: EmergencyStopInput | None,
+        period: float,
+    ) -> None:
+        check_pneumatics(
+            "an antagonistic pair",
+            _CHANNELS,
+            settings.limits.pressure,
+            settings.stroke,
+            regulators,
+            (encoder_agonist, encoder_antagonist),
+        )
+        self.settings = settings
+        self.controller: EstimatingController | None = None
+        self._regulators = regulators
+        self._encoder_agonist = encoder_agonist
+        self._encoder_antagonist = encoder_antagonist
+        self._emergency_stop = emergency_stop
+        limits = settings.limits
+        self._limits = limits
+        # What every cycle looks at, at hand.
+        self._lower, self._upper = limits.position
+        self._oldest_reading = limits.reading_age
+        self._home = settings.home
+        self._position_agonist = encoder_agonist.position
+        self._position_antagonist = encoder_antagonist.position
+        self._pressure = regulators.pressure
+        self._limiter = VectorLimiter(
+            "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
+        )
+        self._max_difference = limits.pair_force / settings.area
+        self._force_hits = 0
+        self._extensions = (settings.home, settings.home)
+        self._age = 0.0
+        self._speed_from: tuple[float, float] | None = None
+        self._moved_from = (settings.home, settings.home)
+
+    @classmethod
+    def assemble(
+        cls, settings: CylinderSettings, devices: Mapping[str, Any], period: float
+    ) -> "AntagonisticPair":
+        """Pick the devices that the settings name.
+
+        Parameters
+        ----------
+        settings : CylinderSettings
+            See there.
+        devices : mapping
+            The rig's devices by name.
+        period : float
+            The loop's period, s.
+
+        Raises
+        ------
+        ConfigurationError
+            A device is not there, or cannot do what its role asks for.
+        """
+
+        def pick(role: str, name: str, kind: type[Any]) -> Any:
+            return pick_device(f"cylinder.{role}", name, kind, devices)
+
+        stop = settings.emergency_stop
+        return cls(
+            settings,
+            regulators=pick("regulators", settings.regulators, PressureRegulator),
+            encoder_agonist=pick("encoder_agonist", settings.encoder_agonist, LinearEncoder),
+            encoder_antagonist=pick(
+                "encoder_antagonist", settings.encoder_antagonist, LinearEncoder
+            ),
+            emergency_stop=None
+            if stop is None
+            else pick("emergency_stop", stop, EmergencyStopInput),
+            period=period,
+        )
+
+    @staticmethod
+    def wiring(settings: CylinderSettings) -> dict[str, str]:
+        """Return which channel of the plant each single-channel device measures."""
+        return {
+            settings.encoder_agonist: "agonist",
+            settings.encoder_antagonist: "antagonist",
+        }
+
+    @classmethod
+    def model_of(cls, settings: CylinderSettings) -> PairModel:
+        """Return what the controllers are told of a pair."""
+        friction, response = settings.friction, settings.regulator_response
+        return PairModel(
+            area=settings.area,
+            mass=settings.moving_mass,
+            base_pressure=settings.base_pressure,
+            pressure_min=settings.limits.pressure[0],
+            pressure_max=settings.limits.pressure[1],
+            regulator_bandwidth=response.bandwidth,
+            regulator_damping=response.damping,
+            coulomb=friction.coulomb,
+            breakaway=friction.breakaway,
+            stribeck_velocity=friction.stribeck_velocity,
+            viscous=friction.viscous,
+        )
+
+    @classmethod
+    def plan(
+        cls, settings: CylinderSettings, reference: Any, controller: Any, period: float
+    ) -> Motion[PairReference]:
+        """Return the reference itself, if it stays within the permitted positions."""
+        motion: Motion[PairReference] = reference
+        if not isinstance(motion.at(0.0), PairReference):
+            raise ValueError("the reference is not one for a pair of cylinders")
+        lower, upper = settings.limits.position
+        for tick in range(int(motion.duration / period) + 1):
+            t = tick * period
+            position = motion.at(t).position
+            if not lower <= position <= upper:
+                raise ValueError(
+                    f"after {t:.3g} s the reference is at {position * 1e3:.4g} mm, outside "
+                    f"limits.position, {lower * 1e3:.4g} … {upper * 1e3:.4g} mm"
+                )
+        return motion
+
+    @classmethod
+    def approach(
+        cls, start: PairReference, end: PairReference, duration: float, t: float
+    ) -> PairReference:
+        """Return the minimum-jerk motion between two positions at `t`."""
+        return PairReference(*minimum_jerk(start.position, end.position, duration, t))
+
+    def read(self, now: float) -> PairState:
+        """Assemble the pair's state; see `Mechanism.read`."""
+        (agonist,), t_agonist = self._position_agonist()
+        (antagonist,), t_antagonist = self._position_antagonist()
+        (p_agonist, p_antagonist), t_pressure = self._pressure()
+        device: Device = self._encoder_agonist
+        oldest = t_agonist
+        if t_antagonist < oldest:
+            oldest, device = t_antagonist, self._encoder_antagonist
+        if t_pressure < oldest:
+            oldest, device = t_pressure, self._regulators
+        self._age = age = now - oldest
+        if age > self._oldest_reading:
+            raise StaleReading(device.name, age, self._oldest_reading)
+        self._extensions = (agonist, antagonist)
+        return _new(PairState, (now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist))
+
+    def check(self, state: PairState, now: float) -> None:
+        """Raise if the state is not safe; see `Mechanism.check`."""
+        if self._emergency_stop is not None:
+            pressed, t = self._emergency_stop.emergency_stop()
+            if pressed:
+                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            if now - t > self._oldest_reading:
+                raise StaleReading("emergency stop", now - t, self._oldest_reading)
+        _, position, p_agonist, p_antagonist = state
+        if not math.isfinite(position + p_agonist + p_antagonist):
+            raise SafetyError(f"a reading is not a number: {state}")
+        lower, upper = self._lower, self._upper
+        if not lower <= position <= upper:
+            raise LimitExceeded("position of the pair", position, lower, upper, "m")
+        self._check_rods()
+        self._check_speed(position, now)
+
+    def _check_rods(self) -> None:
+        agonist, antagonist = self._extensions
+        mismatch = 0.5 * (agonist + antagonist) - self._home
+        bound = self._limits.mismatch
+        if abs(mismatch) <= bound:
+            if abs(mismatch) < 0.5 * bound:
+                self._moved_from = self._extensions
+            return
+        # Since the rods last agreed, one encoder may not have moved at all: name it.
+        still = [
+            encoder.name
+            for encoder, now_at, was_at in zip(
+                (self._encoder_agonist, self._encoder_antagonist),
+                self._extensions,
+                self._moved_from,
+                strict=True,
+            )
+            if now_at == was_at
+        ]
+        cause = (
+            f"{still[0]} is frozen" if len(still) == 1 else "a wire is slack or an encoder wrong"
+        )
+        raise LimitExceeded(f"mismatch of the two rods ({cause})", mismatch, -bound, bound, "m")
+
+    def _check_speed(self, position: float, now: float) -> None:
+        if self._speed_from is None:
+            self._speed_from = (now, position)
+            return
+        then, was_at = self._speed_from
+        if now - then < _SPEED_WINDOW:
+            return
+        speed = (position - was_at) / (now - then)
+        bound = self._limits.speed
+        if abs(speed) > bound:
+            raise LimitExceeded("speed of the pair", speed, -bound, bound, "m/s")
+        self._speed_from = (now, position)
+
+    def resting_command(self, state: PairState) -> PairCommand:
+        """Return the measured pressures, within the permitted range."""
+        lower, upper = self._limits.pressure
+        return PairCommand(
+            min(max(state.agonist, lower), upper), min(max(state.antagonist, lower), upper)
+        )
+
+    def energised_command(self, state: PairState) -> PairCommand:
+        """Return the base pressure in both chambers: forces balance, nothing moves."""
+        return PairCommand(self.settings.base_pressure, self.settings.base_pressure)
+
+    def released_command(self) -> PairCommand:
+        """Return both chambers vented but for one that the profile has hold its pressure."""
+        if hasattr(self._regulators, "safe_pressure"):
+            return PairCommand(*self._regulators.safe_pressure())
+        return PairCommand(self._limits.pressure[0], self._limits.pressure[0])
+
+    def blend(self, start: PairCommand, end: PairCommand, share: float) -> PairCommand:
+        """Return the command `share` of the way from `start` to `end`."""
+        return PairCommand(
+            start.agonist + share * (end.agonist - start.agonist),
+            start.antagonist + share * (end.antagonist - start.antagonist),
+        )
+
+    def start_limiting(self, state: PairState) -> None:
+        """Start the rate limit from the measured pressures."""
+        self._limiter.reset((state.agonist, state.antagonist))
+        self._speed_from = None
+
+    def limit(self, command: PairCommand) -> PairCommand:
+        """Return the command that may be applied: pair force, range and rate."""
+        agonist, antagonist = command
+        difference = agonist - antagonist
+        if abs(difference) > self._max_difference:
+            self._force_hits += 1
+            mean = 0.5 * (agonist + antagonist)
+            half = math.copysign(0.5 * self._max_difference, difference)
+            agonist, antagonist = mean + half, mean - half
+        return _new(PairCommand, self._limiter.limit((agonist, antagonist)))
+
+    def write(self, applied: PairCommand) -> None:
+        """Hand the setpoints to the regulators."""
+        self._regulators.set_pressure(applied)
+
+    def row(
+        self,
+        state: PairState,
+        reference: PairReference,
+        command: PairCommand,
+        applied: PairCommand,
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        estimate = self.controller.estimate if self.controller is not None else (0.0, 0.0)
+        _, position, p_agonist, p_antagonist = state
+        return (
+            *reference,
+            position,
+            *self._extensions,
+            p_agonist,
+            p_antagonist,
+            self._age,
+            *estimate,
+            *command,
+            *applied,
+        )
+
+    def reference_of(self, state: PairState) -> PairReference:
+        """Return the reference to stay where the pair is."""
+        return PairReference(state.position, 0.0, 0.0)
+
+    def worst_margin(self, state: PairState, applied: PairCommand, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        limits = self._limits
+        lower, upper = limits.position
+        middle, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
+        mismatch = 0.5 * sum(self._extensions) - self.settings.home
+        return min(
+            Margin("position", 1.0 - abs(state.position - middle) / half),
+            Margin("reading age", 1.0 - self._age / limits.reading_age),
+            Margin("pressure", 1.0 - max(applied) / limits.pressure[1]),
+            Margin("rod mismatch", 1.0 - abs(mismatch) / limits.mismatch),
+            key=lambda margin: margin.fraction,
+        )
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        return {
+            "pressure range": self._limiter.range_hits,
+            "pressure rate": self._limiter.rate_hits,
+            "pair force": self._force_hits,
+        }

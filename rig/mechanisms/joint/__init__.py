@@ -1,0 +1,1 @@
+"""The wide-angle spherical joint on four pneumatic wires."""

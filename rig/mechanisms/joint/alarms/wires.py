@@ -1,0 +1,326 @@
+"""Tell what is wrong when the four rods do not agree on a pose of the ring."""
+
+import itertools
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from controllers.spherical_joint.forward import ForwardKinematics
+from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
+from controllers.spherical_joint.poses import Vector
+from rig.hal import SafetyError
+from rig.mechanisms.joint.alarms.settings import FrozenAlarm
+
+_HISTORY = 256
+"""So many checks are remembered, a second at 1 kHz …"""
+_RUNS = 512
+"""… and the rods of so many cycles: a wire lets go within a few, between two checks."""
+_SUDDEN = 2
+"""Checks within which a wire lets go; a ring that is driven takes longer for the same way."""
+_EXPLAINED = 0.5
+"""An explanation counts if it leaves less than this share of the residual."""
+_SWAPPED = 0.35
+"""Likewise for two rods that stand for each other; stretch and friction are left."""
+_LEAST_TRAVEL = 0.5e-3
+"""At home (m) the order of the rods does not show."""
+_LEAST_RESIDUAL = 0.25e-3
+"""Nor does it while the rods disagree by less (m) than friction and stretch make them."""
+_AT_REST = 0.05
+"""A rod below this speed (m/s) is pulling on something again."""
+_CLEAR_RUN = 2.0
+"""A rod that was faster than its opposite by this factor is the one that let go."""
+_END = 1e-3
+"""A rod is at the end of its cylinder from here on, m."""
+_ROUNDS = 60
+"""For moving one rod to where the other three put it; a handful is the rule."""
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+HOME: Vector = (0.0, 0.0, 1.0)
+
+
+class _Readings(NamedTuple):
+    t: float
+    rods: Quadruple
+    pressures: Quadruple
+
+
+class WireLimits(NamedTuple):
+    """What the watch is told of the joint.
+
+    Parameters
+    ----------
+    residual : float
+        How far the rods may be from agreeing, m.
+    grace : float
+        For how long they may be further, s.
+    home, stroke : float
+        Extension of the rods at home and at most, m.
+    least_pull : float
+        Below this a chamber may be too weak to move its rod, Pa gauge.
+    """
+
+    residual: float
+    grace: float
+    home: float
+    stroke: float
+    least_pull: float
+
+
+class WireWatch:
+    """Follows the pose that the rods agree on, and says who is wrong when they do not.
+
+    Attributes
+    ----------
+    axis : tuple of float
+        Of the ring, as the rods say.
+    residual : float
+        How far they are from agreeing, m; infinite if no pose explains them.
+
+    Parameters
+    ----------
+    geometry : SphericalJointGeometry
+        Dimensions.
+    limits : WireLimits
+        See there.
+    frozen : FrozenAlarm
+        When an encoder is frozen.
+    encoders, channels : sequence of str
+        Names in order, for messages.
+    """
+
+    def __init__(
+        self,
+        geometry: SphericalJointGeometry,
+        limits: WireLimits,
+        frozen: FrozenAlarm,
+        encoders: Sequence[str],
+        channels: Sequence[str],
+    ) -> None:
+        self.axis = HOME
+        self.residual = 0.0
+        self._kinematics = ForwardKinematics(geometry)
+        self._diagnosis = ForwardKinematics(geometry)
+        self._kinematics.compile()
+        self._diagnosis.compile()
+        self._limits = limits
+        self._frozen = frozen
+        self._encoders = tuple(encoders)
+        self._channels = tuple(channels)
+        self._history: deque[_Readings] = deque(maxlen=_HISTORY)
+        self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
+        self._agreed_at = -math.inf
+        self._rods: Quadruple | None = None
+        self._changed_at = [0.0] * 4
+        self._residual_then = [0.0] * 4
+        self._small_at = [0.0] * 4
+
+    def check(
+        self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
+    ) -> None:
+        """Take readings, every few cycles, and raise if they cannot be true together.
+
+        Parameters
+        ----------
+        rods, unstretched : tuple of float
+            Shortening of each wire as measured, and less what the wire stretches, m.
+        pressures : tuple of float
+            Pa gauge.
+        now : float
+            s.
+
+        Raises
+        ------
+        SafetyError
+            It names encoder or wire, with the number and its bound.
+        """
+        self._history.append(_new(_Readings, (now, rods, pressures)))
+        try:
+            pose = self._kinematics.update(unstretched)
+        except ValueError:
+            self.residual = math.inf
+        else:
+            self.axis, self.residual = pose.axis, pose.residual
+            self._check_frozen(rods, pose.residuals, now)
+        if self.residual <= self._limits.residual:
+            self._agreed_at = now
+        elif now - self._agreed_at > self._limits.grace:
+            cause = self._explain(rods, unstretched, pressures, now)
+            raise SafetyError(
+                f"{cause} [the four wires disagree about the pose by "
+                f"{self.residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
+                f"{self._limits.residual * 1e3:g} mm for {self._limits.grace:g} s]"
+            )
+
+    def follow(self, rods: Quadruple, now: float) -> None:
+        """Take the rods of a cycle, whether it is checked or not."""
+        self._runs.append((now, rods))
+
+    def axis_of(self, unstretched: Quadruple) -> Vector:
+        """Return the axis that rods show; the last one known if they fit no pose."""
+        self._diagnosis.reset()
+        try:
+            return self._diagnosis.update(unstretched).axis
+        except ValueError:
+            return self.axis
+
+    def explain_run(self, rods: Quadruple, unstretched: Quadruple, k: int) -> str | None:
+        """Return why a rod runs too fast, if its wire is why.
+
+        Parameters
+        ----------
+        rods, unstretched : tuple of float
+            As for `check`.
+        k : int
+            Which rod, 0 … 3.
+        """
+        if self._residual_of(unstretched) <= self._limits.residual:
+            return None
+        _, off = self._without(unstretched, k)
+        if not off > 0.0:
+            return None
+        ahead = "far" if math.isinf(off) else f"{off * 1e3:.2f} mm"
+        return (
+            f"the wire of {self._channels[k]} is slack or cut, or its anchor slips: its rod runs "
+            f"in, {ahead} ahead of where the other three put it"
+        )
+
+    def explain_swap(self, unstretched: Quadruple) -> str | None:
+        """Return which encoders are swapped if that explains the rods, and they are far off.
+
+        Opposite ones never do: the mirrored pose fits as well.
+        """
+        residual = self._residual_of(unstretched)
+        if residual < _LEAST_RESIDUAL or max(map(abs, unstretched)) < _LEAST_TRAVEL:
+            return None
+        found = []
+        for one, other in itertools.combinations(range(4), 2):
+            order = list(range(4))
+            order[one], order[other] = other, one
+            rods = tuple(unstretched[k] for k in order)
+            if self._residual_of(rods) < _SWAPPED * residual:  # type: ignore[arg-type]
+                found.append((self._work(order), one, other))
+        if not found:
+            return None
+        _, one, other = max(found)  # two fit, and one of them would move against its pull
+        return f"{self._encoders[one]} and {self._encoders[other]} are swapped"
+
+    def _check_frozen(self, rods: Quadruple, residuals: Quadruple, now: float) -> None:
+        """Raise if one count stays while what the others say of it moves on.
+
+        A wrong rod spreads half of its error to its own residual: two are free for four rods.
+        """
+        before, self._rods = self._rods, rods
+        distance = self._frozen.distance
+        for k in range(4):
+            if before is None or rods[k] != before[k]:
+                self._changed_at[k] = self._small_at[k] = now
+                self._residual_then[k] = residuals[k]
+                continue
+            drift = 2.0 * abs(residuals[k] - self._residual_then[k])
+            if drift < 0.25 * distance:
+                self._small_at[k] = now
+            elif drift > distance:
+                if self._is_sudden(now - self._small_at[k]):
+                    self._residual_then[k] = residuals[k]  # another rod moved at once, not this
+                elif now - self._changed_at[k] > self._frozen.time:
+                    raise SafetyError(
+                        f"{self._encoders[k]} is frozen, or the rod of {self._channels[k]} is "
+                        f"jammed: the other three moved on by {drift * 1e3:.2f} mm while it said "
+                        f"the same for {now - self._changed_at[k]:.3f} s [at most "
+                        f"{distance * 1e3:g} mm for {self._frozen.time:g} s]"
+                    )
+
+    def _is_sudden(self, took: float) -> bool:
+        return took < (_SUDDEN + 0.5) * (self._history[-1].t - self._history[-2].t)
+
+    def _explain(
+        self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
+    ) -> str:
+        swapped = self.explain_swap(unstretched)
+        if swapped is not None:
+            return swapped
+        residual = self._residual_of(unstretched)
+        offs = [self._without(unstretched, k) for k in range(4)]
+        suspects = [k for k in range(4) if offs[k][0] < _EXPLAINED * residual]
+        if not suspects:
+            return "more than one wire is slack, or the ring is twisted"
+        k = min(suspects, key=lambda k: offs[k][0])
+        off = offs[k][1]
+        if off < 0.0:
+            which = " or ".join(f"the wire of {self._channels[k]}" for k in suspects)
+            return f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
+        runs = {k: self._fastest_run(k) for k in suspects}
+        fastest = max(runs, key=lambda k: runs[k])
+        others = [runs[k] for k in runs if k != fastest]
+        if others and runs[fastest] < _CLEAR_RUN * max(others):
+            which = " or ".join(self._channels[k] for k in suspects)
+            return f"the wire of {which} is slack or its anchor slips, by {off * 1e3:.2f} mm"
+        return self._explain_wire(fastest, offs[fastest][1], rods[fastest], pressures[fastest])
+
+    def _explain_wire(self, k: int, off: float, rod: float, pressure: float) -> str:
+        name, limits = self._channels[k], self._limits
+        extension = limits.home - rod
+        if not _END < extension < limits.stroke - _END:
+            return f"the wire of {name} is cut or has come off: its rod is at its end"
+        if abs(self._speed(k)) > _AT_REST or pressure < limits.least_pull:
+            return f"the wire of {name} is slack or cut, by {off * 1e3:.2f} mm"
+        return (
+            f"the anchor of {name} has slipped, or its wire was slack, by {off * 1e3:.2f} mm; "
+            "it is taut again"
+        )
+
+    def _work(self, order: Sequence[int]) -> float:
+        """Return what the pressures did in the history, J/m², were the rods in another order."""
+        return sum(
+            sum(after.pressures[k] * (after.rods[i] - before.rods[i]) for k, i in enumerate(order))
+            for before, after in itertools.pairwise(self._history)
+        )
+
+    def _speed(self, k: int) -> float:
+        """Return the speed of a rod since the last check, m/s; inwards is positive."""
+        if len(self._history) < 2:
+            return 0.0
+        return _speed_between(self._history[-2], self._history[-1], k)
+
+    def _fastest_run(self, k: int) -> float:
+        """Return the fastest that a rod went inwards lately, m/s."""
+        return max(
+            (
+                (rods[k] - before[k]) / (t - then)
+                for (then, before), (t, rods) in itertools.pairwise(self._runs)
+            ),
+            default=0.0,
+        )
+
+    def _residual_of(self, rods: Quadruple) -> float:
+        self._diagnosis.reset()
+        try:
+            return self._diagnosis.update(rods).residual
+        except ValueError:
+            return math.inf
+
+    def _without(self, rods: Quadruple, left_out: int) -> tuple[float, float]:
+        """Return the residual that three rods have, and how far the fourth is off their pose, m.
+
+        The fourth is moved to where the others put it, half of its error in each round.
+        """
+        adapted = list(rods)
+        residuals: Quadruple = (0.0,) * 4
+        for _ in range(_ROUNDS):
+            self._diagnosis.reset()
+            try:
+                residuals = self._diagnosis.update((*adapted,)).residuals  # type: ignore[arg-type]
+            except ValueError:
+                return math.inf, math.inf
+            adapted[left_out] -= 2.0 * residuals[left_out]
+            if abs(residuals[left_out]) < 1e-7:
+                break
+        rest = math.sqrt(0.5 * sum(r * r for k, r in enumerate(residuals) if k != left_out))
+        return rest, rods[left_out] - adapted[left_out]
+
+
+def _speed_between(before: _Readings, after: _Readings, k: int) -> float:
+    """Return the speed of a rod, m/s; inwards is positive."""
+    return (after.rods[k] - before.rods[k]) / (after.t - before.t)

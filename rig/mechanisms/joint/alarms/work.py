@@ -1,0 +1,98 @@
+"""Tell opposite encoders that are swapped by the work that the pressures seem to do."""
+
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from controllers.spherical_joint.geometry import PAIRS, Quadruple
+from rig.hal import SafetyError
+from rig.mechanisms.joint.alarms.settings import SwappedAlarm
+
+_STEP = 20e-6
+"""Ways shorter than this (m) are not added: encoder noise is no motion."""
+
+
+class WorkWatch:
+    """Adds up the work of each pair's differential pull until the pair has passed.
+
+    Parameters
+    ----------
+    settings : SwappedAlarm
+        Over what way, and how much.
+    area : float
+        Effective piston area, m².
+    coulomb : float
+        Friction of a pair while it slides, N.
+    encoders : sequence of str
+        Their names in the order of the channels.
+    channels : sequence of str
+        For messages.
+    """
+
+    def __init__(
+        self,
+        settings: SwappedAlarm,
+        area: float,
+        coulomb: float,
+        encoders: Sequence[str],
+        channels: Sequence[str],
+    ) -> None:
+        self._distance = settings.distance
+        self._area = area
+        self._bound = settings.share * coulomb * settings.distance
+        self._encoders = tuple(encoders)
+        self._channels = tuple(channels)
+        self._open = dict.fromkeys(PAIRS) if self._bound > 0.0 else {}
+        self._from: dict[tuple[int, int], float] = {}
+        self._steps: dict[tuple[int, int], deque[tuple[float, float]]] = {
+            pair: deque() for pair in PAIRS
+        }
+
+    def check(
+        self, rods: Quadruple, pressures: Quadruple, explain: Callable[[], str | None]
+    ) -> None:
+        """Take readings and raise if a pair has moved against its own pull.
+
+        Parameters
+        ----------
+        rods, pressures : tuple of float
+            m and Pa gauge.
+        explain : callable
+            Returns a swap that is not one of opposite encoders, if there is one: it makes
+            pairs move against their pull too.
+
+        Raises
+        ------
+        SafetyError
+            It has.
+        """
+        for pair in tuple(self._open):
+            agonist, antagonist = pair
+            place = 0.5 * (rods[agonist] - rods[antagonist])
+            way = place - self._from.setdefault(pair, place)
+            if abs(way) < _STEP:
+                continue
+            self._from[pair] = place
+            steps = self._steps[pair]
+            pull = self._area * (pressures[agonist] - pressures[antagonist])
+            steps.append((abs(way), pull * way))
+            covered = sum(length for length, _ in steps)
+            while covered - steps[0][0] >= self._distance:
+                covered -= steps.popleft()[0]
+            if covered < self._distance:
+                continue
+            work = sum(done for _, done in steps)
+            if work > self._bound:
+                del self._open[pair]
+            elif work < -self._bound:
+                cause = explain() or self._explain(pair)
+                raise SafetyError(
+                    f"{cause}: the rods move against their pull [work {work * 1e3:.1f} mJ over "
+                    f"{covered * 1e3:.2f} mm, at least {-self._bound * 1e3:.1f} mJ]"
+                )
+
+    def _explain(self, pair: tuple[int, int]) -> str:
+        one, other = sorted(pair)
+        return (
+            f"{self._encoders[one]} and {self._encoders[other]} are swapped, or the tubes of "
+            f"{self._channels[one]} and {self._channels[other]}"
+        )

@@ -1,0 +1,251 @@
+"""Friction that is believed, along a recorded motion that leans between the pairs.
+
+The ring slides in one seat. Its friction bears all four tensions and points against its angular
+velocity w; it is shared by the pairs as the force that takes K |w| of power, with |w| from how
+fast the ring's axis moves: the further the ring leans, the more it turns for a way of its wires.
+A wire loses what it bears times its coefficient times the angle by which it is wound, and that
+changes by half along a stroke.
+"""
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from controllers.spherical_joint.forward import ForwardKinematics
+from controllers.spherical_joint.geometry import PAIRS, SphericalJointGeometry
+from controllers.spherical_joint.poses import natural_rotation
+from rig.calibration.recording import Stretch
+from rig.config import Profile
+from rig.mechanisms.pneumatic.calibration.sliding_samples import Signals, bump_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_POSE_EVERY = 10
+"""Samples between two poses of which it is worked out how far wires are wound."""
+
+
+class Belief(NamedTuple):
+    """Friction of a joint as it is believed to be.
+
+    Parameters
+    ----------
+    coulomb : float
+        Of a pair's seals at base pressure, N.
+    viscous : float
+        Of a pair, N s/m.
+    ring : float
+        Of the ring at the wires' radius, over all four tensions.
+    wire : float
+        Coefficient of the wires.
+    wound : float
+        Angle by which a wire is wound with the ring upright, rad.
+    seals : float
+        What of a pair's seals' friction grows with its tensions, over their sum.
+    usual : float
+        That sum at base pressure, N.
+    """
+
+    coulomb: float
+    viscous: float
+    ring: float
+    wire: float
+    wound: float
+    seals: float
+    usual: float
+
+    @property
+    def shared(self) -> float:
+        """Friction on the ball over a pair's tensions with the ring upright.
+
+        Both pairs bear and move as much. What the wires lose the ring does not bear.
+        """
+        ring, wires = math.sqrt(2.0) * self.ring, self.wound * self.wire
+        return (ring + wires) / (1.0 + ring * wires)
+
+    @property
+    def alone(self) -> float:
+        """The same if both pairs bear as much and one moves alone."""
+        wires = self.wound * self.wire
+        return (2.0 * self.ring + wires) / (1.0 + self.ring * wires)
+
+    def with_ring(self, share: float) -> "Belief":
+        """Return the same friction on the ball with so much more of it the ring's.
+
+        Parameters
+        ----------
+        share : float
+            By how much more, over what the ring has. Wires make up for it, if they can.
+        """
+        ring, both = (1.0 + share) * self.ring, self.shared
+        wires = max((both - math.sqrt(2.0) * ring) / (1.0 - both * ring), 0.0)
+        return self._replace(ring=ring, wire=wires / self.wound)
+
+    def seal(self, pull: "Array", speed: "Array") -> "Array":
+        """Return the friction of one rod's seals (N) under a chamber's pull (N) at a speed."""
+        still = 0.5 * (self.coulomb - self.seals * self.usual)
+        friction: Array = still + self.seals * pull + 0.5 * self.viscous * np.abs(speed)
+        return friction
+
+
+def belief_of(profile: Profile) -> Belief:
+    """Return what the profile of a joint says: friction of seals that does not grow."""
+    settings = profile.mechanism_settings
+    friction = settings.friction
+    wound = 0.5 * math.pi - settings.geometry.ring_half_angle
+    return Belief(
+        friction.coulomb, friction.viscous, friction.ring, friction.wire, wound, 0.0,
+        2.0 * settings.area * settings.base_pressure,
+    )  # fmt: skip
+
+
+def with_stiffer_wires(profile: Profile) -> Profile:
+    """Return a joint's profile with wires that are stiffer by their tolerance."""
+    settings = profile.mechanism_settings
+    stiffness = (1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
+    stiffer = dataclasses.replace(settings, wire_stiffness=stiffness)
+    return dataclasses.replace(profile, mechanism_settings=stiffer)
+
+
+def friction_on_ball(
+    profile: Profile,
+    belief: Belief,
+    stretch: Stretch,
+    axis: "Array",
+    signals: Sequence[Signals],
+) -> list["Array"]:
+    """Return the believed friction on each pair, N, weighed with the bump of its signals.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of a joint.
+    belief : Belief
+        Its friction.
+    stretch : Stretch
+        What was recorded.
+    axis : ndarray, shape (n, 3)
+        Of the ring.
+    signals : sequence of Signals
+        Of both pairs, of the same stretch.
+    """
+    settings, period = profile.mechanism_settings, profile.loop.period
+    bump, first, _ = bump_of(period)
+    turning = np.linalg.norm(
+        np.column_stack([np.correlate(column, first, "valid") for column in axis.T]), axis=1
+    )
+    wound = _wound(settings.geometry, axis)
+    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    speeds: list[Array] = []
+    lost: list[Array] = []
+    bearing = np.zeros_like(turning)
+    for wires, pair in zip(PAIRS, signals, strict=True):
+        side = np.sign(pair.velocity)
+        mine, speed = np.zeros_like(turning), pair.velocity
+        for wire, sign in zip(wires, (1.0, -1.0), strict=True):
+            pull = settings.area * stretch[f"reading.pressure_{channels[wire]}"]
+            angle = np.correlate(wound[:, wire], bump, "valid")
+            # What the seals leave of a chamber's pull, or add to it, and then the ball.
+            tension = np.correlate(pull, bump, "valid")
+            tension = tension - belief.seal(tension, pair.velocity) * sign * side
+            on_wire = belief.wire * angle * tension
+            bearing += tension - on_wire * sign * side
+            mine += on_wire * side
+            # A wire whose tension falls gets shorter: the ring is faster than its rod.
+            falling = np.correlate(pull, first, "valid")
+            speed = speed + 0.5 * sign * falling / settings.wire_stiffness
+        speeds.append(speed)
+        lost.append(mine)
+    square = np.maximum(np.sum([speed**2 for speed in speeds], axis=0), 1e-12)
+    ring = belief.ring * bearing * settings.geometry.ball_radius * turning / square
+    return [ring * speed + mine for speed, mine in zip(speeds, lost, strict=True)]
+
+
+def sheared(profile: Profile, stretch: Stretch, signals: Sequence[Signals]) -> list["Array"]:
+    """Return the speed of each pair that the viscous friction of its two rods amounts to, m/s.
+
+    Away from upright one rod of a pair goes faster than the other one, and what they lose grows
+    with the square of their speeds.
+    """
+    settings = profile.mechanism_settings
+    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    _, first, _ = bump_of(profile.loop.period)
+    found = []
+    for wires, pair in zip(PAIRS, signals, strict=True):
+        square = np.zeros_like(pair.velocity)
+        for wire in wires:
+            rod = stretch[f"reading.rod_{channels[wire]}"]
+            square += np.correlate(rod - rod[0], first, "valid") ** 2
+        still = np.where(pair.velocity == 0.0, 1.0, pair.velocity)
+        found.append(0.5 * square / still)
+    return found
+
+
+def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
+    """Return where the ring points in a stroke, shape (n, 3).
+
+    A controller knows how far wires stretch by what it believes of the friction on the ball. In
+    hindsight it follows from the pressures and from what the seals take of them.
+    """
+    places = _places(len(stretch["t"]))
+    pulled_in, pull = _rods(profile, stretch, places)
+    speed = np.gradient(pulled_in, stretch["t"][places], axis=0)
+    taken = np.sign(pulled_in[-1] - pulled_in[0]) * belief.seal(pull, speed)
+    return axis_with(profile, stretch, taken)
+
+
+def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
+    """Return where the ring points, shape (n, 3), from what the seals take of each chamber's pull.
+
+    Parameters
+    ----------
+    profile, stretch
+        Of a joint, and what was recorded.
+    taken : ndarray, shape (4,) or (m, 4)
+        By the seals of each rod, N: all along, or wherever a pose is worked out.
+    """
+    settings = profile.mechanism_settings
+    forward = ForwardKinematics(settings.geometry)
+    places = _places(len(stretch["t"]))
+    pulled_in, pull = _rods(profile, stretch, places)
+    rows = pulled_in - (pull - taken) / settings.wire_stiffness
+    axis = np.array([forward.update((a, b, c, d)).axis for a, b, c, d in rows.tolist()])
+    every = np.arange(len(stretch["t"]))
+    return np.column_stack([np.interp(every, places, column) for column in axis.T])
+
+
+def _rods(
+    profile: Profile, stretch: Stretch, places: "NDArray[np.int_]"
+) -> tuple["Array", "Array"]:
+    """Return how far each rod is pulled in, m, and its chamber's pull, N, shape (m, 4)."""
+    settings = profile.mechanism_settings
+    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    pulled_in = np.column_stack([stretch[f"reading.rod_{c}"][places] for c in channels])
+    pressure = np.column_stack([stretch[f"reading.pressure_{c}"][places] for c in channels])
+    return pulled_in, settings.area * pressure
+
+
+def _places(count: int) -> "NDArray[np.int_]":
+    """Return where a pose is worked out, the last sample among them."""
+    return np.unique(np.append(np.arange(0, count, _POSE_EVERY), count - 1))
+
+
+def _wound(geometry: SphericalJointGeometry, axis: "Array") -> "Array":
+    """Return by which angle each wire is wound on the ball, rad, shape (n, 4)."""
+    anchors, adjusts = np.array(geometry.anchors), np.array(geometry.adjust_points)
+    straight = math.acos(geometry.ball_radius / geometry.adjust_distance)
+    size = geometry.ball_radius * geometry.adjust_distance
+    places = _places(len(axis))
+    rows = []
+    for x, y, z in axis[places].tolist():
+        turned = anchors @ np.array(natural_rotation((x, y, z))).T
+        cosine = np.clip((turned * adjusts).sum(axis=1) / size, -1.0, 1.0)
+        rows.append(np.maximum(np.arccos(cosine) - straight, 0.0))
+    found = np.array(rows)
+    every = np.arange(len(axis))
+    return np.column_stack([np.interp(every, places, column) for column in found.T])

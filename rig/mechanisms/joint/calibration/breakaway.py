@@ -1,0 +1,223 @@
+"""Breakaway of a joint's pairs from tugs (`rig.mechanisms.joint.calibration.tugs`).
+
+What is told is the greatest force that a pair alone takes, on average over the bump of 21 ms,
+before it moves: of its chambers, less what a ring that leans a little adds to it, at base pressure,
+in the mean of both ways, so that a zero of the monitors does not count. How far the wires stretch
+follows from what the seals take of the pulls, which is what a tug takes less what the ball does.
+
+A tug's tensions are some kPa off base pressure. What grows with them is told by the strokes, but
+not how ring and wires share it, nor what of it is the seals'. What these and the wires' stiffness
+may be otherwise than believed is part of the interval (a type B evaluation), beside the scatter of
+the tugs.
+
+References
+----------
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
+JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from controllers.spherical_joint.geometry import PAIRS
+from rig.calibration.error_sums import half_width
+from rig.calibration.estimates import Estimate
+from rig.calibration.recording import Recording, Stretch
+from rig.config import Profile
+from rig.mechanisms.joint.calibration.ball_friction import Belief, axis_with, with_stiffer_wires
+from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, Tug
+from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
+from rig.mechanisms.pneumatic.calibration.sliding_samples import bump_of, smooth
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_MOVING: Final = 5e-3
+"""A pair that is faster has broken away, m/s."""
+
+_CREPT: Final = 0.15e-3
+"""Nearer to where it stood it has not, however fast noise makes it, m."""
+
+_BEFORE: Final = 0.1
+"""The greatest force comes at most so long before a pair is that fast, s."""
+
+
+class Case(NamedTuple):
+    """What may be true of a joint, beside what a tug shows.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of the joint.
+    belief : Belief
+        Its friction.
+    bound : bool
+        Whether it lies anywhere as far off as that, rather than that being a standard deviation.
+    """
+
+    profile: Profile
+    belief: Belief
+    bound: bool = False
+
+
+def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
+    """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
+
+    Parameters
+    ----------
+    cases : sequence of Case, length m
+        What a tug took is worked out for each.
+    recording : Recording
+        The tugs' stretches.
+    tugs : sequence of Tug, length n
+        What they were.
+    """
+    forces = np.full((len(cases), len(tugs)), np.nan)
+    for k, tug in enumerate(tugs):
+        last = _last(cases[0].profile, recording[tug.name], tug)
+        if last is not None:
+            forces[:, k] = [_taken(case.profile, case.belief, last, tug) for case in cases]
+    return forces
+
+
+def _last(profile: Profile, stretch: Stretch, tug: Tug) -> Stretch | None:
+    """Return the last samples before the pair is fast; None if it never is."""
+    period = profile.loop.period
+    channels = tuple(profile.devices[profile.mechanism_settings.regulators].settings.channels)
+    one, other = (stretch[f"reading.rod_{channels[wire]}"] for wire in PAIRS[tug.pair])
+    position = 0.5 * tug.side * (one - other)
+    signals = smooth(position, position, position, period)
+    fast = np.flatnonzero((signals.position > _CREPT) & (signals.velocity > _MOVING))
+    if not len(fast):
+        return None
+    end = int(fast[0]) + len(bump_of(period)[0]) - 1
+    rows = slice(max(end - round(_BEFORE / period), 0), end)
+    return Stretch({name: column[rows] for name, column in stretch.items()})
+
+
+def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
+    """Return the greatest force before the pair moved, N at base pressure and upright."""
+    period, usual = profile.loop.period, belief.usual
+    width = len(bump_of(period)[0])
+    raw = pairs_of(profile, last)[tug.pair]
+    seals = 0.5 * (tug.side * float(raw.force[-width]) - belief.alone * float(raw.load[-width]))
+    taken = np.zeros(4)
+    taken[list(PAIRS[tug.pair])] = tug.side * seals * np.array([1.0, -1.0])
+    pairs = [
+        smooth(pair.force, pair.position, pair.load, period)
+        for pair in pairs_of(profile, last, axis_with(profile, last, taken))
+    ]
+    pull = tug.side * pairs[tug.pair].force
+    k = int(np.argmax(pull))
+    # The ring bears all four wires, the pair's own friction grows with its two.
+    four = sum(float(pair.load[k]) for pair in pairs) - 2.0 * usual
+    own = float(pairs[tug.pair].load[k]) - usual
+    grown = belief.ring * four + (belief.wound * belief.wire + belief.seals) * own
+    return float(pull[k]) - grown
+
+
+class Breakaways:
+    """What tugs say of the pairs that they moved, by least squares.
+
+    Tugs to either side differ by a zero of the monitors, those that differ in what was before by
+    what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter. But what
+    swings leave that begin with a rise or with a fall need not be the same to either side of
+    nothing: nothing is taken to lie anywhere between the two.
+
+    Parameters
+    ----------
+    tugs : sequence of Tug
+        What they were.
+    forces : ndarray, shape (n,)
+        What they took, N; NaN of a tug that did not move its pair.
+    pairs : sequence of int
+        Which pairs are to be told.
+    """
+
+    def __init__(self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int]) -> None:
+        self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
+        self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
+        rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
+        design = np.array(rows).reshape(len(rows), len(self._kinds) + 3)
+        self._inverse = np.linalg.pinv(design)
+        taken = forces[self._mine]
+        found = self._inverse @ taken
+        residuals = taken - design @ found
+        self._freedom = float(len(rows) - np.linalg.matrix_rank(design)) if rows else 1.0
+        self._variance = float(residuals @ residuals) / self._freedom
+        self._left = abs(float(found[len(self._kinds)])) / math.sqrt(3.0)
+
+    def _row(self, tug: Tug) -> list[float]:
+        # Each of the last three adds up to nothing over a round's tugs of a kind.
+        kind = [float((tug.pair, tug.side) == kind) for kind in self._kinds]
+        after = {SAME: (1.0, 0.0), BACK: (0.0, 1.0), OTHER: (-0.5, -0.5)}[tug.after]
+        return [*kind, float(tug.swing), *after]
+
+    def _weights(self, pair: int) -> "Array":
+        kinds = np.array([0.5 * (kind[0] == pair) for kind in self._kinds])
+        weights: Array = kinds @ self._inverse[: len(kinds)]
+        return weights
+
+    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: "Array") -> Estimate:
+        """Return a pair's breakaway with its interval.
+
+        Parameters
+        ----------
+        pair : int
+            Which one.
+        name : str
+            Of the estimate.
+        cases : sequence of Case, length m
+            What is believed, and what else may be true.
+        forces : ndarray, shape (m, n)
+            What the tugs took in each case, N.
+        """
+        weights = self._weights(pair)
+        value, *others = (float(weights @ row[self._mine]) for row in forces)
+        scatter = math.sqrt(self._variance * float(weights @ weights))
+        off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
+        even = [self._left, *(size / math.sqrt(3.0) for bound, size in off if bound)]
+        normal = math.hypot(*(size for bound, size in off if not bound))
+        half = half_width(scatter, self._freedom, normal, even)
+        std = math.hypot(scatter, normal, *even)
+        return Estimate(name, value, "N", std, value - half, value + half)
+
+
+def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
+    """Return what is believed, and each bound of it.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of the joint.
+    belief : Belief
+        What was found of its friction.
+    growth : float
+        Standard deviation of what grows with the tensions in all, as a share of it.
+    """
+    # The seals have anything from nothing to twice as much, as where strokes are fitted.
+    ball = 1.0 + belief.seals / belief.shared
+    more = 1.0 + growth
+    # Any share of the ring's within its tolerance is as likely.
+    share = profile.mechanism_settings.tolerance.friction
+    return [
+        Case(profile, belief),
+        Case(profile, belief.with_ring(share), bound=True),
+        Case(
+            profile,
+            belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
+            bound=True,
+        ),
+        Case(
+            profile,
+            belief._replace(
+                ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
+            ),
+        ),
+        Case(with_stiffer_wires(profile), belief),
+    ]

@@ -1,0 +1,241 @@
+"""Friction of a joint's pairs: Coulomb, viscous and breakaway.
+
+The ring leans to and fro between its pairs, so that both slide, at two base pressures, so that what
+grows with the tensions is told from the rest (`rig.mechanisms.joint.calibration.stroke_fit`). Of
+what grows, ring and wires share as they were believed to: no such motion tells them apart. The
+controller has far less stiffness than in use
+(`rig.mechanisms.pneumatic.calibration.pneumatics.follower`): where seals have less friction than it
+was tuned for, the usual one hunts and never slides.
+
+Breakaway is the greatest force of a pair before it moves, when it alone is pushed ever harder, by
+20 N/s, with the ring upright (`rig.mechanisms.joint.calibration.breakaway`). The force at which the
+bristles of seals and seat would yield at no speed at all is a little higher.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rig.assembly import make_controller
+from rig.calibration.estimates import Estimate
+from rig.calibration.instruments import Instrument
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.recording import Recording
+from rig.config import Profile
+from rig.mechanisms.joint.calibration.ball_friction import Belief, belief_of
+from rig.mechanisms.joint.calibration.breakaway import Breakaways, cases_of, forces_of_tugs
+from rig.mechanisms.joint.calibration.stroke_fit import (
+    COULOMB,
+    GROWTH,
+    VISCOUS,
+    StrokeFit,
+    fit_strokes,
+)
+from rig.mechanisms.joint.calibration.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, Tugging
+from rig.mechanisms.pneumatic.calibration.pneumatics import (
+    calm_base,
+    follower,
+    leaning,
+    reach,
+    relaxed,
+)
+from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+SPEEDS: Final = (0.045, 0.06, 0.08) * 4
+_TURN: Final = 0.15
+_RAISED: Final = 1.6
+"""Base pressure of the second half of the strokes, over that of the first."""
+
+_SHARE: Final = 0.9
+"""Of what is permitted that the strokes use: the pairs share the way."""
+
+_BETWEEN: Final = 0.25 * math.pi
+_MORE: Final = 1.6
+"""Times the breakaway that is believed, as far as a tug goes."""
+
+_TAUT: Final = 1.15
+"""Of the least tension that is permitted, what a tug leaves in a wire."""
+
+_LEAST_TUGS: Final = 3
+"""To each side that a pair has to have followed, or its breakaway is not told."""
+
+_BOUND: Final = 1.5
+"""rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
+
+
+class JointFriction:
+    """Coulomb, viscous and breakaway friction of a joint's pairs."""
+
+    name = "friction"
+    title = "friction of the pairs: Coulomb, viscous, breakaway"
+    mechanisms = ("joint",)
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the mechanism's file."""
+        return (profile.mechanism,)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return none: monitors and encoders measure it."""
+        return ()
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return strokes and tugs; those of a run that was broken off are done again."""
+        settings = _settings(profile)
+        strokes = settings.strokes
+        wider, notes = relaxed(profile)
+        wider, name = follower(wider)
+        controller = make_controller(wider, name)
+        half = strokes.segments[len(strokes.speeds) - 1].end
+        base = calm_base(profile)
+        bases = ((0.0, base), (half, _RAISED * base))
+        motion = leaning(wider, strokes, _BETWEEN, controller, bases)
+        tugging = Tugging(settings, motion, controller, _base(profile), base)
+        return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Fit sliding, and find what breaks the pairs away."""
+        settings = _settings(profile)
+        recording.require(segment.name for segment in settings.segments)
+        names = [segment.name for segment in settings.strokes.segments]
+        strokes, belief = fit_strokes(profile, recording, names, _travel(settings.strokes))
+        growth = [pair.estimate(GROWTH, "", "1") for pair in strokes]
+        spread = math.hypot(*(g.std for g in growth)) / max(sum(g.value for g in growth), 1e-9)
+        cases, tugs = cases_of(profile, belief, spread), settings.tugs
+        forces = forces_of_tugs(cases, recording, tugs)
+        sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
+        told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
+        breakaways = Breakaways(tugs, forces[0], told)
+        estimates: list[Estimate] = []
+        panels: list[Panel] = []
+        notes: list[str] = []
+        broken: list[float] = []
+        for number, pair in enumerate(strokes):
+            name = pair.rows.name
+            prefix = f"friction.{name}."
+            estimates += [
+                pair.estimate(COULOMB, f"{prefix}coulomb", "N"),
+                pair.estimate(VISCOUS, f"{prefix}viscous", "N s/m"),
+                pair.estimate(GROWTH, f"{prefix}load", "1"),
+            ]
+            panels.append(_panel_of_sliding(profile, pair))
+            if number not in told:
+                count = min(map(len, sides[number]))
+                notes.append(
+                    f"{name} moved in {count} of {settings.rounds * PER_ROUND} tugs of up to "
+                    f"{settings.most:.3g} N to one side, {_LEAST_TUGS} are needed: its breakaway "
+                    "is not told, and stays in proportion to Coulomb friction"
+                )
+                continue
+            breakaway = breakaways.estimate(number, f"{prefix}breakaway", cases, forces)
+            estimates.append(breakaway)
+            broken.append(breakaway.value)
+            panels.append(_panel_of_tugs(profile, name, *sides[number], breakaway.value))
+        residuals = np.concatenate([pair.residuals for pair in strokes])
+        values = _values(profile, belief, float(np.mean(broken)) if broken else None)
+        return (
+            Finding(
+                profile.mechanism, {"friction": values}, estimates, residuals, "N", _BOUND,
+                len(names), panels, notes=notes,
+            ),
+        )  # fmt: skip
+
+
+def _settings(profile: Profile) -> StrokesAndTugs:
+    settings, believed = profile.mechanism_settings, belief_of(profile)
+    expected = settings.friction.breakaway + believed.alone * believed.usual
+    # A wire that is let go in a tug stays taut.
+    taut = 2.0 * (settings.area * _base(profile) - _TAUT * settings.limits.tension[0])
+    most = min(_MORE * expected, taut)
+    return StrokesAndTugs(Strokes(reach(profile, _SHARE), SPEEDS, _TURN), most=most)
+
+
+def _base(profile: Profile) -> float:
+    """Return the base pressure of the tugs, Pa gauge: all that swings is permitted."""
+    settings = profile.mechanism_settings
+    limits = settings.limits
+    most = min(limits.pressure[1], limits.tension[1] / settings.area) / (1.0 + DEPTH)
+    return float(min(settings.base_pressure, most))
+
+
+def _travel(strokes: Strokes) -> float:
+    """Return the way of each pair in the longest of the strokes' constant-speed parts, m."""
+    ways = (
+        (segment.end - segment.start) * speed
+        for segment, speed in zip(strokes.segments[::2], strokes.speeds, strict=True)
+    )
+    return math.sqrt(0.5) * max(ways)
+
+
+def _sides(tugs: Sequence[Tug], forces: "Array", pair: int) -> "tuple[Array, Array]":
+    """Return what those tugs at a pair took that moved it, to either side."""
+    mine = np.isfinite(forces) & np.array([tug.pair == pair for tug in tugs])
+    side = np.array([tug.side for tug in tugs])
+    return forces[mine & (side > 0)], forces[mine & (side < 0)]
+
+
+def _values(profile: Profile, belief: Belief, breakaway: float | None) -> Mapping[str, Any]:
+    """Return what to lay over the believed friction; breakaway is never below Coulomb friction.
+
+    Parameters
+    ----------
+    profile : Profile
+        The rig's.
+    belief : Belief
+        What was found of the joint.
+    breakaway : float, optional
+        Of a pair with the ring, N; the seals' stays in proportion to their Coulomb friction if it
+        is not told.
+    """
+    if breakaway is None:
+        usual = profile.mechanism_settings.friction
+        seals = usual.breakaway / max(usual.coulomb, 1e-9) * belief.coulomb
+    else:
+        seals = breakaway - belief.alone * belief.usual
+    return {
+        "coulomb": quantity(belief.coulomb, "N"),
+        "breakaway": quantity(max(seals, belief.coulomb), "N"),
+        "viscous": quantity(belief.viscous, "N s/m"),
+        "ring": float(f"{belief.ring:.6g}"),
+        "wire": float(f"{belief.wire:.6g}"),
+    }
+
+
+def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
+    believed = belief_of(profile)
+    velocity, sign = pair.rows.velocity, np.sign(pair.rows.velocity)
+    # What is left is Coulomb and viscous friction at base pressure with the ring upright.
+    friction = pair.values[COULOMB] * sign + pair.values[VISCOUS] * velocity
+    speeds = np.array([velocity.min(), 0.0, 0.0, velocity.max()])
+    sides = np.array([-1.0, -1.0, 1.0, 1.0])
+
+    def was(v: "Array", side: "Array") -> "Array":
+        dry = believed.coulomb + believed.shared * believed.usual
+        force: Array = dry * side + believed.viscous * v
+        return force
+
+    return Panel(
+        f"{pair.rows.name} sliding, at base pressure", "velocity (mm/s)", "friction (N)",
+        "residual (N)", 1e3 * velocity, friction + pair.residuals, friction, was(velocity, sign),
+        curve=(1e3 * speeds, was(speeds, sides)),
+    )  # fmt: skip
+
+
+def _panel_of_tugs(
+    profile: Profile, name: str, forward: "Array", backward: "Array", mean: float
+) -> Panel:
+    count, believed = len(forward) + len(backward), belief_of(profile)
+    before = profile.mechanism_settings.friction.breakaway + believed.alone * believed.usual
+    return Panel(
+        f"{name}: tugs to one side, then to the other", "number", "force (N)", "residual (N)",
+        np.arange(float(count)), np.concatenate((forward, backward)), np.full(count, mean),
+        np.full(count, before),
+    )  # fmt: skip

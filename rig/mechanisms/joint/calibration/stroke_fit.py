@@ -1,0 +1,284 @@
+"""What strokes that lean between a joint's pairs say of the friction of each.
+
+While both pairs slide faster than the Stribeck effect reaches, the force of a pair's chambers is
+
+    f = c_0 + (F_c + g (L - L_0) + D) sgn v + B w + M a + c_1 x
+        + L / L_0 (c_2 + c_3 x + c_4 x^3 + (c_5 x + c_6 x^2) sgn v).
+
+L is the sum of the pair's tensions and L_0 that at base pressure; g is what grows with it. D is by
+how much friction on the ball is other than with the ring upright, and w the speed that the viscous
+friction of two rods amounts to that are not as fast
+(`rig.mechanisms.joint.calibration.ball_friction`). c_1 is the weight of what the joint carries;
+rods and wires that have less or more friction than the others of their kind make c_2 to c_6: there
+and back are unlike each other, and away from upright four unlike forces are more than two pairs.
+
+D follows from what seals and ball take of the tensions, so it is worked out a second time from what
+was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells:
+it is taken to lie anywhere between nothing and a fifth of what grows. Nor does one tell what of the
+friction on the ball is the ring's, and where the ring is follows from how stiff wires are. What
+these leave open (`joint.tolerance`) is part of every interval (a type B evaluation).
+
+References
+----------
+JCGM 100:2008, Guide to the expression of uncertainty in measurement, 4.3.7.
+JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from rig.calibration.error_sums import half_width
+from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.recording import CalibrationRefused, Recording, Stretch
+from rig.config import Profile
+from rig.mechanisms.joint.calibration.ball_friction import (
+    Belief,
+    axis_of,
+    belief_of,
+    friction_on_ball,
+    sheared,
+    with_stiffer_wires,
+)
+from rig.mechanisms.pneumatic.calibration.pair_signals import PairSignals, pairs_of
+from rig.mechanisms.pneumatic.calibration.sliding_samples import Signals, bump_of, sliding, smooth
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_SLIDING: Final = 2.75
+"""Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
+
+_LEAST_ROWS: Final = 50
+_SEALS: Final = (0.0, 0.2)
+"""What of the friction that grows with the tensions may be the seals'."""
+
+COULOMB, VISCOUS, GROWTH = 1, 2, 3
+"""Where they stand among the parameters: N at base pressure, N s/m, g."""
+
+
+class Sliding(NamedTuple):
+    """Where a pair slides, one element per row; forces are of its chambers.
+
+    Parameters
+    ----------
+    name : str
+        Of the pair.
+    stroke : ndarray
+        Number of the stroke.
+    force, position, velocity, acceleration : ndarray
+        N, m, m/s and m/s².
+    sheared : ndarray
+        Speed that the viscous friction of both rods amounts to, m/s.
+    on_ball : ndarray
+        Friction on the ball as it is believed, N.
+    load : ndarray
+        Sum of the pair's tensions, N.
+    """
+
+    name: str
+    stroke: "Array"
+    force: "Array"
+    position: "Array"
+    velocity: "Array"
+    acceleration: "Array"
+    sheared: "Array"
+    on_ball: "Array"
+    load: "Array"
+
+
+class _Stroke(NamedTuple):
+    stretch: Stretch
+    axis: "Array"
+    pairs: list[PairSignals]
+    signals: list[Signals]
+
+
+class StrokeFit(NamedTuple):
+    """What the strokes say of a pair.
+
+    Parameters
+    ----------
+    rows : Sliding
+        Where it slides.
+    fits : tuple of Fit
+        With the least and the most that may be the seals' of what grows.
+    ring, stiffer : Fit
+        With the least of them, and as much as may be the ring's, or wires that are stiffer by a
+        standard deviation.
+    """
+
+    rows: Sliding
+    fits: tuple[Fit, Fit]
+    ring: Fit
+    stiffer: Fit
+
+    @property
+    def values(self) -> "Array":
+        """The parameters."""
+        return 0.5 * (self.fits[0].values + self.fits[1].values)
+
+    @property
+    def residuals(self) -> "Array":
+        """Measured less fitted, N."""
+        return 0.5 * (self.fits[0].residuals + self.fits[1].residuals)
+
+    def estimate(self, index: int, name: str, unit: str) -> Estimate:
+        """Return the estimate of one parameter."""
+        one, other = (found.parameter(index, name, unit) for found in self.fits)
+        scatter = 0.5 * (one.std + other.std)
+        bounds = 0.5 * (other.value - one.value), float(self.ring.values[index]) - one.value
+        even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
+        stiffer = abs(float(self.stiffer.values[index]) - one.value)
+        unity = np.eye(len(self.values))[index].tolist()
+        half = half_width(scatter, self.fits[0].freedom_of(unity), stiffer, even)
+        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, stiffer, *even)
+        return Estimate(name, value, unit, std, value - half, value + half)
+
+
+def fit_strokes(
+    profile: Profile, recording: Recording, names: Sequence[str], travel: float
+) -> tuple[list[StrokeFit], Belief]:
+    """Fit the strokes; return what they say of each pair, and of the joint's friction.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of the joint as it is believed to be.
+    recording : Recording
+        The strokes.
+    names : sequence of str
+        Of their stretches.
+    travel : float
+        That each pair was asked for, m.
+
+    Raises
+    ------
+    CalibrationRefused
+        A pair hardly moved, or did not slide long enough.
+    """
+    stretches = [recording[name] for name in names]
+    believed = belief_of(profile)
+    strokes = _strokes(profile, believed, stretches)
+    _check(profile, strokes, travel)
+    first = [_fit(profile, believed, pair) for pair in _rows(profile, believed, strokes)]
+
+    def again(profile: Profile, belief: Belief) -> tuple[list[Sliding], list[Fit]]:
+        rows = _rows(profile, belief, _strokes(profile, belief, stretches))
+        return rows, [_fit(profile, belief, pair) for pair in rows]
+
+    least, most = (_found(believed, [fit.values for fit in first], seals) for seals in _SEALS)
+    rows, fits = again(profile, least)
+    share = profile.mechanism_settings.tolerance.friction
+    others = (
+        again(profile, most), again(profile, least.with_ring(share)),
+        again(with_stiffer_wires(profile), least),
+    )  # fmt: skip
+    found = [
+        StrokeFit(pair, (one, other), *rest)
+        for pair, one, other, *rest in zip(rows, fits, *(each[1] for each in others), strict=True)
+    ]
+    return found, _found(believed, [pair.values for pair in found], sum(_SEALS) / len(_SEALS))
+
+
+def least_speed(profile: Profile) -> float:
+    """Return the speed above which the Stribeck effect is over, m/s."""
+    return float(_SLIDING * profile.mechanism_settings.friction.stribeck_velocity)
+
+
+def _strokes(profile: Profile, belief: Belief, stretches: Sequence[Stretch]) -> list[_Stroke]:
+    strokes = []
+    for stretch in stretches:
+        axis = axis_of(profile, belief, stretch)
+        pairs = pairs_of(profile, stretch, axis)
+        signals = [smooth(p.force, p.position, p.load, profile.loop.period) for p in pairs]
+        strokes.append(_Stroke(stretch, axis, pairs, signals))
+    return strokes
+
+
+def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
+    """Raise if there is too little sliding to fit."""
+    width = len(bump_of(profile.loop.period)[0])
+    least = least_speed(profile)
+    for number, pair in enumerate(strokes[0].pairs):
+        went = max(float(np.ptp(stroke.pairs[number].position)) for stroke in strokes)
+        if went < 0.5 * travel:
+            raise CalibrationRefused(
+                f"{pair.name} moved by {1e3 * went:.3g} mm at most where {1e3 * travel:.3g} mm "
+                "were asked for: a rod is stuck, or the supply is shut"
+            )
+        places = sum(len(sliding(s.signals[number].velocity, least, width)) for s in strokes)
+        if places < _LEAST_ROWS:
+            raise CalibrationRefused(
+                f"{pair.name} slid evenly and faster than {1e3 * least:.3g} mm/s in {places} "
+                f"places, {_LEAST_ROWS} are needed: it hunts or sticks, because seals, supply or "
+                "regulators are far from what the profile says"
+            )
+
+
+def _rows(profile: Profile, belief: Belief, strokes: Sequence[_Stroke]) -> list[Sliding]:
+    width, least = len(bump_of(profile.loop.period)[0]), least_speed(profile)
+    parts: list[list[Array]] = [[] for _ in strokes[0].pairs]
+    for number, (stretch, axis, pairs, signals) in enumerate(strokes):
+        on_ball = friction_on_ball(profile, belief, stretch, axis, signals)
+        speeds = sheared(profile, stretch, signals)
+        for mine, pair, one, speed, on in zip(parts, pairs, signals, speeds, on_ball, strict=True):
+            position = pair.position[0] + one.position
+            k = sliding(one.velocity, least, width)
+            mine.append(
+                np.column_stack([np.full(len(k), float(number)), one.force[k], position[k],
+                                 one.velocity[k], one.acceleration[k], speed[k], on[k],
+                                 one.load[k]])
+            )  # fmt: skip
+    return [
+        Sliding(pair.name, *np.concatenate(mine).T)
+        for pair, mine in zip(strokes[0].pairs, parts, strict=True)
+    ]
+
+
+def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
+    """Fit c_0, F_c, B, g, and c_1 to c_6; the mass is known better than strokes can tell."""
+    settings, usual, x = profile.mechanism_settings, belief.usual, rows.position
+    sign, load = np.sign(rows.velocity), rows.load / usual
+    regressors = np.column_stack(
+        [np.ones_like(x), sign, rows.sheared, (rows.load - usual) * sign,
+         x, load, load * x, load * x**3, load * x * sign, load * x**2 * sign]
+    )  # fmt: skip
+    # The rod that pulls has more pressure behind it than the other one, and so more friction.
+    upright = belief.shared * (rows.load - belief.seals * np.abs(rows.force))
+    force = rows.force - settings.moving_mass * rows.acceleration - rows.on_ball + sign * upright
+    start = [0.0, belief.coulomb, belief.viscous, belief.shared, *(0.0,) * 6]
+    scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 1e5, 10.0, 1e3]
+    try:
+        return fit(lambda q: force - regressors @ q, start, scale, groups=rows.stroke)
+    except ValueError as error:
+        raise CalibrationRefused(f"the friction of {rows.name}: {error}") from error
+
+
+def _found(belief: Belief, values: "Sequence[Array]", seals: float) -> Belief:
+    """Return what the pairs say in the mean; ring and wires share what the ball takes.
+
+    Parameters
+    ----------
+    belief : Belief
+        How they share it.
+    values : sequence of ndarray
+        Parameters of the pairs' fits.
+    seals : float
+        What of the friction that grows is the seals'.
+    """
+    mean = np.mean(values, axis=0)
+    growth = max(float(mean[GROWTH]), 0.0)
+    on_ball = (1.0 - seals) * growth
+    share = on_ball / max(belief.shared, 1e-9)
+    return belief._replace(
+        coulomb=max(float(mean[COULOMB]) - on_ball * belief.usual, 0.0),
+        viscous=max(float(mean[VISCOUS]), 0.0),
+        ring=min(share * belief.ring, 1.0),
+        wire=min(share * belief.wire, 1.0),
+        seals=seals * growth,
+    )

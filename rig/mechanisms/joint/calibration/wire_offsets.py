@@ -1,0 +1,229 @@
+"""Where each wire of a joint is taut, from how its ring stands.
+
+A rod's extension tells its own wire's length only if it is known how the ring stands, and the rods
+cannot tell that from lengths that are not known: that takes an inclinometer on the ring, along the
+ball's x and y axes. With the ring's axis u, a rod stands out by
+
+    x_k = h_k - s_k(u) - A p_k / k + side (f_k + g_k A p_k),
+
+s_k being the shortening that the pose asks of the wire, k the wires' stiffness and side +1 on the
+way up, where the seals keep a part of the pull from the wire.
+`rig.mechanisms.pneumatic.calibration.wire_fit` finds the mean of all rods; what one differs from it
+by is found here, where what bristles do is the same to second order. Each reading of the
+inclinometer errs by itself.
+
+The shortening is the drawing's. Where the ring leans, what the joint was made to instead makes the
+rods err: everything within `joint.tolerance`, equally likely (JCGM 101), in proportion to the
+lean. Upright nothing is left of it.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from rig.calibration.error_sums import half_width
+from rig.calibration.estimates import Estimate, Fit, fit, welch
+from rig.calibration.instruments import Instrument
+from rig.calibration.procedure import Readings
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Profile
+from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
+from rig.mechanisms.joint.calibration.sighting_model import Wires
+from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+INCLINOMETER_ACCURACY: Final = 2e-4
+"""Standard uncertainty of a reading, rad: a digital one of 0.01 deg, turned round to lose its zero.
+"""
+
+_AXES: Final = ("x", "y")
+_MOST: Final = math.radians(10.0)
+"""A ring that leans more does not stand upright."""
+
+
+class WireOffsets(NamedTuple):
+    """What is found of the single wires.
+
+    Parameters
+    ----------
+    offsets : tuple of float
+        How much further each rod stands out than all in the mean, m.
+    home, give : Estimate
+        Where all of them are taut in the mean, the ring upright, and how they give, m and m/N.
+    single : tuple of Estimate
+        Where each of them is taut.
+    """
+
+    offsets: tuple[float, ...]
+    home: Estimate
+    give: Estimate
+    single: tuple[Estimate, ...]
+
+
+def inclinometers(stretches: Sequence[str]) -> tuple[Instrument, ...]:
+    """Return the inclinometer on the ring, read along both axes in some stretches."""
+    return tuple(
+        Instrument(
+            f"inclinometer {axis}", "rad", INCLINOMETER_ACCURACY, tuple(stretches), f"axis_{axis}"
+        )
+        for axis in _AXES
+    )
+
+
+def wire_offsets(
+    profile: Profile,
+    recording: Recording,
+    readings: Readings,
+    sides: Mapping[str, int],
+    found: Fit,
+) -> WireOffsets | None:
+    """Return what is found of the single wires; None if nobody read the inclinometer.
+
+    Parameters
+    ----------
+    profile : Profile
+        Of a joint.
+    recording : Recording
+        What was recorded.
+    readings : mapping
+        Of the inclinometer.
+    sides : mapping of str to int
+        The stretches in which it is read: +1 on the way up.
+    found : Fit
+        What the mean of all rods says while the ring leans as it does: home (mm), give (mm/N).
+
+    Raises
+    ------
+    CalibrationRefused
+        It was not read everywhere, or the ring does not stand upright.
+    """
+    axes = _axes(readings, sides)
+    if axes is None:
+        return None
+    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
+    recorded = [recording[name] for name in sides]
+    extension = np.array(
+        [[pneumatics.extension(p, c).mean() for c in pneumatics.channels] for p in recorded]
+    )
+    pull = settings.area * np.array(
+        [[p.mean(f"reading.pressure_{c}") for c in pneumatics.channels] for p in recorded]
+    )
+    side, mean_pull = np.array([float(value) for value in sides.values()]), pull.mean(axis=1)
+    believed = _believed(profile)
+    shortened = _shortened(believed, axes)
+    made = _made(profile, believed, axes)
+
+    # What the lean adds to both lines, up and down; it changes a little as the pull does.
+    lines = np.column_stack([np.ones(len(side)), -mean_pull, side, side * mean_pull])
+    lean = fit(
+        lambda q: 1e3 * shortened.mean(axis=1) - lines @ q, (0.0,) * 4, (1e-3, 1e-5, 1e-3, 1e-5)
+    )
+    leaning = np.linalg.lstsq(lines, made.mean(axis=2).T, rcond=None)[0]
+    parts = [
+        [
+            (f.parameter(k, "", "").std, f.freedom_of(np.eye(len(f.values))[k]))
+            for f in (found, lean)
+        ]
+        for k in (0, 1)
+    ]
+    home, give = (
+        _sum(name, unit, 1e-3 * float(found.values[k] + lean.values[k]), parts[k], leaning[k])
+        for k, (name, unit) in enumerate((("home", "m"), ("give", "m/N")))
+    )
+
+    taut = extension + shortened + pull * give.value
+    apart = 1e3 * (taut - taut.mean(axis=1)[:, None])
+    share = mean_pull / mean_pull.mean()
+    own_made = made.mean(axis=1) - made.mean(axis=(1, 2))[:, None] + leaning[0][:, None]
+    offsets, single = [], []
+    for k, channel in enumerate(pneumatics.channels):
+        own = fit(
+            lambda q: apart[:, k] - q[0] - side * (q[1] + q[2] * share),  # noqa: B023
+            (0.0, 0.0, 0.0), (0.1, 0.01, 0.01),
+        ).parameter(0, "", "mm")  # fmt: skip
+        offsets.append(1e-3 * own.value)
+        others = [*parts[0], (own.std, len(side) - 3.0)]
+        value = home.value + offsets[-1]
+        single.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
+    return WireOffsets(tuple(offsets), home, give, tuple(single))
+
+
+def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
+    """Return the ring's axis in each stretch, shape (n, 3), as the inclinometer shows it."""
+    shown = [readings.get(f"inclinometer {axis}", {}) for axis in _AXES]
+    if not any(shown):
+        return None
+    for axis, told in zip(_AXES, shown, strict=True):
+        lacking = [name for name in sides if name not in told]
+        if lacking:
+            raise CalibrationRefused(
+                f"the inclinometer along {axis} was not read in {len(lacking)} of {len(sides)} "
+                f"stretches, first in {lacking[0]!r}"
+            )
+    leaning = np.array([[told[name] for told in shown] for name in sides])
+    if float(np.hypot(*leaning.T).max()) > _MOST:
+        raise CalibrationRefused(
+            f"the ring leans by {math.degrees(float(np.hypot(*leaning.T).max())):.3g} deg: put it "
+            "upright before its wires are measured"
+        )
+    x, y = np.sin(leaning).T
+    return np.column_stack([x, y, np.sqrt(1.0 - x * x - y * y)])
+
+
+def _sum(
+    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: "Array"
+) -> Estimate:
+    """Return an estimate whose error is what scatters, and what tolerances leave.
+
+    Parameters
+    ----------
+    name, unit, value
+        See `Estimate`.
+    parts : sequence of tuple
+        Standard deviation, in thousandths of `unit`, and degrees of freedom of what scatters.
+    made : ndarray, shape (m,)
+        Standard deviation of what each tolerance leaves, in `unit`.
+    """
+    std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
+    half = half_width(std, freedom, even=made.tolist())
+    whole = float(np.hypot(std, np.linalg.norm(made)))
+    return Estimate(name, value, unit, whole, value - half, value + half)
+
+
+def _believed(profile: Profile) -> dict[str, float]:
+    """Return every dimension of the joint as its profile has it, with parts in their places."""
+    geometry = profile.mechanism_settings.geometry
+    return {
+        **{name: getattr(geometry, name) for name in LENGTHS},
+        **dict(zip(ANGLES, geometry.anchor_angles, strict=True)),
+        **{f"{name}_{k}": 0.0 for k in WIRES for name in PARTS},
+    }
+
+
+def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
+    """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
+    wires = Wires.of(values)
+    return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
+
+
+def _made(profile: Profile, believed: Mapping[str, float], axes: "Array") -> "Array":
+    """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, n, 4)."""
+    rows = {
+        prior.name: 0.5 * (ahead - behind)
+        for priors in made_of(profile)
+        for prior in priors
+        if prior.name in believed
+        for behind, ahead in [
+            [_shortened({**believed, prior.name: believed[prior.name] + side * prior.std}, axes)
+             for side in (-1.0, 1.0)]
+        ]
+    }  # fmt: skip
+    # Angles count from the anchors' mean.
+    turned = np.mean([rows[name] for name in ANGLES], axis=0)
+    return np.array([row - turned if name in ANGLES else row for name, row in rows.items()])

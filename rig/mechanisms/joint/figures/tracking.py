@@ -1,0 +1,252 @@
+"""The figures of the spherical joint, as its paper draws them and beyond."""
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rig.experiment.measure import local_slope
+from rig.mechanisms.joint.measures.tracking import CHANNELS, PAIRS
+from rig.report.data import RunData
+from rig.report.figure import TIME_LABEL, FigureKind, bounds_of, draw_line, finish_time_axis
+from rig.report.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PAGE,
+    PALETTE,
+    VERMILION,
+    length_scale,
+    new_figure,
+    place_legend,
+    shade_segments,
+)
+
+_SLOW = 1e-3
+"""While the marker moves no faster (m/s) nobody asks how much the channels stick."""
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from rig.hal.motion import Segment
+
+    Array = NDArray[np.float64]
+
+
+def draw_channels(run: RunData) -> "Figure | None":
+    """Draw reference, position and pressure of each channel (the paper's Fig. 11 to 14)."""
+    if not run.has("reading.rod_ch1", "reading.pressure_ch1"):
+        return None
+    figure = new_figure(PAGE, 128.0)
+    grid = figure.subplots(len(CHANNELS), 2, sharex=True, sharey="col")
+    part = run.followed
+    t = run.t[part]
+    for row, name in zip(grid, CHANNELS, strict=True):
+        position, pressure = row
+        reading = run.log.column(f"reading.rod_{name}")[part] * 1e3
+        desired = run.log.column(f"reference.rod_{name}")[part] * 1e3
+        draw_line(position, t, reading, BLUE, "reading", lw=1.0)
+        draw_line(position, t, desired, INK, "reference", lw=0.6, ls=(0, (4, 2)))
+        position.set_ylabel(f"{name} (mm)")
+        measured = run.log.column(f"reading.pressure_{name}")[part] * 1e-3
+        applied = run.log.column(f"applied.{name}")[part] * 1e-3
+        draw_line(pressure, t, applied, "#f0b9a0", "setpoint", lw=0.4)
+        draw_line(pressure, t, measured, BLUE, "monitored", lw=0.8)
+        pressure.set_ylabel("(kPa)")
+        for axes in row:
+            axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
+    grid[0, 0].set_title("shortening of the wire", loc="left")
+    grid[0, 1].set_title("pressure, gauge", loc="left")
+    for axes in grid[0]:
+        place_legend(axes, 2)
+    for axes in grid[-1]:
+        axes.set_xlabel(TIME_LABEL)
+    return figure
+
+
+def draw_marker_track(run: RunData) -> "Figure | None":
+    """Draw the marker's track over its target, seen along the axis (the paper's Fig. 15)."""
+    if not run.has("reference.marker_x", "estimate.marker_x"):
+        return None
+    shown = _whole(run)[:4] or None
+    figure = new_figure(PAGE, 84.0)
+    left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.05])
+    source = "truth" if run.has("truth.marker_x") else "estimate"
+    x, y = (run.log.column(f"{source}.marker_{axis}") * 1e3 for axis in "xy")
+    u, v = (run.log.column(f"reference.marker_{axis}") * 1e3 for axis in "xy")
+    followed = run.followed
+    windows = (
+        [(s.name, followed & (run.t >= s.start) & (run.t < s.end)) for s in shown]
+        if shown
+        else [("all", followed)]
+    )
+    left.plot(u[followed], v[followed], color=INK, lw=0.8, ls=(0, (4, 2)), label="target", zorder=3)
+    for (name, part), color in zip(windows, PALETTE, strict=False):
+        if not part.any():
+            continue
+        left.plot(x[part], y[part], color=color, lw=0.7, label=name)
+        azimuth = np.degrees(np.arctan2(v[part], u[part]))
+        radial = np.hypot(x[part], y[part]) - np.hypot(u[part], v[part])
+        order = np.argsort(azimuth)
+        right.plot(
+            azimuth[order], radial[order], ".", ms=0.6, color=color, alpha=0.5, rasterized=True
+        )
+        right.plot([], [], color=color, label=f"{name}: rms {_micro(radial)}")
+    left.set_aspect("equal")
+    left.set_xlabel("x (mm)")
+    left.set_ylabel("y (mm)")
+    place_legend(left, 4)
+    right.axhline(0.0, color=GREY, lw=0.5)
+    right.set_xlim(-180.0, 180.0)
+    right.set_xticks([-180, -90, 0, 90, 180])
+    right.set_xlabel("azimuth of the target (deg)")
+    right.set_ylabel("radial error (mm)")
+    place_legend(right, 2)
+    return figure
+
+
+def draw_joint_error(run: RunData) -> "Figure | None":
+    """Draw the errors of both pairs and of the marker, with their bounds."""
+    if not run.has("reference.rod_ch1", "reading.rod_ch1"):
+        return None
+    figure = new_figure(PAGE, 92.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    part = run.followed
+    t = run.t[part]
+    pairs = [0.5 * (_rod_error(run, one) - _rod_error(run, other))[part] for one, other in PAIRS]
+    factor, unit = length_scale(max(float(np.abs(error).max()) for error in pairs))
+    upper.axhline(0.0, color=GREY, lw=0.5)
+    for error, (one, other), color in zip(pairs, PAIRS, (BLUE, ORANGE), strict=True):
+        draw_line(upper, t, error * factor, color, f"{one} against {other}", lw=0.7)
+    finish_time_axis(upper, t, f"pair error ({unit})")
+    upper.set_xlabel("")
+    _draw_bounds(upper, run, {"wire_rms", "wire_hold_rms"}, factor)
+    shade_segments(upper, PAGE, [_brief(segment) for segment in _whole(run)])
+    place_legend(upper, 3)
+    desired = _marker(run, "reference")[part]
+    extent = 0.0
+    curves: list[tuple[str, str, Array]] = []
+    for source, label, color in (
+        ("truth", "true marker", VERMILION),
+        ("estimate", "estimated marker", GREEN),
+    ):
+        if run.has(f"{source}.marker_x"):
+            distance = np.linalg.norm(_marker(run, source)[part] - desired, axis=1)
+            curves.append((label, color, distance))
+            extent = max(extent, float(distance.max()))
+    factor, unit = length_scale(extent)
+    for label, color, distance in curves:
+        draw_line(lower, t, distance * factor, color, label, lw=0.7)
+    finish_time_axis(lower, t, f"marker off its target ({unit})")
+    lower.set_ylim(bottom=0.0)
+    _draw_bounds(lower, run, {"marker_rms"}, factor)
+    place_legend(lower, 3)
+    return figure
+
+
+def draw_tensions(run: RunData) -> "Figure | None":
+    """Draw the tension of each wire with its least value, and how much of the time it sticks."""
+    source = "truth" if run.has("truth.tension_ch1") else "estimate"
+    if not run.has(f"{source}.tension_ch1"):
+        return None
+    has_stick = run.has("truth.sticking_ch1") and _wanted_speed(run) > _SLOW
+    figure = new_figure(PAGE, 66.0)
+    grid = figure.add_gridspec(1, 4)
+    axes = figure.add_subplot(grid[0, :3] if has_stick else grid[0, :])
+    part = run.followed
+    t = run.t[part]
+    for name, color in zip(CHANNELS, PALETTE, strict=False):
+        draw_line(axes, t, run.log.column(f"{source}.tension_{name}")[part], color, name, lw=0.7)
+    for metric in run.metrics:
+        if metric.get("measure") in ("tension_min", "tension_max") and metric.get("bound"):
+            axes.axhline(metric["bound"], color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+    finish_time_axis(axes, t, "tension (N)")
+    axes.set_ylim(bottom=0.0)
+    shade_segments(axes, PAGE * 0.7, [_brief(segment) for segment in _whole(run)])
+    place_legend(axes, 4)
+    if has_stick:
+        _draw_sticking(figure.add_subplot(grid[0, 3]), run)
+    return figure
+
+
+def _draw_sticking(axes: Any, run: RunData) -> None:
+    """Draw the share of the time in which each channel sticks though it should move."""
+    shares = []
+    for name in CHANNELS:
+        speed = np.abs(local_slope(run.t, run.log.column(f"reference.rod_{name}")))
+        moving = run.followed & (speed > 0.3 * speed[run.followed].max())
+        sticks = run.log.column(f"truth.sticking_{name}") > 0.5
+        shares.append(100.0 * float(np.mean(sticks[moving])) if moving.any() else 0.0)
+    axes.bar(range(len(CHANNELS)), shares, color=PALETTE[: len(CHANNELS)], width=0.7)
+    axes.set_xticks(range(len(CHANNELS)), labels=CHANNELS)
+    axes.set_ylabel("sticks while it should move (%)")
+    axes.grid(axis="x", visible=False)
+
+
+def _draw_bounds(axes: Any, run: RunData, measures: set[str], factor: float) -> None:
+    label = "bound on the rms"
+    for _, bound, segments in bounds_of(run, measures):
+        for segment in segments:
+            axes.hlines(
+                bound * factor, segment.start, segment.end,
+                color=VERMILION, lw=0.9, ls=(0, (5, 2)), label=label,
+            )  # fmt: skip
+            label = "_"
+
+
+def _whole(run: RunData) -> "list[Segment]":
+    """Return the segments that are no part of another one but the whole."""
+    parts = [segment for segment in run.segments if segment.name != "all"]
+    return [
+        inner
+        for inner in parts
+        if not any(
+            outer is not inner and outer.start <= inner.start and inner.end <= outer.end
+            for outer in parts
+        )
+    ]
+
+
+def _brief(segment: "Segment") -> "Segment":
+    """Return a segment by a name that fits over a short stretch: a pose by its two angles."""
+    name = re.sub(r"^hold (\S+) deg at (\S+) deg.*$", r"\1°, \2°", segment.name)
+    return segment._replace(name=name)
+
+
+def _wanted_speed(run: RunData) -> float:
+    """Return how fast the marker is to move at most, m/s."""
+    track = _marker(run, "reference")[run.followed]
+    return max(float(np.abs(local_slope(run.t[run.followed], way)).max()) for way in track.T)
+
+
+def _rod_error(run: RunData, name: str) -> "Array":
+    error: Array = run.log.column(f"reference.rod_{name}") - run.log.column(f"reading.rod_{name}")
+    return error
+
+
+def _marker(run: RunData, source: str) -> "Array":
+    return np.column_stack([run.log.column(f"{source}.marker_{axis}") for axis in "xyz"])
+
+
+def _micro(error: "Array") -> str:
+    return f"{1e3 * float(np.sqrt(np.mean(error**2))):.0f} µm"
+
+
+JOINT_FIGURES = {
+    "channels": FigureKind(
+        draw_channels, "Shortening of each wire with its reference, and the chamber pressures."
+    ),
+    "marker-track": FigureKind(
+        draw_marker_track,
+        "Track of the marker over its target seen along the axis, and its radial error.",
+    ),
+    "joint-error": FigureKind(
+        draw_joint_error, "Errors of the two wire pairs and of the marker, with their bounds."
+    ),
+    "tensions": FigureKind(
+        draw_tensions, "Tension of each wire; how much of the time a channel sticks."
+    ),
+}

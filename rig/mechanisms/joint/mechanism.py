@@ -1,0 +1,339 @@
+"""The spherical joint: a ring on a ball, turned by four wires and their cylinders."""
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from controllers.spherical_joint.geometry import Quadruple
+from controllers.spherical_joint.great_circle import great_circle
+from controllers.spherical_joint.learning import LapLearning
+from controllers.spherical_joint.poses import natural_rotation
+from controllers.spherical_joint.tension import TensionDistribution
+from controllers.spherical_joint.types import (
+    CameraSample,
+    JointCommand,
+    JointEstimate,
+    JointModel,
+    JointReference,
+    JointState,
+)
+from rig.hal import (
+    EmergencyStop,
+    EmergencyStopInput,
+    LinearEncoder,
+    MarkerCamera,
+    PressureRegulator,
+    StaleReading,
+)
+from rig.hal.mechanism import Margin, pick_device
+from rig.mechanisms.joint.camera_check import check_camera
+from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
+from rig.mechanisms.joint.motion import JointMotion, plan_motion
+from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.watch import JointWatch
+from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.runtime.limits import VectorLimiter
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+_ZERO = (0.0, 0.0, 0.0)
+
+
+class PoseController(Protocol):
+    """A controller that shows what it believes of the joint."""
+
+    @property
+    def estimate(self) -> JointEstimate:
+        """Marker, residual, wanted rods and tensions."""
+        ...
+
+    @property
+    def learning(self) -> LapLearning | None:
+        """What it learns over laps, if anything."""
+        ...
+
+
+class SphericalJoint:
+    """The loop's view of the spherical joint.
+
+    Parameters
+    ----------
+    settings : JointSettings
+        Geometry and limits.
+    regulators : PressureRegulator
+        Channels ch1 … ch4.
+    encoders : sequence of LinearEncoder
+        One for each channel, in order.
+    camera : MarkerCamera, optional
+        Sees the marker.
+    emergency_stop : EmergencyStopInput, optional
+        The device that reads the emergency-stop contact.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices have other channels, or ranges that do not hold the limits.
+    """
+
+    Settings = JointSettings
+
+    columns = JOINT_COLUMNS
+
+    def __init__(
+        self,
+        settings: JointSettings,
+        *,
+        regulators: PressureRegulator,
+        encoders: tuple[LinearEncoder, ...],
+        camera: MarkerCamera | None,
+        emergency_stop: EmergencyStopInput | None,
+        period: float,
+    ) -> None:
+        check_pneumatics(
+            "the joint", CHANNELS, settings.limits.pressure, settings.stroke, regulators, encoders
+        )
+        if camera is not None:
+            check_camera(settings, camera)
+        self.settings = settings
+        self.controller: PoseController | None = None
+        self.motion: JointMotion | None = None
+        self._regulators = regulators
+        self._encoders = encoders
+        self._camera = camera
+        self._emergency_stop = emergency_stop
+        self._limits = limits = settings.limits
+        self._limiter = VectorLimiter(
+            "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
+        )
+        self._watch = JointWatch(
+            settings,
+            regulators.name,
+            [encoder.name for encoder in encoders],
+            None if camera is None else camera.name,
+        )
+        self._tensions_at = TensionDistribution(settings.geometry)
+        self._tensions_at.compile()
+        self._checked = False
+        # Bound once: what every cycle asks for.
+        self._homes = tuple([settings.home + offset for offset in settings.wire_offsets])
+        self._area = settings.area
+        self._marker = settings.geometry.marker
+        self._positions = tuple(encoder.position for encoder in encoders)
+        self._sample: CameraSample | None = None
+        self._age = 0.0
+        self._tensions: Quadruple = (0.0,) * 4
+
+    @classmethod
+    def assemble(
+        cls, settings: JointSettings, devices: Mapping[str, Any], period: float
+    ) -> "SphericalJoint":
+        """Pick the devices that the settings name.
+
+        Raises
+        ------
+        ConfigurationError
+            A device is not there, or cannot do what its role asks for.
+        """
+
+        def pick(role: str, name: str | None, kind: type[Any]) -> Any:
+            return None if name is None else pick_device(f"joint.{role}", name, kind, devices)
+
+        return cls(
+            settings,
+            regulators=pick("regulators", settings.regulators, PressureRegulator),
+            encoders=tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders),
+            camera=pick("camera", settings.camera, MarkerCamera),
+            emergency_stop=pick("emergency_stop", settings.emergency_stop, EmergencyStopInput),
+            period=period,
+        )
+
+    @staticmethod
+    def wiring(settings: JointSettings) -> dict[str, str]:
+        """Return which channel of the plant each single-channel device measures."""
+        return dict(zip(settings.encoders, CHANNELS, strict=True))
+
+    @classmethod
+    def model_of(cls, settings: JointSettings) -> JointModel:
+        """Return what the controllers are told of the joint."""
+        friction, response, limits = settings.friction, settings.regulator_response, settings.limits
+        return JointModel(
+            geometry=settings.geometry,
+            area=settings.area,
+            mass=settings.moving_mass,
+            base_pressure=settings.base_pressure,
+            pressure_min=limits.pressure[0],
+            pressure_max=limits.pressure[1],
+            regulator_bandwidth=response.bandwidth,
+            regulator_damping=response.damping,
+            coulomb=friction.coulomb,
+            breakaway=friction.breakaway,
+            stribeck_velocity=friction.stribeck_velocity,
+            viscous=friction.viscous,
+            ring_friction=friction.ring,
+            wire_friction=friction.wire,
+            wire_stiffness=settings.wire_stiffness,
+            least_tension=limits.tension[0],
+            most_tension=limits.tension[1],
+        )
+
+    @classmethod
+    def plan(
+        cls, settings: JointSettings, reference: Any, controller: Any, period: float
+    ) -> JointMotion:
+        """Return the motion, if every pose of it is possible and permitted; see `plan_motion`."""
+        return plan_motion(settings, reference, controller, period)
+
+    @classmethod
+    def approach(
+        cls, start: JointReference, end: JointReference, duration: float, t: float
+    ) -> JointReference:
+        """Return the shortest minimum-jerk way between two poses at `t`."""
+        return great_circle(start.axis, end.axis, duration, t)
+
+    def read(self, now: float) -> JointState:
+        """Assemble the joint's state; see `Mechanism.read`."""
+        homes, area = self._homes, self._area
+        pressures, oldest = self._regulators.pressure()
+        latest = None
+        rods = []
+        for k, position in enumerate(self._positions):
+            (extension,), t = position()
+            rods.append(homes[k] - extension)
+            if t < oldest:
+                oldest, latest = t, k
+        self._age = age = now - oldest
+        if age > self._limits.reading_age:
+            device: Any = self._regulators if latest is None else self._encoders[latest]
+            raise StaleReading(device.name, age, self._limits.reading_age)
+        if self._camera is not None:
+            markers, t = self._camera.markers()
+            sample = self._sample
+            if not markers.positions:
+                self._sample = None
+            elif sample is None or t != sample.t:
+                twist = markers.twists[0] if markers.twists else None
+                self._sample = CameraSample(markers.positions[0], t, twist)
+        first, second, third, fourth = pressures
+        self._tensions = (area * first, area * second, area * third, area * fourth)
+        return _new(JointState, (now, (*rods,), pressures, self._sample))
+
+    def check(self, state: JointState, now: float) -> None:
+        """Raise if the state is not safe; see `Mechanism.check`."""
+        if self._emergency_stop is not None:
+            pressed, t = self._emergency_stop.emergency_stop()
+            if pressed:
+                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            if now - t > self._limits.reading_age:
+                raise StaleReading("emergency stop", now - t, self._limits.reading_age)
+        self._watch.check(state, now)
+        self._checked = True
+
+    def explain(self, error: Exception, state: JointState) -> Exception:
+        """Return a fault with the cause that the rest of the rig shows; see `Explaining`."""
+        return self._watch.explain(error, state)
+
+    def resting_command(self, state: JointState) -> JointCommand:
+        """Return the measured mean pressure, so shared that the ring stays where it is."""
+        return self._balanced(state, sum(state.pressures))
+
+    def energised_command(self, state: JointState) -> JointCommand:
+        """Return the base pressure in the mean, so shared that the ring stays where it is."""
+        return self._balanced(state, 4.0 * self.settings.base_pressure)
+
+    def _balanced(self, state: JointState, total: float) -> JointCommand:
+        """Return pressures of a given sum whose pulls turn the ring nowhere.
+
+        What was measured in the middle of a motion, or the same pressure in all chambers away
+        from upright, would let it fall over as soon as nothing controls it.
+        """
+        lower, upper = self._limits.pressure
+        shares = self._tensions_at.shares(natural_rotation(self._watch.axis_of(state)))
+        first, second, third, fourth = (min(max(total * s, lower), upper) for s in shares)
+        return JointCommand(first, second, third, fourth)
+
+    def released_command(self) -> JointCommand:
+        """Return all chambers vented but for those that the profile has hold their pressure."""
+        if hasattr(self._regulators, "safe_pressure"):
+            return JointCommand(*self._regulators.safe_pressure())
+        return JointCommand(*(self._limits.pressure[0],) * 4)
+
+    def blend(self, start: JointCommand, end: JointCommand, share: float) -> JointCommand:
+        """Return the command `share` of the way from `start` to `end`."""
+        return JointCommand(*(a + share * (b - a) for a, b in zip(start, end, strict=True)))
+
+    def start_limiting(self, state: JointState) -> None:
+        """Start the rate limit from the measured pressures."""
+        self._limiter.reset(state.pressures)
+        self._watch.restart()
+
+    def limit(self, command: JointCommand) -> JointCommand:
+        """Return the command that may be applied: range and rate."""
+        return _new(JointCommand, self._limiter.limit(command))
+
+    def write(self, applied: JointCommand) -> None:
+        """Hand the setpoints to the regulators."""
+        self._regulators.set_pressure(applied)
+        self._watch.send(applied)
+
+    def row(
+        self,
+        state: JointState,
+        reference: JointReference,
+        command: JointCommand,
+        applied: JointCommand,
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        controller = self.controller
+        if controller is None or not self._checked:
+            estimate = JointEstimate(_ZERO, _ZERO, 0.0, state.rods, (0.0,) * 4)
+        else:
+            estimate = controller.estimate
+        learning = None if controller is None else controller.learning
+        learns = 0.0 if learning is None or not learning.active else 1.0 + learning.finished
+        t, rods, pressures, camera = state
+        marker, encoder_marker, residual, wanted, _ = estimate
+        axis, lap = reference.axis, reference.lap
+        return (
+            *rods,
+            *pressures,
+            self._age,
+            *(_ZERO if camera is None else camera.marker),
+            -1.0 if camera is None else t - camera.t,
+            0.0 if camera is None or camera.twist is None else camera.twist,
+            *axis,
+            *self._marker(axis),
+            *wanted,
+            *marker,
+            *encoder_marker,
+            residual,
+            *self._tensions,
+            -1.0 if lap is None else float(lap.number),
+            learns,
+            *(_ZERO if self.motion is None else self.motion.pose),
+            *command,
+            *applied,
+        )
+
+    def reference_of(self, state: JointState) -> JointReference:
+        """Return the reference to stay in the pose that the rods show."""
+        return JointReference(self._watch.axis_of(state), _ZERO, _ZERO)
+
+    def worst_margin(self, state: JointState, applied: JointCommand, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        limits = self._limits
+        lower, _ = limits.tension
+        return min(
+            *self._watch.margins(),
+            Margin("reading age", 1.0 - self._age / limits.reading_age),
+            Margin("pressure", 1.0 - max(applied) / limits.pressure[1]),
+            Margin("slack wire", min(self._tensions) / lower - 1.0 if lower else 1.0),
+            key=lambda margin: margin.fraction,
+        )
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        return {
+            "pressure range": self._limiter.range_hits,
+            "pressure rate": self._limiter.rate_hits,
+        }

@@ -1,0 +1,127 @@
+"""What an experiment asks of the spherical joint, as a motion that is possible and permitted."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from controllers.spherical_joint.feasibility import FeasibilityCheck, refuse
+from controllers.spherical_joint.types import JointReference, Lap
+from rig.hal.motion import Fact, Segment
+from rig.mechanisms.joint.reach import JointReach, PoseFacts, bounds_of
+from rig.mechanisms.joint.settings import JointSettings
+
+_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+ALL = "all"
+"""Name of the segment that is the whole motion."""
+_PLAN_STEP = 0.01
+"""Poses of a motion are checked at this distance, s."""
+_TELL_EVERY = 5
+"""Of these so many are told of in the log: what is told changes slowly."""
+
+
+class JointMotion:
+    """A motion whose references say where in a lap they are, with what is known of its poses.
+
+    Parameters
+    ----------
+    motion : object
+        The settings of the experiment's reference.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, motion: Any, period: float) -> None:
+        self._motion = motion
+        self._period = period
+        self._repetitions = [
+            (start, laps, round(lap / period))
+            for start, lap, laps in getattr(motion, "repetitions", ())
+            if laps > 1
+        ]
+        self._poses: Sequence[PoseFacts] = ()
+        self._place = 0
+        self.facts: Mapping[str, Fact] = {}
+        """What is known of the joint beforehand."""
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return float(self._motion.duration)
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The whole of it, ``"all"``, and those of the motion."""
+        return (Segment(ALL, 0.0, self.duration), *self._motion.segments)
+
+    def at(self, t: float) -> JointReference:
+        """Return the reference at `t`, with its lap if it is in one."""
+        self._place = int(t / (_PLAN_STEP * _TELL_EVERY))
+        reference: JointReference = self._motion.at(t)
+        for start, laps, ticks in self._repetitions:
+            tick = round((t - start) / self._period)
+            if 0 <= tick < laps * ticks:
+                axis, velocity, acceleration, _, base, push = reference
+                lap = _new(Lap, (tick // ticks, tick % ticks, ticks))
+                return _new(JointReference, (axis, velocity, acceleration, lap, base, push))
+        return reference
+
+    @property
+    def pose(self) -> PoseFacts:
+        """What was known beforehand of the pose that was asked for last."""
+        return self._poses[min(self._place, len(self._poses) - 1)]
+
+    def plan(self, settings: JointSettings, check: FeasibilityCheck) -> None:
+        """Look at every pose.
+
+        Raises
+        ------
+        ValueError
+            One is not possible or not permitted.
+        """
+        reach = JointReach(settings)
+        poses = []
+        for number in range(int(self.duration / _PLAN_STEP) + 1):
+            t = number * _PLAN_STEP
+            axis = self.at(t).axis
+            try:
+                refuse(check.check_pose(axis))
+            except ValueError as error:
+                raise ValueError(f"after {t:.2f} s: {error}") from error
+            if number % _TELL_EVERY == 0:
+                poses.append(reach.at(axis))
+        self._poses = poses
+        self._place = 0
+        self.facts = reach.facts()
+
+
+def plan_motion(
+    settings: JointSettings, reference: Any, controller: Any, period: float
+) -> JointMotion:
+    """Return the motion, if every pose of it is possible and permitted.
+
+    Parameters
+    ----------
+    settings : JointSettings
+        Geometry and limits.
+    reference : object
+        The settings of the experiment's reference.
+    controller : object
+        The one that will follow: its settings say which wires and poses it believes in.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ValueError
+        A pose is out of reach of wires or rods, slackens a wire or unseats the ring; with the
+        instant, the number and the pose.
+    """
+    motion = JointMotion(reference, period)
+    if not isinstance(motion.at(0.0), JointReference):
+        raise ValueError("the reference is not one for the spherical joint")
+    check = FeasibilityCheck(
+        settings.geometry, bounds_of(settings), controller.settings.wire, controller.settings.pose
+    )
+    refuse(check.check_geometry())
+    motion.plan(settings, check)
+    return motion

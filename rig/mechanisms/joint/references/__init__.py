@@ -1,0 +1,1 @@
+"""Motions that an experiment may ask of the spherical joint."""

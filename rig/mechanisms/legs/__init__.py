@@ -1,0 +1,1 @@
+"""Two six-joint walking legs on servo drives."""

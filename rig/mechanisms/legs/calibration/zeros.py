@@ -1,0 +1,89 @@
+"""Zeros of the legs' joints, read in a jig that holds them at known angles.
+
+The torque is off: nothing is driven against a stop, and what the encoders read is what the jig
+makes of the joints, to its tolerance.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from controllers.gait.geometry import JOINT_NAMES
+from rig.calibration.estimates import interval
+from rig.calibration.instruments import Instrument
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.recording import Recording
+from rig.config import Profile
+from rig.mechanisms.legs.calibration.jig import (
+    devices_of,
+    excite,
+    findings,
+    instruments_of,
+    jig_poses,
+    measured,
+    settings_of,
+    steps_of,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_SAMPLES = 5
+"""Of each stretch that are shown."""
+
+
+class LegZeros:
+    """Zero of every joint, in one pose."""
+
+    name = "zeros"
+    title = "zeros of the joints, in a jig"
+    mechanisms = ("legs",)
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the servo devices' files."""
+        return devices_of(profile)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return the jig."""
+        return instruments_of(profile, jig_poses(profile, 1))
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the jig's first pose."""
+        return excite(profile, jig_poses(profile, 1), done)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Compare what the encoders read with what the jig is made to."""
+        poses = jig_poses(profile, 1)
+        steps = steps_of(profile)
+        (read,), (said,) = measured(poses, recording, readings, steps)
+        tolerance = profile.mechanism_settings.jig.tolerance
+        values, estimates = [], []
+        for k, (_, joint) in enumerate(settings_of(profile)):
+            offset = float(joint.offset + said[k] - read[k])
+            values.append({"offset": offset})
+            # One angle cannot tell how well it repeats: the tolerances are taken at their word.
+            std = math.hypot(tolerance, float(steps[k]) / math.sqrt(12.0))
+            name = f"{JOINT_NAMES[k]}.offset"
+            estimates.append((interval(name, offset, "rad", std, math.inf),))
+        (name,) = poses
+        stretch = recording[name]
+        samples = np.column_stack([stretch[f"reading.position_{j}"] for j in JOINT_NAMES])
+        scatter = read - samples
+        bound = 1e-3 + float(steps.max())
+        return findings(profile, values, estimates, scatter, bound, (_panel(said, read, scatter),))
+
+
+def _panel(said: "Array", read: "Array", scatter: "Array") -> Panel:
+    shown = scatter[:: max(len(scatter) // _SAMPLES, 1)][:_SAMPLES]
+    joint = np.broadcast_to(np.arange(1.0, 13.0), shown.shape)
+    fit = np.broadcast_to(1e3 * (said - read), shown.shape)
+    return Panel(
+        "zeros", "joint, right leg first", "jig less reading (mrad)", "scatter (mrad)",
+        joint.ravel(), (fit + 1e3 * shown).ravel(), fit.ravel(), np.zeros(fit.size),
+    )  # fmt: skip

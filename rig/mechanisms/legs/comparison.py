@@ -1,0 +1,111 @@
+"""Walks under several laws: both knees' rates one above the other, and what each law costs."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rig.mechanisms.legs.figures.base import COLORS, mark_phases
+from rig.report.comparison import Comparison, metric_values, write_value
+from rig.report.data import RunData
+from rig.report.envelope import envelope
+from rig.report.figure import TIME_LABEL
+from rig.report.style import GREY, PAGE, new_figure, place_legend
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+class _Cost(NamedTuple):
+    """A metric as a panel of bars on a logarithmic scale.
+
+    Parameters
+    ----------
+    metric : str
+        Its name.
+    title : str
+        With the unit.
+    factor : float
+        From SI to that unit.
+    floor : float
+        In that unit; less is as good as nothing.
+    """
+
+    metric: str
+    title: str
+    factor: float
+    floor: float
+
+
+_COSTS = (
+    _Cost("peak_knee_rate", "peak knee rate (rad/s)", 1.0, 1e-2),
+    _Cost("rate_jump", "greatest jump in 1 ms (rad/s)", 1.0, 1e-4),
+    _Cost("path_deviation", "off the path (mm)", 1e3, 1e-3),
+    _Cost("leg_mismatch", "legs disagree by (mm)", 1e3, 1e-3),
+    _Cost("tilt", "soles tilt by (mrad)", 1e3, 1e-3),
+)
+
+
+def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
+    """Draw the knee rates under each law, as the paper's Fig. 4, beside what the law costs.
+
+    Each law has its own scale: the plain one's would hide all others.
+
+    References
+    ----------
+    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
+    approach", Fig. 4.
+    """
+    figure = new_figure(PAGE, 24.0 + 23.0 * max(len(runs), 4))
+    halves: Any = figure.subfigures(1, 2, width_ratios=[1.75, 1.0])
+    walks, costs = halves
+    top = None
+    panels = walks.subplots(len(runs), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, run, label in zip(panels, runs, labels, strict=True):
+        top = top or axes
+        _draw_rates(axes, run)
+        axes.set_title(label, loc="left", pad=2.0)
+    panels[-1].set_xlabel(TIME_LABEL)
+    walks.supylabel("knee rate (rad/s)", fontsize=8.5)
+    place_legend(panels[0], 2)
+    known = [cost for cost in _COSTS if np.isfinite(metric_values(runs, cost.metric)).any()]
+    for axes, cost in zip(
+        costs.subplots(max(len(known), 1), 1, squeeze=False)[:, 0], known, strict=False
+    ):
+        _draw_cost(axes, cost, runs, labels)
+    return figure
+
+
+def _draw_rates(axes: "Axes", run: RunData) -> None:
+    t = run.t[run.followed]
+    axes.axhline(0.0, color=GREY, lw=0.5)
+    for leg, color in COLORS.items():
+        rate = run.log.column(f"command.velocity_{leg}_knee")[run.followed]
+        axes.plot(*envelope(t, rate), color=color, lw=0.7, label=f"{leg} knee")
+    axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
+    axes.margins(y=0.12)
+    mark_phases(axes, run)
+
+
+def _draw_cost(axes: "Axes", cost: _Cost, runs: Sequence[RunData], labels: Sequence[str]) -> None:
+    values = metric_values(runs, cost.metric) * cost.factor
+    shown = np.maximum(values, cost.floor)
+    lengths = np.where(values > cost.floor, shown, 0.0)
+    axes.set_xscale("log")
+    axes.set_xlim(left=0.7 * cost.floor, right=6.0 * float(np.nanmax(shown)))
+    axes.barh(range(len(runs)), lengths, 0.7, color=GREY)
+    for row, (value, end) in enumerate(zip(values, shown, strict=True)):
+        if np.isfinite(value):
+            write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
+    axes.set_yticks(range(len(runs)), labels=labels)
+    axes.tick_params(axis="y", labelsize=6.5, length=0)
+    axes.invert_yaxis()
+    axes.minorticks_off()
+    axes.grid(axis="y", visible=False)
+    axes.set_title(cost.title, loc="left", pad=2.0)
+
+
+LEGS_COMPARISON = Comparison(
+    lambda run: run.has("command.velocity_right_knee", "command.velocity_left_knee"), draw_walks
+)

@@ -1,0 +1,141 @@
+"""What is known of a walk before it is done: the numbers of its plan."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from controllers.gait.arcs import measure
+from controllers.gait.balance import standing_knee_torque
+from controllers.gait.geometry import KNEES
+from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
+from controllers.gait.paces import LimitedNormPace
+from controllers.gait.plan import GaitPlan
+from controllers.gait.postures import leg_posture
+from rig.hal.motion import Fact
+
+_RESOLUTION = float(np.deg2rad(1.0 / 209.0))
+"""Of HOAP's servos, rad: 209 pulses per degree; the legs' mismatch is given for it as well."""
+
+
+_ROUNDING = 1e-9
+_AT_ONCE = 0.05
+"""A stretch near the singularity belongs to an instant that is in it, or this near to it, s."""
+
+
+def plan_facts(
+    plan: GaitPlan, fine: GaitPlan, distance: float, flat: GaitPlan | None = None
+) -> Mapping[str, Fact]:
+    """Return the numbers of a plan that metrics may name.
+
+    Parameters
+    ----------
+    plan : GaitPlan
+        At the loop's period.
+    fine : GaitPlan
+        The same at 1 kHz, for peak rates.
+    distance : float
+        How far the waist was to go, m.
+    flat : GaitPlan, optional
+        The same walk with the hip at constant height, if this one's is not.
+    """
+    reached = _unraised_reaches(plan)
+    torque = _standing_knee_torque(plan)
+    saved = _standing_knee_torque(flat) - torque if flat is not None else 0.0
+    windows = plan.near_singular_windows
+    return {
+        "plan_duration": Fact(plan.duration, "s", "how long the motion takes"),
+        "peak_knee_rate": Fact(fine.peak_knee_rate, "rad/s", "greatest knee rate, at 1 kHz"),
+        "peak_norm_rate": Fact(fine.peak_norm, "rad/s", "greatest norm of the joint rates"),
+        "rate_jump": Fact(fine.greatest_jump, "rad/s", "greatest jump of a rate in 1 ms"),
+        "advance": Fact(plan.advance, "m", "how far the planned joints carry the waist"),
+        "advance_lost": Fact(
+            abs(distance - plan.advance), "m", "by how much that is not what was asked for"
+        ),
+        "path_deviation": Fact(
+            max(plan.off_path, fine.off_path), "m", "how far the joints leave the path"
+        ),
+        "tilt": Fact(_tilt(fine), "rad", "how far a sole turns out of the horizontal or aside"),
+        "leg_mismatch": Fact(
+            max(plan.mismatch(), fine.mismatch()), "m", "disagreement of the legs on the waist"
+        ),
+        "leg_mismatch_quantised": Fact(
+            plan.mismatch(_RESOLUTION), "m", "the same at 209 pulses per degree"
+        ),
+        "min_knee": Fact(float(fine.q[:, list(KNEES)].min()), "rad", "the straightest knee"),
+        "start_knee": Fact(
+            float(fine.q[0, list(KNEES)].max()), "rad", "the more bent knee at the start"
+        ),
+        "static_margin": Fact(plan.static_margin, "m", "centre of mass inside the support"),
+        "balance_margin": Fact(plan.margin, "m", "centre of mass and zero-moment point"),
+        "near_singular_windows": Fact(float(len(windows)), "", "stretches with a knee below 5 deg"),
+        "near_singular_astray": Fact(
+            float(_astray(plan)), "", "such stretches that are at no landing or arrival"
+        ),
+        "least_unraised_reach": Fact(
+            min(reached), "", "share of its path that a phase does under sc without raised speed"
+        ),
+        "most_unraised_reach": Fact(
+            max((share for share in reached if share < 1.0 - _ROUNDING), default=1.0),
+            "",
+            "the same of the phase that is cut least",
+        ),
+        "standing_knee_torque": Fact(
+            torque, "N m", "mean torque at rest of the knee that stands alone"
+        ),
+        "knee_torque_saved": Fact(saved, "N m", "how much less that is than at constant height"),
+    }
+
+
+def _unraised_reaches(plan: GaitPlan) -> list[float]:
+    """Return how far each phase gets if the joints' norm is bounded and no speed is raised."""
+    if plan.law == LimitedNormLaw.name:
+        return [planned.pace.reach_unraised for planned in plan.phases]
+    cycles = [planned.last - planned.first for planned in plan.phases]
+    means = [
+        planned.joint_length / (count * plan.period)
+        for planned, count in zip(plan.phases, cycles, strict=True)
+    ]
+    bound = LimitedNormSettings().norm_factor * max(means)
+    return [
+        LimitedNormPace(
+            measure(plan.geometry, planned.phase), count, plan.period, bound
+        ).summary.reach_unraised
+        for planned, count in zip(plan.phases, cycles, strict=True)
+    ]
+
+
+def _standing_knee_torque(plan: GaitPlan) -> float:
+    """Return the mean magnitude over the time in which one leg stands, N m; 0 if both always do."""
+    torques = []
+    for planned in plan.phases:
+        right, left = planned.phase.standing
+        if right != left:
+            during = slice(planned.first, planned.last + 1)
+            leg = 0 if right else 1
+            torques.append(
+                standing_knee_torque(plan.geometry, leg, plan.q[during], plan.waist[during])
+            )
+    return float(np.abs(np.concatenate(torques)).mean()) if torques else 0.0
+
+
+def _astray(plan: GaitPlan) -> int:
+    """Return how many near-singular stretches hold no instant between two phases, or the end."""
+    instants = [planned.last * plan.period for planned in plan.phases]
+    return sum(
+        not any(start - _AT_ONCE <= instant <= end + _AT_ONCE for instant in instants)
+        for start, end in plan.near_singular_windows
+    )
+
+
+def _tilt(plan: GaitPlan) -> float:
+    """Return the greatest angle between a sole and the ground's axes, under an upright waist."""
+    worst = 0.0
+    for leg in (0, 1):
+        turned = leg_posture(plan.geometry, leg, plan.q).foot
+        # Of a rotation matrix, the part that is not symmetric is sin(angle) times the axis.
+        sines = 0.5 * np.stack(
+            [turned[:, 2, 1] - turned[:, 1, 2], turned[:, 0, 2] - turned[:, 2, 0],
+             turned[:, 1, 0] - turned[:, 0, 1]]
+        )  # fmt: skip
+        worst = max(worst, float(np.linalg.norm(sines, axis=0).max()))
+    return float(np.arcsin(min(worst, 1.0)))

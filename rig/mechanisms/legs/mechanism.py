@@ -1,0 +1,238 @@
+"""Two walking legs on servo drives."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.plan import GaitPlan
+from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
+from rig.hal import Vector
+from rig.hal.columns import Column
+from rig.hal.motion import Segment
+from rig.mechanisms.legs.facts import plan_facts
+from rig.mechanisms.legs.halt import Halt
+from rig.mechanisms.legs.settings import LegsSettings
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+
+_FINE = 1e-3
+"""Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
+grows as the steps get finer."""
+
+
+class PlannedGait:
+    """A plan of a law as the loop follows it, with what is known of it beforehand.
+
+    Parameters
+    ----------
+    plan : GaitPlan
+        At the loop's period.
+    fine : GaitPlan
+        The same at 1 kHz, for peak rates.
+    distance : float
+        How far the waist was to go, m.
+    flat : GaitPlan, optional
+        The same walk with the hip at constant height, if this one's is not.
+    """
+
+    waits = True
+    """A late cycle holds the motion: what a law has not commanded must not be left out."""
+
+    def __init__(
+        self,
+        plan: GaitPlan,
+        fine: GaitPlan,
+        distance: float = 0.0,
+        flat: GaitPlan | None = None,
+    ) -> None:
+        self.plan = plan
+        self._rows: list[tuple[float, ...]] = np.column_stack(
+            [
+                plan.waist,
+                plan.feet.reshape(len(plan.t), 6),
+                plan.balance.centre[:, :2],
+                plan.balance.zero_moment,
+                plan.balance.static_margin,
+                plan.balance.margin,
+                plan.phase_number,
+                plan.path,
+            ]
+        ).tolist()
+        self.facts = plan_facts(plan, fine, distance, flat)
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        return self.plan.duration
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The whole motion, and each phase."""
+        return (
+            Segment("all", 0.0, self.plan.duration),
+            *(Segment(*segment) for segment in self.plan.segments),
+        )
+
+    def at(self, t: float) -> LegsReference:
+        """Return what the legs should do at `t`."""
+        return self.plan.at(t)
+
+    def sample(self, number: int) -> tuple[float, ...]:
+        """Return the plan's columns of a cycle."""
+        return tuple(self._rows[min(max(number, 0), len(self._rows) - 1)])
+
+
+class Legs(ServoAxes):
+    """The loop's view of two legs.
+
+    Parameters
+    ----------
+    settings : LegsSettings
+        Geometry and limits.
+    devices : mapping
+        The rig's devices by name.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices do not have each of the twelve joints exactly once.
+    """
+
+    Settings = LegsSettings
+
+    columns = (
+        *servo_columns(JOINT_NAMES),
+        *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
+        *(
+            Column(f"reference.{leg}_foot_{axis}", "m", "planned sole under the ankle")
+            for leg in ("right", "left")
+            for axis in "xyz"
+        ),
+        *(Column(f"plan.mass_{axis}", "m", "centre of mass") for axis in "xy"),
+        *(Column(f"plan.zero_moment_{axis}", "m", "zero-moment point") for axis in "xy"),
+        Column("plan.static_margin", "m", "centre of mass inside the support polygon"),
+        Column("plan.margin", "m", "the nearer of both inside the support polygon"),
+        Column("plan.phase", "", "number of the phase"),
+        Column("plan.path", "", "path parameter in it, 0 … 1"),
+    )
+
+    def __init__(self, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> None:
+        limits = settings.geometry.limits
+        super().__init__(
+            AxisLimits(
+                JOINT_NAMES,
+                tuple([lower for lower, _ in limits]),
+                tuple([upper for _, upper in limits]),
+                (settings.geometry.max_rate,) * len(JOINT_NAMES),
+            ),
+            settings.limits,
+            *self.pick("legs", settings, devices),
+            Kinds(LegsState, LegsReference, LegsCommand),
+            period,
+        )
+        self.settings = settings
+        self.controller: Any = None
+        self.motion: PlannedGait | None = None
+        self._followed = 0
+        self._halt: Halt | None = None
+
+    @classmethod
+    def assemble(cls, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> "Legs":
+        """Pick the devices that the settings name."""
+        return cls(settings, devices, period)
+
+    @classmethod
+    def model_of(cls, settings: LegsSettings) -> GaitModel:
+        """Return what the laws are told of the legs."""
+        return GaitModel(settings.geometry, settings.balance)
+
+    @classmethod
+    def plan(
+        cls, settings: LegsSettings, reference: Any, controller: Any, period: float
+    ) -> PlannedGait:
+        """Have the law work out the whole motion; see `Mechanism.plan`."""
+        if not hasattr(reference, "phases"):
+            raise ValueError("the reference is not one for legs")
+        law = type(controller)
+        fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
+        flat = None
+        if getattr(reference, "bob", None) is not None:
+            flat = law(controller.settings, controller.model, period).prepare(
+                replace(reference, bob=None)
+            )
+        distance = getattr(reference, "distance", 0.0)
+        return PlannedGait(controller.prepare(reference), fine, distance, flat)
+
+    @classmethod
+    def approach(
+        cls, start: LegsReference, end: LegsReference, duration: float, t: float
+    ) -> LegsReference:
+        """Return the minimum-jerk way between two postures at `t`."""
+        return cls.approach_joints(LegsReference, start, end, duration, t)  # type: ignore[no-any-return]
+
+    def start_limiting(self, state: Any) -> None:
+        """See `ServoAxes.start_limiting`."""
+        super().start_limiting(state)
+        self._followed = 0
+        self._halt = None
+
+    def resting_command(self, state: Any) -> Any:
+        """See `ServoAxes.resting_command`; in mid-walk both legs come to rest on their path."""
+        rest = super().resting_command(state)
+        if not self._braking or self.motion is None or not self._followed:
+            return rest
+        self._braking = False
+        self._halt = Halt(self.motion.plan, self._followed - 1, self.limits.acceleration)
+        self._stop = self._kinds.command(self._halt.end, self._still)
+        return self._stop
+
+    def limit(self, command: LegsCommand) -> LegsCommand:
+        """See `ServoAxes.limit`."""
+        if self._halt is not None:
+            command = LegsCommand(self._halt.advance(), self._still)
+        limited: LegsCommand = super().limit(command)
+        return limited
+
+    def pose_held(self) -> str | None:
+        """Say at which instant of the walk the legs are held, and how safely they stand there.
+
+        A fault holds the setpoints that were sent last. That is the nearest instant at which the
+        robot stands safely: a plan that has any other is refused beforehand.
+        """
+        if self.motion is None or not self._followed:
+            return None
+        plan = self.motion.plan
+        t = plan.nearest_stable(
+            (self._followed - 1) * self._period, self.settings.balance.min_margin
+        )
+        sample = round(t / plan.period)
+        phase = plan.phases[int(plan.phase_number[sample])].phase.name
+        margin = float(plan.balance.static_margin[sample])
+        return (
+            f"the legs are held where they are at {t:.3f} s ({phase}); there the centre of mass is "
+            f"{margin * 1e3:.1f} mm inside the edge of the support"
+        )
+
+    def _end_of_motion(self) -> Vector | None:
+        """See `ServoAxes`; the last sample is left when the loop's time is over.
+
+        Rounding of times may leave one more.
+        """
+        if self.motion is None or not self._followed:
+            return None
+        if self._followed < len(self.motion.plan.t) - 2:
+            return None
+        return self.motion.at(self.motion.duration).positions
+
+    def row(
+        self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `columns`."""
+        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 17
+        if reference.follow:
+            self._followed += 1
+        return (*self.joint_row(state, reference, command, applied), *planned)

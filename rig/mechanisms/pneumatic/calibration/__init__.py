@@ -1,0 +1,1 @@
+"""Procedures for regulators, encoders and wires of pneumatic cylinders."""

@@ -1,0 +1,154 @@
+"""Encoders of the rods: zero, direction and scale against a caliper.
+
+The pair goes to one level after the other and stays, and a joint's ring leans so that all four
+rods move; at each level somebody measures how far every rod stands out. The extension is a
+straight line through what the encoder counted.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from rig.assembly import make_controller
+from rig.calibration.estimates import Fit, fit
+from rig.calibration.instruments import Instrument
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.recording import CalibrationRefused, Recording
+from rig.config import Profile
+from rig.mechanisms.cylinder.references import Staircase
+from rig.mechanisms.pneumatic.calibration.pneumatics import leaning, pneumatics_of, reach, relaxed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+CALIPER_ACCURACY: Final = 10e-6
+"""Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
+
+_SHARE: Final = 0.6
+"""Of the permitted positions that is used."""
+
+_BETWEEN: Final = 0.25 * math.pi
+"""Azimuth between a joint's pairs, rad: leaning there moves both."""
+
+_LEVELS: Final = 15
+_ROOM: Final = 5e-3
+"""By how much the two rods may disagree more than usual: their zeros are what is looked for, m."""
+
+_LEAST_TRAVEL: Final = 10e-3
+_BOUND: Final = 50e-6
+
+
+class Encoders:
+    """Zero, direction and scale of the rods' encoders."""
+
+    name = "encoders"
+    title = "zero, direction and scale of the rods' encoders against a caliper"
+    mechanisms = ("cylinder", "joint")
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the encoders' files."""
+        return pneumatics_of(profile).encoders
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return a caliper per rod, read at every level."""
+        names = tuple(segment.name for segment in _stairs(profile).segments)
+        return tuple(
+            Instrument(f"caliper {channel}", "m", CALIPER_ACCURACY, names, f"extension_{channel}")
+            for channel in pneumatics_of(profile).channels
+        )
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the levels; a staircase that was broken off is climbed again from its foot."""
+        stairs = _stairs(profile)
+        wider, notes = relaxed(profile, _ROOM)
+        # It knows nothing of wires that rods are calibrated against.
+        controller = make_controller(wider, "pid")
+        motion = leaning(wider, stairs, _BETWEEN, controller)
+        return Excitation(stairs, motion, controller, "pid", wider, notes, approach=3.0)
+
+    def identify(
+        self, profile: Profile, recording: Recording, readings: Readings
+    ) -> Sequence[Finding]:
+        """Fit a line per encoder."""
+        pneumatics = pneumatics_of(profile)
+        names = [segment.name for segment in _stairs(profile).segments]
+        recording.require(names)
+        findings = []
+        for device, channel in zip(pneumatics.encoders, pneumatics.channels, strict=True):
+            shown = readings.get(f"caliper {channel}", {})
+            lacking = [name for name in names if name not in shown]
+            if lacking:
+                raise CalibrationRefused(
+                    f"the caliper of {channel} was not read in {len(lacking)} of {len(names)} "
+                    f"stretches, first in {lacking[0]!r}"
+                )
+            extension = np.array([shown[name] for name in names])
+            read = np.array([pneumatics.extension(recording[n], channel).mean() for n in names])
+            settings, nominal = (
+                profile.devices[device].settings,
+                profile.devices[device].nominal,
+            )
+            sign = -1.0 if settings.reversed else 1.0
+            counted = sign * (read - settings.offset) / settings.scale
+            before = sign * settings.scale * counted + settings.offset
+            findings.append(_line(device, counted, extension, before, nominal.step or 1e-6))
+        return findings
+
+
+def _stairs(profile: Profile) -> Staircase:
+    half = reach(profile, _SHARE)
+    count = _LEVELS // 2 + 1
+    up = [half * (-1.0 + 2.0 * k / (count - 1)) for k in range(count)]
+    down = [0.5 * (a + b) for a, b in pairwise(up)][::-1]
+    # The first level is where the approach ends; it is not judged.
+    return Staircase((0.0, *up, *down), rise=0.8, dwell=1.0)
+
+
+def _line(
+    device: str,
+    counted: "NDArray[np.float64]",
+    extension: "NDArray[np.float64]",
+    before: "NDArray[np.float64]",
+    step: float,
+) -> Finding:
+    travel, moved = float(np.ptp(extension)), float(np.ptp(counted))
+    if travel < _LEAST_TRAVEL:
+        raise CalibrationRefused(
+            f"{device}: the rod moved by {1e3 * travel:.3g} mm, at least "
+            f"{1e3 * _LEAST_TRAVEL:g} mm are needed; is it stuck?"
+        )
+    if not 0.5 < moved / travel < 2.0:
+        raise CalibrationRefused(
+            f"{device}: the encoder went through {1e3 * moved:.3g} mm while the rod moved by "
+            f"{1e3 * travel:.3g} mm: it is frozen, slips, or has another step"
+        )
+    middle = float(counted.mean())
+    x = counted - middle
+    try:
+        found: Fit = fit(
+            lambda q: 1e3 * (extension - q[0] - q[1] * x), (extension.mean(), 1.0), (1e-3, 1.0)
+        )
+    except ValueError as error:
+        raise CalibrationRefused(f"{device}: {error}") from error
+    slope = float(found.values[1])
+    zero = float(found.values[0]) - slope * middle
+    sign = 1.0 if slope > 0.0 else -1.0
+    residuals = found.residuals / 1e3
+    fitted = extension - residuals
+    panel = Panel(
+        f"{device}", "counted (mm)", "caliper less it (mm)", "residual (µm)",
+        1e3 * counted, 1e3 * (extension - counted), 1e3 * (fitted - counted),
+        1e3 * (before - counted), 1e3,
+    )  # fmt: skip
+    return Finding(
+        device,
+        {"scale": float(f"{abs(slope):.9g}"), "offset": quantity(zero, "m"), "reversed": sign < 0},
+        (
+            found.estimate("scale", "1", (0.0, sign), abs(slope)),
+            found.estimate("offset", "m", (1.0, -middle), zero),
+        ),
+        residuals, "m", max(_BOUND, 5.0 * step), len(x), (panel,),
+    )  # fmt: skip

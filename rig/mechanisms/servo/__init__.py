@@ -1,0 +1,1 @@
+"""What the mechanisms on servo drives share."""

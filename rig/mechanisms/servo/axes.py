@@ -1,0 +1,401 @@
+"""Joints on servo drives: what an arm and a pair of legs have in common."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from controllers.minimum_jerk import minimum_jerk
+from rig.hal import (
+    ConfigurationError,
+    EmergencyStop,
+    EmergencyStopInput,
+    LimitExceeded,
+    SafetyError,
+    ServoBus,
+    StaleReading,
+    Vector,
+)
+from rig.hal.columns import Column
+from rig.hal.mechanism import Margin, pick_device
+from rig.mechanisms.servo.settings import ServoLimits
+
+
+class AxisLimits(NamedTuple):
+    """The joints of a mechanism and what they may do.
+
+    Parameters
+    ----------
+    names : tuple of str
+        In the order of every vector.
+    lower, upper : tuple of float
+        Permitted positions, rad.
+    rates : tuple of float
+        Greatest speeds, rad/s.
+    """
+
+    names: tuple[str, ...]
+    lower: Vector
+    upper: Vector
+    rates: Vector
+
+
+class AxisState(Protocol):
+    """What `ServoAxes` needs of a mechanism's state."""
+
+    @property
+    def positions(self) -> Vector: ...  # noqa: D102 - rad
+    @property
+    def velocities(self) -> Vector: ...  # noqa: D102 - rad/s
+
+
+class Kinds(NamedTuple):
+    """The types that a mechanism's controllers speak.
+
+    Parameters
+    ----------
+    state : callable
+        ``state(t, positions, velocities)``.
+    reference : callable
+        ``reference(positions, velocities, follow)``.
+    command : callable
+        ``command(positions, velocities)``.
+    """
+
+    state: Callable[..., Any]
+    reference: Callable[..., Any]
+    command: Callable[..., Any]
+
+
+class ServoAxes:
+    """Reads, checks, limits and commands joints; a mechanism adds what they move.
+
+    A stop in mid-motion slows the joints down under the limits' acceleration; a law's own motion
+    is never reshaped but for the greatest speed and the range of each joint.
+
+    Parameters
+    ----------
+    joints : AxisLimits
+        Names and limits, in the order of every vector.
+    limits : ServoLimits
+        What the loop never permits.
+    servos : sequence of ServoBus
+        The devices.
+    emergency_stop : EmergencyStopInput, optional
+        The device that reads the emergency-stop contact.
+    kinds : Kinds
+        The types of state, reference and command.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices do not have each joint exactly once.
+    """
+
+    def __init__(
+        self,
+        joints: AxisLimits,
+        limits: ServoLimits,
+        servos: Sequence[ServoBus],
+        emergency_stop: EmergencyStopInput | None,
+        kinds: Kinds,
+        period: float,
+    ) -> None:
+        self.joints = joints
+        self.limits = limits
+        self._servos = tuple(servos)
+        self._emergency_stop = emergency_stop
+        self._kinds = kinds
+        self._period = period
+        self._order, self._shares = _wire(joints.names, self._servos)
+        count = len(joints.names)
+        self._still: Vector = (0.0,) * count
+        self._applied: Vector | None = None
+        self._speeds: Vector = self._still
+        self._stop: Any = None
+        self._braking = False
+        self._limited = False
+        self._age = 0.0
+        self._largest_error = 0.0
+        self._hits = {"joint range": 0, "joint rate": 0, "joint acceleration": 0}
+
+    @classmethod
+    def pick(
+        cls, section: str, settings: Any, devices: Mapping[str, Any]
+    ) -> tuple[list[ServoBus], EmergencyStopInput | None]:
+        """Return the servo devices and the emergency stop that the settings name."""
+        servos = [
+            pick_device(f"{section}.servos", name, ServoBus, devices) for name in settings.servos
+        ]
+        stop = settings.emergency_stop
+        return servos, (
+            None
+            if stop is None
+            else pick_device(f"{section}.emergency_stop", stop, EmergencyStopInput, devices)
+        )
+
+    @staticmethod
+    def wiring(settings: Any) -> dict[str, str]:
+        """Return nothing: a servo device names its joints, and they are the plant's channels."""
+        return {}
+
+    def joint_columns(self) -> tuple[Column, ...]:
+        """Return the columns that `joint_row` fills."""
+        return servo_columns(self.joints.names)
+
+    def read(self, now: float) -> Any:
+        """Assemble the joints' state; see `Mechanism.read`."""
+        positions: list[float] = []
+        velocities: list[float] = []
+        oldest = math.inf
+        for servo in self._servos:
+            angles, t = servo.positions()
+            positions += angles
+            velocities += servo.velocities().value
+            if t < oldest:
+                oldest, device = t, servo.name
+        self._age = now - oldest
+        if self._age > self.limits.reading_age:
+            raise StaleReading(device, self._age, self.limits.reading_age)
+        order = self._order
+        return self._kinds.state(
+            now, tuple([positions[k] for k in order]), tuple([velocities[k] for k in order])
+        )
+
+    def check(self, state: AxisState, now: float) -> None:
+        """Raise if the state is not safe; see `Mechanism.check`."""
+        if self._emergency_stop is not None:
+            pressed, t = self._emergency_stop.emergency_stop()
+            if pressed:
+                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+            if now - t > self.limits.reading_age:
+                raise StaleReading("emergency stop", now - t, self.limits.reading_age)
+        if not math.isfinite(sum(state.positions)):
+            raise SafetyError(f"a reading is not a number: {state.positions}")
+        joints, slack = self.joints, self.limits.following
+        for name, angle, lower, upper in zip(
+            joints.names, state.positions, joints.lower, joints.upper, strict=True
+        ):
+            if not lower - slack <= angle <= upper + slack:
+                raise LimitExceeded(f"position of {name}", angle, lower, upper, "rad")
+        if self._applied is None:
+            return
+        errors = [abs(a - b) for a, b in zip(state.positions, self._applied, strict=True)]
+        self._largest_error = max(errors)
+        if self._largest_error > slack:
+            name = joints.names[errors.index(self._largest_error)]
+            raise LimitExceeded(
+                f"distance of {name} from where it was sent", self._largest_error, 0.0, slack, "rad"
+            )
+
+    def resting_command(self, state: AxisState) -> Any:
+        """Return the command to stay; in mid-motion, to stop as soon as the limit permits."""
+        if self._applied is None:
+            return self._kinds.command(state.positions, self._still)
+        end = self._end_of_motion()
+        if end is not None:
+            self._stop = self._kinds.command(end, self._still)
+            return self._stop
+        self._braking = True
+        deceleration = self.limits.acceleration
+        stop = [
+            min(max(angle + 0.5 * speed * abs(speed) / deceleration, lower), upper)
+            for angle, speed, lower, upper in zip(
+                self._applied, self._speeds, self.joints.lower, self.joints.upper, strict=True
+            )
+        ]
+        self._stop = self._kinds.command(tuple(stop), self._still)
+        return self._stop
+
+    def _end_of_motion(self) -> Vector | None:
+        """Return where the motion leaves the joints at rest, once it is done; None in its midst.
+
+        A stop there is the law's own last step, however abrupt it is.
+        """
+        return None
+
+    def energised_command(self, state: AxisState) -> Any:
+        """Return the command to stay where the joints are."""
+        return self._kinds.command(self._applied or state.positions, self._still)
+
+    def released_command(self) -> Any:
+        """Return the command to hold: a joint that is let go of would fall."""
+        return self._stop or self._kinds.command(self._applied or self._still, self._still)
+
+    def blend(self, start: Any, end: Any, share: float) -> Any:
+        """Return the command `share` of the way from `start` to `end`."""
+        return self._kinds.command(
+            tuple(
+                [a + share * (b - a) for a, b in zip(start.positions, end.positions, strict=True)]
+            ),
+            self._still,
+        )
+
+    def start_limiting(self, state: AxisState) -> None:
+        """Take the measured positions for those that were sent."""
+        self._applied = state.positions
+        self._speeds = self._still
+        self._braking = False
+
+    def limit(self, command: Any) -> Any:
+        """Return the command that may be applied: each joint's range and speed."""
+        before = self._applied or command.positions
+        period, joints = self._period, self.joints
+        applied, speeds = [], []
+        for k, wanted in enumerate(command.positions):
+            if not math.isfinite(wanted):
+                raise LimitExceeded(
+                    f"commanded position of {joints.names[k]}",
+                    wanted,
+                    joints.lower[k],
+                    joints.upper[k],
+                    "rad",
+                )
+            inside = min(max(wanted, joints.lower[k]), joints.upper[k])
+            if inside != wanted:
+                self._hits["joint range"] += 1
+            speed = (inside - before[k]) / period
+            if self._braking:
+                speed = self._slow_down(speed, self._speeds[k], inside - before[k])
+            fastest = joints.rates[k]
+            if abs(speed) > fastest:
+                if abs(speed) > fastest * (1.0 + 1e-6):
+                    self._hits["joint rate"] += 1
+                speed = math.copysign(fastest, speed)
+            position = before[k] + speed * period
+            if self._braking:  # the range comes before a gentle stop
+                position = min(max(position, joints.lower[k]), joints.upper[k])
+                speed = (position - before[k]) / period
+            speeds.append(speed)
+            applied.append(position)
+        self._applied, self._speeds = tuple(applied), tuple(speeds)
+        self._limited = True
+        return self._kinds.command(self._applied, self._speeds)
+
+    def _slow_down(self, speed: float, before: float, distance: float) -> float:
+        """Return the speed towards a place to rest, under the limit of acceleration."""
+        step = self.limits.acceleration * self._period
+        if abs(speed - before) <= step:
+            return speed
+        self._hits["joint acceleration"] += 1
+        # The speed from which the joint can still come to rest there.
+        safe = math.sqrt(2.0 * self.limits.acceleration * abs(distance))
+        wanted = math.copysign(min(abs(speed), safe), distance)
+        return min(max(wanted, before - step), before + step)
+
+    def write(self, applied: Any) -> None:
+        """Hand the positions to the drives as this cycle's setpoints, if they went through `limit`.
+
+        Else there is a fault: the drives slow down from the setpoints that they had.
+        """
+        if not self._limited:
+            return
+        self._limited = False
+        positions = applied.positions
+        for servo, share in zip(self._servos, self._shares, strict=True):
+            servo.command_positions(tuple([positions[k] for k in share]))
+
+    def joint_row(
+        self, state: AxisState, reference: Any, command: Any, applied: Any
+    ) -> tuple[float, ...]:
+        """Return this cycle's values for `joint_columns`."""
+        return (
+            *state.positions,
+            *state.velocities,
+            self._age,
+            *reference.positions,
+            *reference.velocities,
+            *command.positions,
+            *command.velocities,
+            *applied.positions,
+            *applied.velocities,
+        )
+
+    def reference_of(self, state: AxisState) -> Any:
+        """Return the reference to stay where the joints are."""
+        return self._kinds.reference(self._applied or state.positions, self._still, False)
+
+    @staticmethod
+    def approach_joints(
+        kind: Callable[..., Any], start: Any, end: Any, duration: float, t: float
+    ) -> Any:
+        """Return the minimum-jerk way between two postures at `t`, as a reference of a kind."""
+        moves = [
+            minimum_jerk(a, b, duration, t)
+            for a, b in zip(start.positions, end.positions, strict=True)
+        ]
+        return kind(
+            tuple([position for position, _, _ in moves]),
+            tuple([velocity for _, velocity, _ in moves]),
+            False,
+        )
+
+    def worst_margin(self, state: AxisState, applied: Any, now: float) -> Margin:
+        """Return the quantity that is nearest to its limit."""
+        joints = self.joints
+        return min(
+            Margin("following error", 1.0 - self._largest_error / self.limits.following),
+            Margin("reading age", 1.0 - self._age / self.limits.reading_age),
+            *(
+                Margin(f"{name} range", min(angle - lower, upper - angle) / (upper - lower) * 2.0)
+                for name, angle, lower, upper in zip(
+                    joints.names, state.positions, joints.lower, joints.upper, strict=True
+                )
+            ),
+            *(
+                Margin(f"{name} rate", 1.0 - abs(speed) / fastest)
+                for name, speed, fastest in zip(
+                    joints.names, self._speeds, joints.rates, strict=True
+                )
+            ),
+            key=lambda margin: margin.fraction,
+        )
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        return self._hits
+
+
+def servo_columns(names: Sequence[str]) -> tuple[Column, ...]:
+    """Return the columns of joints with these names, as `ServoAxes.joint_row` fills them."""
+
+    def each(prefix: str, unit: str, text: str) -> list[Column]:
+        return [Column(f"{prefix}_{name}", unit, text.format(name)) for name in names]
+
+    return (
+        *each("reading.position", "rad", "position of {}"),
+        *each("reading.velocity", "rad/s", "velocity of {} as its drive gives it"),
+        Column("reading.age", "s", "age of the oldest reading when it was used"),
+        *each("reference.position", "rad", "planned position of {}"),
+        *each("reference.velocity", "rad/s", "planned velocity of {}"),
+        *each("command.position", "rad", "position that the law wants of {}"),
+        *each("command.velocity", "rad/s", "velocity that the law wants of {}"),
+        *each("applied.position", "rad", "position that was sent to {}"),
+        *each("applied.velocity", "rad/s", "velocity of what was sent to {}"),
+    )
+
+
+def _wire(
+    names: Sequence[str], servos: Sequence[ServoBus]
+) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]:
+    """Return where each joint stands among the devices' readings, and each device's joints."""
+    offered = [(name, servo.name) for servo in servos for name in servo.axis_names]
+    found = [name for name, _ in offered]
+    for name, device in offered:
+        if name not in names:
+            raise ConfigurationError(
+                f"{device}: the mechanism has no joint {name!r}; it has {', '.join(names)}"
+            )
+        if found.count(name) > 1:
+            raise ConfigurationError(f"{device}: two drives move the joint {name!r}")
+    for name in names:
+        if name not in found:
+            raise ConfigurationError(
+                f"no servo device has the joint {name!r}; they have {', '.join(found)}"
+            )
+    index = {name: k for k, name in enumerate(names)}
+    return (
+        tuple(found.index(name) for name in names),
+        tuple(tuple(index[name] for name in servo.axis_names) for servo in servos),
+    )

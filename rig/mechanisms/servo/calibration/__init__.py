@@ -1,0 +1,1 @@
+"""Motions that calibrate the axes of servo drives."""
