@@ -54,8 +54,8 @@ _HOME = {
     "profile": ("PROFILE_KEYS", "load_profile"),
     "formats": ("format_against", "format_quantity", "format_to"),
     "quantities": ("parse_quantity",),
-    "registry": ("Kind", "Registry"),
-    "resolve": ("dump_resolved",),
+    "named_settings": ("Kind", "Registry"),
+    "dump": ("dump_resolved",),
     "schema": ("experiment_schema", "profile_schema"),
 }
 _MODULE_OF = {name: module for module, names in _HOME.items() for name in names}

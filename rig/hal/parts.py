@@ -1,0 +1,135 @@
+"""What a package offers to the program: one row for each mechanism, driver or bus protocol.
+
+A row names things by their path, ``"module:name"``, which is imported when the thing is used: a
+row itself costs nothing, so `rig list` stays fast. Another package offers its rows by entry
+points in the groups ``rig.mechanisms``, ``rig.drivers``, ``rig.protocols`` and ``rig.additions``;
+the entry point's name is the name that profiles use.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+Path = str
+"""``"module:name"``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """A control law and its settings, which are apart where the law is slow to import."""
+
+    settings: Path
+    law: Path
+
+
+@dataclass(frozen=True, slots=True)
+class PlantModel:
+    """A plant and its settings."""
+
+    settings: Path
+    plant: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Additions:
+    """What may be added to a mechanism, also by another package than the mechanism's own.
+
+    Parameters
+    ----------
+    mechanism : str
+        The mechanism's name.
+    controllers : mapping of str to Law
+        By the name that profiles use.
+    references : mapping of str to Path
+        Settings dataclasses, by the name that experiments use; no two mechanisms may share one.
+    plants : mapping of str to PlantModel
+        By the name that profiles use.
+    measures : tuple of Path
+        Mappings of names to `rig.experiment.measure.Measure`.
+    figures : tuple of Path
+        Mappings of names to `rig.report.figure.FigureKind`.
+    comparisons : tuple of Path
+        `rig.report.comparison.Comparison`; the first that suits all runs draws them.
+    procedures : tuple of Path
+        Classes of `rig.calibration.procedure.Procedure`, in the order in which they build on
+        each other.
+    """
+
+    mechanism: str
+    controllers: Mapping[str, Law] = field(default_factory=dict)
+    references: Mapping[str, Path] = field(default_factory=dict)
+    plants: Mapping[str, PlantModel] = field(default_factory=dict)
+    measures: tuple[Path, ...] = ()
+    figures: tuple[Path, ...] = ()
+    comparisons: tuple[Path, ...] = ()
+    procedures: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MechanismParts(Additions):
+    """Everything of one mechanism.
+
+    Parameters
+    ----------
+    settings : Path
+        Dataclass of the profile's section with the mechanism's name.
+    view : Path
+        The class that the loop runs, a `rig.hal.Mechanism`.
+    """
+
+    settings: Path
+    view: Path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriverParts:
+    """Everything of one driver.
+
+    Parameters
+    ----------
+    settings : Path
+        Dataclass of a device's section, a `rig.hal.DriverSettings`.
+    device : Path
+        The driver: ``Class(name, settings, bus, serial=)`` on a bus, and
+        ``Class(name, settings, clock, serial=, link=)`` of a device that hangs on none.
+    on_bus : bool
+        Whether it hangs on a bus of the profile.
+    simulation : Path, optional
+        Its simulated forms, a `drivers.sim.wiring.Wiring` or, without a bus, a `LinkWiring`.
+        Without one, a device on a CANopen bus is emulated from what its settings describe.
+    """
+
+    settings: Path
+    device: Path
+    on_bus: bool = True
+    simulation: Path | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProtocolParts:
+    """Everything of what may be spoken on a bus.
+
+    Parameters
+    ----------
+    settings : Path
+        Dataclass of a bus's section, a `rig.hal.BusSettings`.
+    bus : Path
+        ``Class(name, settings, open, clock, period)``, a `rig.hal.CyclicBus`.
+    open : Path
+        ``open(settings)``, which opens the interface.
+    load : Path
+        ``load(name, settings, devices, rate)``, which computes the load, and refuses too much.
+    decoder : Path, optional
+        ``decoder(settings, devices)``, which reads the bus's frames in the profile's words.
+    discovery : Path, optional
+        ``discovery(bus, clock, numbers)``, which finds who answers.
+    is_can : bool
+        Whether it runs on a CAN interface.
+    """
+
+    settings: Path
+    bus: Path
+    open: Path
+    load: Path
+    decoder: Path | None = None
+    discovery: Path | None = None
+    is_can: bool = True

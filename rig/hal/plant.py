@@ -1,0 +1,37 @@
+"""The port of a plant: what the simulation needs of the physics of a mechanism."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+
+class Plant(Protocol):
+    """The physics of one simulated mechanism.
+
+    Made as ``Class(settings, seed)``, or ``Class(settings, seed, geometry)`` where the mechanism
+    names a geometry (`Mechanism.geometry_of`). Simulated devices use further ports of it, which
+    are between a driver's simulation and the plants that it runs on (`drivers.sim`).
+    """
+
+    channel_names: tuple[str, ...]
+    """What devices may be wired to: chambers, rods, axes."""
+
+    truth_columns: Sequence[tuple[str, str]]
+    """Names and SI units of what `truth` returns."""
+
+    def advance(self, t: float) -> None:
+        """Integrate up to time `t`, s."""
+        ...
+
+    def truth(self) -> tuple[float, ...]:
+        """Return the true state, which no device measures, one value for each column."""
+        ...
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Make a fault happen now.
+
+        Raises
+        ------
+        ValueError
+            There is no such fault.
+        """
+        ...
