@@ -41,30 +41,32 @@ def belongs(module: str, package: str) -> bool:
 
 
 # (who, may import of the project only these)
+FRAMEWORKS = ("rig.experiment", "rig.report", "rig.calibration")
 ALLOWED = [
     ("rig.hal", ("rig.hal",)),
     ("controllers", ("controllers",)),
     ("drivers", ("drivers", "rig.hal")),
-    ("rig.runtime", ("rig.runtime", "rig.hal", "rig.hal.mechanism", "controllers.base")),
+    ("rig.runtime", ("rig.runtime", "rig.hal")),
     ("rig.config", ("rig.config", "rig.hal")),
-    ("rig.mechanisms", ("rig.mechanisms", "rig.runtime", "rig.hal", "controllers")),
-    (
-        "rig.calibration",
+    *(
         (
-            "rig.calibration",
+            framework,
+            (*FRAMEWORKS, "rig.assembly", "rig.run_folder", "rig.runtime", "rig.config", "rig.hal"),
+        )
+        for framework in FRAMEWORKS
+    ),
+    (
+        "rig.mechanisms",
+        (
+            "rig.mechanisms",
+            *FRAMEWORKS,
             "rig.assembly",
-            "rig.experiment",
-            "rig.report",
             "rig.run_folder",
             "rig.runtime",
             "rig.config",
             "rig.hal",
             "controllers",
         ),
-    ),
-    (
-        "rig.report",
-        ("rig.report", "rig.runtime", "rig.run_folder", "rig.experiment", "rig.config", "rig.hal"),
     ),
 ]
 

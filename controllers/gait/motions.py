@@ -1,7 +1,8 @@
 """What an experiment may ask of the legs."""
 
 import math
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Le, Unit
@@ -14,6 +15,30 @@ Duration = Annotated[float, Unit("s"), Gt(0)]
 _NEARLY_STRAIGHT = math.radians(1.0)
 
 Knee = Annotated[float, Unit("rad"), Ge(0), Le(1.5)]
+
+
+class GaitRequest(ABC):
+    """A motion that an experiment asks of the legs; what has a default need not be written."""
+
+    __slots__ = ()
+
+    @property
+    def distance(self) -> float:
+        """How far the waist is to go, m."""
+        return 0.0
+
+    @property
+    def bob(self) -> "BobSettings | None":
+        """How the waist rises while a leg swings; None: it does not."""
+        return None
+
+    def without_bob(self) -> "GaitRequest":
+        """Return the same motion with the waist at constant height."""
+        return self
+
+    @abstractmethod
+    def phases(self, geometry: LegGeometry) -> tuple[Phase, ...]:
+        """Return the phases of the motion, in their order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +65,7 @@ class BobSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class WalkSettings:
+class WalkSettings(GaitRequest):
     """A walk that is in balance at every instant, with the hip at constant height.
 
     The waist moves in a straight line from over one ankle to over the next while both feet
@@ -111,6 +136,10 @@ class WalkSettings:
             )
         return math.sqrt(square)
 
+    def without_bob(self) -> "WalkSettings":
+        """Return the same walk with the hip at constant height."""
+        return replace(self, bob=None)
+
     def phases(self, geometry: LegGeometry) -> tuple[Phase, ...]:
         """Return the phases of the walk, in their order."""
         hip, spacing = self.hip_height(geometry), geometry.hip_half_spacing
@@ -164,7 +193,7 @@ class WalkSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SquatSettings:
+class SquatSettings(GaitRequest):
     """Knees bends on both feet, down from and back to nearly or exactly straight knees.
 
     Parameters

@@ -234,18 +234,12 @@ class LinkWiring(NamedTuple):
     reality: Callable[[Any, Any, Any, int], dict[str, Any]]
 
 
-LINKS: dict[str, LinkWiring] = {
-    "marker-camera": LinkWiring(emulate_marker_camera, simulate_marker_camera, true_camera),
-}
-
-
-WIRINGS: dict[str, Wiring] = {
-    "cia401": Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of),
-    "cia406": Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of),
-    "cia402": Wiring(emulate_cia402, simulate_cia402, CorrectedAxes.of),
-    "odrive": Wiring(emulate_odrive, simulate_odrive, CorrectedAxes.of),
-    "dynamixel": Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of),
-}
+MARKER_CAMERA = LinkWiring(emulate_marker_camera, simulate_marker_camera, true_camera)
+CIA401 = Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of)
+CIA406 = Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of)
+CIA402 = Wiring(emulate_cia402, simulate_cia402, CorrectedAxes.of)
+ODRIVE = Wiring(emulate_odrive, simulate_odrive, CorrectedAxes.of)
+DYNAMIXEL = Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of)
 
 
 def _scale(signal: AnalogueSignal) -> AnalogueScale:

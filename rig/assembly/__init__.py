@@ -4,13 +4,13 @@ from rig.assembly.build import build_rig, check_profile
 from rig.assembly.buses import bus_loads
 from rig.assembly.on_interfaces import backend_of, parse_interfaces
 from rig.assembly.production import make_controller, plan_motion
-from rig.assembly.registry import REGISTRY, InstalledClasses
+from rig.assembly.registry import REGISTRY, InstalledParts
 from rig.assembly.rig import Backend, Rig
 
 __all__ = [
     "REGISTRY",
     "Backend",
-    "InstalledClasses",
+    "InstalledParts",
     "Rig",
     "backend_of",
     "build_rig",

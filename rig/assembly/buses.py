@@ -1,47 +1,18 @@
-"""What the assembly knows of each protocol beside its bus class: how a bus is opened and filled."""
+"""Buses of a profile: made, and their load computed, by the row of what is spoken on them."""
 
 import dataclasses
-import importlib
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
-from rig.assembly.registry import REGISTRY
+from rig.assembly.registry import REGISTRY, load
 from rig.config import BusEntry, Profile
 from rig.hal import Clock, CyclicBus
 
 
-class _Protocol(NamedTuple):
-    """Paths of functions, imported on use.
-
-    Parameters
-    ----------
-    open : str
-        ``open(settings)`` opens the interface.
-    check_load : str
-        ``check_load(name, settings, devices, rate)`` computes the load, and refuses too much.
-    is_can : bool
-        Whether it runs on a CAN interface.
-    """
-
-    open: str
-    check_load: str
-    is_can: bool = True
-
-
-_CAN = _Protocol("drivers.can:open_bus", "drivers.canopen.load:check_bus_load")
-_PROTOCOLS = {
-    "canopen": _CAN,
-    "cansimple": _CAN,
-    "dynamixel": _Protocol(
-        "drivers.dynamixel.port:open_port", "drivers.dynamixel.load:check_serial_load", False
-    ),
-}
-
-
 def is_can(entry: BusEntry) -> bool:
-    """Return whether a bus runs on a CAN interface, as one of another package's protocol does."""
-    return _PROTOCOLS.get(entry.protocol, _CAN).is_can
+    """Return whether a bus runs on a CAN interface."""
+    return REGISTRY.protocol(entry.protocol).is_can
 
 
 def make_bus(
@@ -73,7 +44,7 @@ def make_bus(
         Records what passes on a CAN interface, see `drivers.can.frame_log`.
     """
     settings = dataclasses.replace(entry.settings, **(on or {}))
-    open_interface = _load(_PROTOCOLS.get(entry.protocol, _CAN).open)
+    open_interface = load(REGISTRY.protocol(entry.protocol).open)
     opened = opened or (lambda: open_interface(settings))
     if frames is not None and is_can(entry):
         opened = partial(_open_recorded, frames, name, clock, opened)
@@ -94,7 +65,7 @@ def bus_loads(profile: Profile) -> dict[str, Any]:
         A bus has more to carry than its `max_load`.
     """
     return {
-        name: _load(_PROTOCOLS.get(entry.protocol, _CAN).check_load)(
+        name: load(REGISTRY.protocol(entry.protocol).load)(
             name, entry.settings, _devices_on(profile, name), profile.loop.rate
         )
         for name, entry in profile.buses.items()
@@ -103,8 +74,3 @@ def bus_loads(profile: Profile) -> dict[str, Any]:
 
 def _devices_on(profile: Profile, bus: str) -> list[tuple[str, Any]]:
     return [(name, entry.settings) for name, entry in profile.devices.items() if entry.bus == bus]
-
-
-def _load(path: str) -> Any:
-    module, _, name = path.partition(":")
-    return getattr(importlib.import_module(module), name)

@@ -38,7 +38,7 @@ def make_devices(
     devices: dict[str, Device] = {}
     for name, entry in profile.devices.items():
         driver = REGISTRY.load("driver", entry.driver)
-        needs_bus = getattr(driver, "needs_bus", True)
+        needs_bus = REGISTRY.driver(entry.driver).on_bus
         if needs_bus and entry.bus is None:
             raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
         if not needs_bus and entry.bus is not None:
@@ -79,8 +79,7 @@ def make_controller(profile: Profile, name: str) -> Any:
         made = controller(profile.controllers[name], model, profile.loop.period)
     except InfeasibleMotion as error:
         raise MotionRefused(str(error)) from error
-    if hasattr(made, "compile"):
-        made.compile()
+    made.compile()
     return made
 
 

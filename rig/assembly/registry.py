@@ -1,200 +1,279 @@
-"""The names that profiles and experiments may use, and the classes behind them.
+"""The names that profiles and experiments may use, and what is behind them.
 
-Names map to ``"module:class"``; a class is imported when a profile uses it. Other packages
-add theirs through the entry-point groups ``rig.drivers``, ``rig.controllers``,
-``rig.mechanisms``, ``rig.plants`` and ``rig.references``; no import has a side effect.
+Each mechanism, driver and bus protocol is one row here, the path of its `rig.hal.parts`; other
+packages add theirs by entry points (``rig.mechanisms``, ``rig.drivers``, ``rig.protocols``,
+``rig.additions``). No import has a side effect: a row is loaded when somebody asks for it.
 """
 
 import functools
 import importlib
-from importlib.metadata import entry_points
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, NamedTuple, TypeVar
 
 from rig.config.named_settings import Kind
+from rig.hal import ConfigurationError
+from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 
+Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
 
-class _Class(NamedTuple):
-    """Where a class and its settings are; settings apart where the class is slow to import."""
-
-    path: str
-    settings: str | None = None
-
-
-_TABLE: dict[Kind, dict[str, _Class]] = {
-    "bus": {
-        "canopen": _Class(
-            "drivers.canopen.bus:CanopenBus", "drivers.canopen.settings:CanBusSettings"
-        ),
-        "cansimple": _Class(
-            "drivers.odrive.bus:OdriveBus",
-            "drivers.odrive.settings:OdriveBusSettings",
-        ),
-        "dynamixel": _Class(
-            "drivers.dynamixel.bus:SerialBus", "drivers.dynamixel.settings:SerialBusSettings"
-        ),
-    },
-    "driver": {
-        "cia401": _Class(
-            "drivers.cia401.device:Cia401Regulators",
-            "drivers.cia401.settings:Cia401Settings",
-        ),
-        "cia406": _Class(
-            "drivers.cia406.device:Cia406Encoder",
-            "drivers.cia406.settings:Cia406Settings",
-        ),
-        "marker-camera": _Class(
-            "drivers.marker_camera.device:MarkerCameraDriver",
-            "drivers.marker_camera.settings:MarkerCameraSettings",
-        ),
-        "cia402": _Class(
-            "drivers.cia402.device:Cia402Servos",
-            "drivers.cia402.settings:Cia402Settings",
-        ),
-        "odrive": _Class(
-            "drivers.odrive.device:OdriveServos",
-            "drivers.odrive.settings:OdriveSettings",
-        ),
-        "dynamixel": _Class(
-            "drivers.dynamixel.device:DynamixelServos",
-            "drivers.dynamixel.settings:DynamixelSettings",
-        ),
-    },
-    "controller": {
-        "cylinder/pid": _Class("controllers.cylinder.pid:Pid"),
-        "cylinder/pid-friction": _Class("controllers.cylinder.pid_friction:PidFriction"),
-        "cylinder/cascade": _Class("controllers.cylinder.cascade:Cascade"),
-        "cylinder/super-twisting": _Class("controllers.cylinder.super_twisting:SuperTwisting"),
-        "joint/pid": _Class("controllers.spherical_joint.laws:JointPid"),
-        "joint/pid-friction": _Class("controllers.spherical_joint.laws:JointPidFriction"),
-        "joint/cascade": _Class("controllers.spherical_joint.laws:JointCascade"),
-        "joint/super-twisting": _Class("controllers.spherical_joint.laws:JointSuperTwisting"),
-        "arm/inverse": _Class("controllers.arm.plain:Inverse"),
-        "arm/dls": _Class("controllers.arm.plain:DampedLeastSquares"),
-        "arm/servo-halt": _Class("controllers.arm.plain:ServoHalt"),
-        "arm/esc-paper": _Class("controllers.arm.esc:EscPaper"),
-        "arm/esc": _Class("controllers.arm.esc:Esc"),
-        "arm/look-ahead": _Class("controllers.arm.look_ahead:LookAhead"),
-        "legs/inverse": _Class("controllers.gait.laws:InverseLaw"),
-        "legs/sc": _Class("controllers.gait.laws:LimitedNormLaw"),
-        "legs/sc-trapezoid": _Class("controllers.gait.laws:TrapezoidNormLaw"),
-        "legs/min-jerk": _Class("controllers.gait.laws:MinimumJerkLaw"),
-        "legs/clamp": _Class("controllers.gait.rivals:ClampedLaw"),
-        "legs/dls": _Class("controllers.gait.rivals:DampedLaw"),
-        "legs/mink": _Class("controllers.gait.mink_rival:MinkLaw"),
-    },
-    "mechanism": {
-        "cylinder": _Class(
-            "rig.mechanisms.cylinder.mechanism:AntagonisticPair",
-            "rig.mechanisms.cylinder.settings:CylinderSettings",
-        ),
-        "joint": _Class(
-            "rig.mechanisms.joint.mechanism:SphericalJoint",
-            "rig.mechanisms.joint.settings:JointSettings",
-        ),
-        "arm": _Class(
-            "rig.mechanisms.arm.mechanism:Arm", "rig.mechanisms.arm.settings:ArmSettings"
-        ),
-        "legs": _Class(
-            "rig.mechanisms.legs.mechanism:Legs", "rig.mechanisms.legs.settings:LegsSettings"
-        ),
-    },
-    "plant": {
-        "antagonistic-pair": _Class(
-            "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
-            "drivers.sim.plants.settings:PlantSettings",
-        ),
-        "spherical-joint": _Class(
-            "drivers.sim.plants.spherical_joint:SphericalJointPlant",
-            "drivers.sim.plants.spherical_joint_settings:SphericalJointPlantSettings",
-        ),
-        "arm": _Class(
-            "drivers.sim.plants.arm:ArmPlant", "drivers.sim.plants.arm_settings:ArmPlantSettings"
-        ),
-        "legs": _Class(
-            "drivers.sim.plants.legs:LegsPlant",
-            "drivers.sim.plants.legs_settings:LegsPlantSettings",
-        ),
-    },
-    "reference": {
-        "sine": _Class(
-            "rig.mechanisms.cylinder.references:Sine", "rig.mechanisms.cylinder.references:Sine"
-        ),
-        "staircase": _Class(
-            "rig.mechanisms.cylinder.references:Staircase",
-            "rig.mechanisms.cylinder.references:Staircase",
-        ),
-        "step": _Class(
-            "rig.mechanisms.cylinder.references:Step", "rig.mechanisms.cylinder.references:Step"
-        ),
-        "ramp": _Class(
-            "rig.mechanisms.cylinder.references:Ramp", "rig.mechanisms.cylinder.references:Ramp"
-        ),
-        "joint-circle": _Class(
-            "rig.mechanisms.joint.references.circle:JointCircle",
-            "rig.mechanisms.joint.references.circle:JointCircle",
-        ),
-        "arm-turnback": _Class("controllers.arm.paths:TurnBack", "controllers.arm.paths:TurnBack"),
-        "arm-dwell": _Class("controllers.arm.paths:DwellLine", "controllers.arm.paths:DwellLine"),
-        "arm-circle": _Class("controllers.arm.paths:Circle", "controllers.arm.paths:Circle"),
-        "arm-line": _Class("controllers.arm.paths:Line", "controllers.arm.paths:Line"),
-        "legs-walk": _Class(
-            "controllers.gait.motions:WalkSettings", "controllers.gait.motions:WalkSettings"
-        ),
-        "legs-squat": _Class(
-            "controllers.gait.motions:SquatSettings", "controllers.gait.motions:SquatSettings"
-        ),
-        "joint-poses": _Class(
-            "rig.mechanisms.joint.references.poses:JointPoses",
-            "rig.mechanisms.joint.references.poses:JointPoses",
-        ),
-        "joint-spiral": _Class(
-            "rig.mechanisms.joint.references.sweeps:JointSpiral",
-            "rig.mechanisms.joint.references.sweeps:JointSpiral",
-        ),
-        "joint-stiffness": _Class(
-            "rig.mechanisms.joint.references.sweeps:JointStiffness",
-            "rig.mechanisms.joint.references.sweeps:JointStiffness",
-        ),
-    },
+MECHANISMS = {
+    "cylinder": "rig.mechanisms.cylinder.parts:PARTS",
+    "joint": "rig.mechanisms.joint.parts:PARTS",
+    "legs": "rig.mechanisms.legs.parts:PARTS",
+    "arm": "rig.mechanisms.arm.parts:PARTS",
+}
+DRIVERS = {
+    "cia401": "drivers.cia401.parts:PARTS",
+    "cia406": "drivers.cia406.parts:PARTS",
+    "cia402": "drivers.cia402.parts:PARTS",
+    "odrive": "drivers.odrive.parts:PARTS",
+    "dynamixel": "drivers.dynamixel.parts:PARTS",
+    "marker-camera": "drivers.marker_camera.parts:PARTS",
+}
+PROTOCOLS = {
+    "canopen": "drivers.canopen.parts:PROTOCOL",
+    "cansimple": "drivers.odrive.parts:PROTOCOL",
+    "dynamixel": "drivers.dynamixel.parts:PROTOCOL",
 }
 
 
-def _load(path: str) -> Any:
+def load(path: str) -> Any:
+    """Import what a path names, ``"module:name"``.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such module or no such name in it.
+    """
     module, _, name = path.partition(":")
-    return getattr(importlib.import_module(module), name)
+    try:
+        found: Any = importlib.import_module(module)
+        for part in name.split("."):
+            found = getattr(found, part)
+    except (ImportError, AttributeError) as error:
+        raise ConfigurationError(f"{path} cannot be imported: {error}") from error
+    return found
 
 
-@functools.cache
-def _names(kind: Kind) -> tuple[str, ...]:
-    """Look once: what is installed does not change while a program runs."""
-    others = {point.name for point in entry_points(group=f"rig.{kind}s")}
-    return tuple(sorted(others | set(_TABLE[kind])))
+class InstalledParts:
+    """Everything that a profile or experiment may name; implements `rig.config.Registry`."""
 
+    # Rows -----------------------------------------------------------------------------
 
-class InstalledClasses:
-    """The registry of everything a profile or experiment may name; see `Registry`."""
+    def mechanism(self, name: str) -> MechanismParts:
+        """Return the row of a mechanism; KeyError if there is none."""
+        found: MechanismParts = _find(_mechanisms(), name)
+        return found
+
+    def driver(self, name: str) -> DriverParts:
+        """Return the row of a driver; KeyError if there is none."""
+        found: DriverParts = _find(_drivers(), name)
+        return found
+
+    def protocol(self, name: str) -> ProtocolParts:
+        """Return the row of what is spoken on a bus; KeyError if there is none."""
+        found: ProtocolParts = _find(_protocols(), name)
+        return found
+
+    # Names ----------------------------------------------------------------------------
 
     def names(self, kind: Kind) -> tuple[str, ...]:
         """Return every name of a kind, sorted."""
-        return _names(kind)
+        return tuple(sorted(_code(kind)))
 
     def settings(self, kind: Kind, name: str) -> type[Any]:
         """Return the settings dataclass of a name; KeyError if there is none."""
-        known = _TABLE[kind].get(name)
-        if known is not None and known.settings is not None:
-            settings: type[Any] = _load(known.settings)
-            return settings
-        found: type[Any] = self.load(kind, name).Settings
+        code = _code_of(kind, name)
+        if code.settings is not None:
+            found: type[Any] = load(code.settings)
+            return found
+        thing = load(code.path)
+        try:
+            found = thing.Settings
+        except AttributeError:
+            raise ConfigurationError(
+                f"{kind} {name}: {code.path} has no Settings, the dataclass of its section"
+            ) from None
         return found
 
     def load(self, kind: Kind, name: str) -> Any:
         """Return the class behind a name; KeyError if there is none."""
-        known = _TABLE[kind].get(name)
-        if known is not None:
-            return _load(known.path)
-        for point in entry_points(group=f"rig.{kind}s", name=name):
-            return point.load()
-        raise KeyError(name)
+        return load(_code_of(kind, name).path)
+
+    # What mechanisms add to the frameworks ----------------------------------------------
+
+    def measures(self) -> Mapping[str, Any]:
+        """Return every `rig.experiment.measure.Measure` by name."""
+        return _merged("measure", lambda row: row.measures)
+
+    def figures(self) -> Mapping[str, Any]:
+        """Return every mechanism's `rig.report.figure.FigureKind` by name."""
+        return _merged("figure", lambda row: row.figures)
+
+    def comparisons(self) -> tuple[Any, ...]:
+        """Return every `rig.report.comparison.Comparison`, the most particular first."""
+        return tuple(load(path) for row in reversed(_additions()) for path in row.comparisons)
+
+    def procedures(self, mechanism: str) -> tuple[Any, ...]:
+        """Return a mechanism's procedures, in the order in which they build on each other."""
+        return tuple(
+            load(path)()
+            for row in _additions()
+            if row.mechanism == mechanism
+            for path in row.procedures
+        )
 
 
-REGISTRY = InstalledClasses()
+# Rows -----------------------------------------------------------------------------------
+
+
+class _Rows(NamedTuple):
+    """Rows of one kind by name, and why others that are installed cannot be used."""
+
+    rows: dict[str, Any]
+    broken: dict[str, str]
+
+
+def _find(found: _Rows, name: str) -> Any:
+    if name in found.broken:
+        raise ConfigurationError(found.broken[name])
+    return found.rows[name]
+
+
+def _collect(own: Mapping[str, str], group: str, kind: type[Row]) -> _Rows:
+    found = _Rows({name: load(path) for name, path in own.items()}, {})
+    for point in entry_points(group=group):
+        try:
+            row = _loaded(point, kind)
+        except ConfigurationError as error:
+            found.broken[point.name] = str(error)
+            continue
+        if point.name in found.rows:
+            found.broken[point.name] = f"{_whose(point)}: the name {point.name!r} is taken"
+        else:
+            found.rows[point.name] = row
+    return found
+
+
+def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
+    try:
+        row = point.load()
+    except Exception as error:  # anything may happen in the code of others
+        raise ConfigurationError(f"{_whose(point)} cannot be loaded: {error}") from error
+    if not isinstance(row, kind):
+        raise ConfigurationError(
+            f"{_whose(point)}: {point.value} is a {type(row).__name__}, not a {kind.__name__}"
+        )
+    return row
+
+
+def _whose(point: EntryPoint) -> str:
+    package = "a package" if point.dist is None else f"the package {point.dist.name}"
+    return f"{package} (entry point {point.name!r} of {point.group})"
+
+
+# Looked up once: what is installed does not change while a program runs.
+@functools.cache
+def _mechanisms() -> _Rows:
+    return _collect(MECHANISMS, "rig.mechanisms", MechanismParts)
+
+
+@functools.cache
+def _drivers() -> _Rows:
+    return _collect(DRIVERS, "rig.drivers", DriverParts)
+
+
+@functools.cache
+def _protocols() -> _Rows:
+    return _collect(PROTOCOLS, "rig.protocols", ProtocolParts)
+
+
+@functools.cache
+def _additions() -> tuple[Additions, ...]:
+    """Return what is known of every mechanism: its own row first, then what others add to it."""
+    others = _collect({}, "rig.additions", Additions)
+    return (*_mechanisms().rows.values(), *others.rows.values())
+
+
+# Code behind names ----------------------------------------------------------------------
+
+
+class _Code(NamedTuple):
+    """Where the code behind a name is, and its settings where they are apart from it."""
+
+    path: str
+    settings: str | None
+
+
+def _code_of(kind: Kind, name: str) -> _Code:
+    try:
+        return _code(kind)[name]
+    except KeyError:
+        for found in _ROWS_OF.get(kind, ()):
+            _find(found(), name)  # an installed row that is broken says why
+        raise
+
+
+@functools.cache
+def _code(kind: Kind) -> Mapping[str, _Code]:
+    found: dict[str, _Code] = {}
+    for name, code in _CODE_OF[kind]():
+        if found.setdefault(name, code) != code:
+            raise ConfigurationError(
+                f"two packages have a {kind} {name!r}: {found[name].path} and {code.path}"
+            )
+    return found
+
+
+def _controllers() -> Iterator[tuple[str, _Code]]:
+    for row in _additions():
+        for name, path in row.controllers.items():
+            yield f"{row.mechanism}/{name}", _Code(path, None)
+
+
+def _plants() -> Iterator[tuple[str, _Code]]:
+    for row in _additions():
+        for name, model in row.plants.items():
+            yield name, _Code(model.plant, model.settings)
+
+
+def _references() -> Iterator[tuple[str, _Code]]:
+    for row in _additions():
+        for name, path in row.references.items():
+            yield name, _Code(path, path)
+
+
+_ROWS_OF: dict[Kind, Sequence[Callable[[], _Rows]]] = {
+    "mechanism": (_mechanisms,),
+    "driver": (_drivers,),
+    "bus": (_protocols,),
+}
+_CODE_OF: dict[Kind, Callable[[], Iterator[tuple[str, _Code]]]] = {
+    "mechanism": lambda: (
+        (name, _Code(row.view, row.settings)) for name, row in _mechanisms().rows.items()
+    ),
+    "driver": lambda: (
+        (name, _Code(row.device, row.settings)) for name, row in _drivers().rows.items()
+    ),
+    "bus": lambda: (
+        (name, _Code(row.bus, row.settings)) for name, row in _protocols().rows.items()
+    ),
+    "controller": _controllers,
+    "plant": _plants,
+    "reference": _references,
+}
+
+
+def _merged(kind: str, paths_of: Callable[[Additions], tuple[str, ...]]) -> Mapping[str, Any]:
+    """Return the union of the mappings that rows name, in the order of the rows."""
+    found: dict[str, Any] = {}
+    for row in _additions():
+        for path in paths_of(row):
+            for name, thing in load(path).items():
+                if found.setdefault(name, thing) is not thing:
+                    raise ConfigurationError(f"two packages have a {kind} {name!r}; one is {path}")
+    return found
+
+
+REGISTRY = InstalledParts()

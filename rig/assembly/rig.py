@@ -5,8 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from rig.config import Profile
-from rig.hal import Clock, CyclicBus, Device
-from rig.hal.columns import Column
+from rig.hal import Clock, Column, CyclicBus, Device, Mechanism
 
 
 class Backend(StrEnum):
@@ -55,7 +54,7 @@ class Rig:
         clock: Clock,
         buses: Mapping[str, CyclicBus],
         devices: Mapping[str, Device],
-        mechanism: Any,
+        mechanism: Mechanism[Any, Any, Any, Any],
         truth_columns: Sequence[Column] = (),
         truth: Callable[[], tuple[float, ...]] = tuple,
         release: Callable[[], None] = lambda: None,
@@ -96,8 +95,7 @@ class Rig:
         waits = {name: self.profile.devices[name].bus is None for name in self.devices}
         for name in sorted(self.devices, key=lambda name: not waits[name]):
             device = self.devices[name]
-            listen = None if torque else getattr(device, "listen", None)
-            (listen or device.arm)()
+            device.arm() if torque else device.listen()
         # Arming the last device may have taken longer than a reading may be old.
         now = self.clock.now()
         for bus in self.buses.values():

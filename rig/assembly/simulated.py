@@ -7,9 +7,9 @@ from typing import Any
 
 from rig.assembly.buses import is_can, make_bus
 from rig.assembly.production import make_devices, make_mechanism
-from rig.assembly.registry import REGISTRY
+from rig.assembly.registry import REGISTRY, load
 from rig.assembly.rig import Backend, Rig
-from rig.config import Perturbation, Profile
+from rig.config import DeviceEntry, Perturbation, Profile
 from rig.hal import ConfigurationError
 from rig.hal.columns import Column
 
@@ -30,7 +30,8 @@ def make_plant(profile: Profile) -> Any:
     settings, seed = profile.plant.settings, profile.simulation.seed
     # A plant does its own algebra on the geometry that the controllers are told of; what was
     # calibrated since is the controllers' knowledge and changes nothing in it.
-    geometry = getattr(profile.nominal_settings, "geometry", None)
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    geometry = view.geometry_of(profile.nominal_settings)
     if profile.simulation.perturbation == Perturbation():
         extra = () if geometry is None else (geometry,)
         return plant(settings, seed, *extra)
@@ -48,26 +49,30 @@ def _truth_columns(plant: Any) -> tuple[Column, ...]:
     )
 
 
+def _simulation(name: str, entry: DeviceEntry) -> Any:
+    path = REGISTRY.driver(entry.driver).simulation
+    if path is None:
+        raise ConfigurationError(f"{name}: there is no simulated device for {entry.driver}")
+    return load(path)
+
+
 def _wire(profile: Profile, plant: Any, name: str) -> tuple[Any, tuple[int, ...]]:
-    from drivers.sim.wiring import WIRINGS, plant_channels
+    from drivers.sim.wiring import plant_channels
 
     entry = profile.devices[name]
-    if entry.driver not in WIRINGS:
-        raise ConfigurationError(f"{name}: there is no simulated device for {entry.driver}")
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     wired = mechanism.wiring(profile.mechanism_settings)
     own = tuple(getattr(entry.settings, "channels", getattr(entry.settings, "joints", ())))
-    return WIRINGS[entry.driver], plant_channels(name, wired, plant, own)
+    return _simulation(name, entry), plant_channels(name, wired, plant, own)
 
 
 def reality_of(profile: Profile, name: str, plant: Any) -> dict[str, Any]:
     """Return what is true of a simulated device without a bus, whatever its driver believes."""
-    from drivers.sim.wiring import LINKS
-
     entry, simulation = profile.devices[name], profile.simulation
-    return LINKS[entry.driver].reality(
+    real: dict[str, Any] = _simulation(name, entry).reality(
         entry.nominal, plant, simulation.perturbation, simulation.seed
     )
+    return real
 
 
 def board_renderer(
@@ -97,14 +102,13 @@ def build_sim(profile: Profile) -> Rig:
     """Build a rig whose devices stand straight on the plant."""
     from drivers.sim.clock import SimClock
     from drivers.sim.faults import FaultSchedule, FaultyWorld
-    from drivers.sim.wiring import LINKS
 
     plant = make_plant(profile)
     devices: dict[str, Any] = {}
     clock = SimClock(plant)
     for name, entry in profile.devices.items():
-        if entry.driver in LINKS:
-            devices[name] = LINKS[entry.driver].simulate(
+        if not REGISTRY.driver(entry.driver).on_bus:
+            devices[name] = _simulation(name, entry).simulate(
                 name, entry.settings, plant, clock, profile.simulation.seed, serial=entry.serial,
                 **reality_of(profile, name, plant),
             )  # fmt: skip
@@ -158,7 +162,6 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulated_rig import EmulatedRig
-    from drivers.sim.wiring import LINKS
 
     plant = make_plant(profile)
     emulated: list[Any] = []
@@ -174,7 +177,7 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
             emulated.append(line)
             ports[bus] = partial(getattr, line, "port")
     links = {
-        name: LINKS[entry.driver].emulate(
+        name: _simulation(name, entry).emulate(
             name,
             entry.settings,
             plant,
@@ -183,7 +186,7 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
             **reality_of(profile, name, plant),
         )
         for name, entry in profile.devices.items()
-        if entry.driver in LINKS
+        if not REGISTRY.driver(entry.driver).on_bus
     }
     with checking_faults():
         world = EmulatedRig(

@@ -118,7 +118,7 @@ class Excitation(NamedTuple):
 
 
 class Procedure(Protocol):
-    """One procedure, for the mechanisms that it names."""
+    """One procedure of a mechanism."""
 
     @property
     def name(self) -> str:
@@ -128,11 +128,6 @@ class Procedure(Protocol):
     @property
     def title(self) -> str:
         """What it finds, for people."""
-        ...
-
-    @property
-    def mechanisms(self) -> tuple[str, ...]:
-        """The mechanisms that it is for."""
         ...
 
     def targets(self, profile: Profile) -> tuple[str, ...]:

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 
 def describe_profile(profile: Profile) -> dict[str, Any]:
     """Return what a profile says, in SI; it must have been checked."""
-    from rig.assembly import bus_loads
+    from rig.assembly import REGISTRY, bus_loads
 
     loads = bus_loads(profile)
-    limits = getattr(profile.mechanism_settings, "limits", None)
+    limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
     plant = profile.plant
     return {
         "name": profile.name,
@@ -142,11 +142,12 @@ def _unit(annotation: Any) -> str:
 
 def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
-    from rig.experiment.measures import MEASURES, Measure
-    from rig.hal.motion import Fact, facts_of
+    from rig.assembly import REGISTRY
+    from rig.experiment.measure import Measure
+    from rig.hal.motion import Fact
 
     experiment, motion = plan.experiment, plan.motion
-    known: dict[str, Measure | Fact] = {**MEASURES, **facts_of(motion)}
+    known: dict[str, Measure | Fact] = {**REGISTRY.measures(), **motion.facts}
     metrics = []
     for name, spec in experiment.metrics.items():
         measure = known[spec.measure or name]

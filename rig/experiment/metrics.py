@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.assembly import REGISTRY
 from rig.experiment.measure import NoTruth, Samples, Window
-from rig.experiment.measures import MEASURES
 from rig.hal import RigError
 from rig.hal.motion import Fact, Segment
 from rig.runtime.log import LogError
@@ -133,6 +133,7 @@ def evaluate(
         to its end: a number over half of it would look like one over all of it.
     """
     samples = Samples(log)
+    known = REGISTRY.measures()
     metrics: list[Metric] = []
     for name, spec in specs.items():
         measure_name = spec.measure or name
@@ -140,11 +141,11 @@ def evaluate(
         if fact is not None:
             metrics += _bounded(name, spec, measure_name, fact.value, fact.unit)
             continue
-        measure = MEASURES.get(measure_name)
+        measure = known.get(measure_name)
         if measure is None:
             raise MetricError(
                 f"metric {name}: no measure is called {measure_name!r}; there are "
-                + ", ".join(MEASURES)
+                + ", ".join(known)
             )
         chosen = [segment for segment in segments if fnmatchcase(segment.name, spec.segments)]
         if not chosen:

@@ -20,9 +20,9 @@ from rig.config import (
 )
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
-from rig.experiment.measures import MEASURES, Measure
+from rig.experiment.measure import Measure
 from rig.hal import ConfigurationError
-from rig.hal.motion import Fact, Motion, facts_of
+from rig.hal.motion import Fact, Motion
 
 
 class Plan(NamedTuple):
@@ -155,8 +155,8 @@ def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experi
 
 def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
     names = [segment.name for segment in motion.segments]
-    facts = facts_of(motion)
-    known: dict[str, Measure | Fact] = {**MEASURES, **facts}
+    facts = motion.facts
+    known: dict[str, Measure | Fact] = {**REGISTRY.measures(), **facts}
     for name, spec in experiment.metrics.items():
         measure = known.get(spec.measure or name)
         if measure is None:
@@ -177,10 +177,11 @@ def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
 
 
 def _check_figures(experiment: Experiment) -> None:
-    from rig.report.figures import FIGURES
+    from rig.report.figures import known_figures
 
+    known = known_figures() if experiment.figures else {}
     for name in experiment.figures:
-        if name not in FIGURES:
-            near = difflib.get_close_matches(name, FIGURES, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(FIGURES)}"
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known)}"
             raise ConfigurationError(f"figures: no figure is called {name!r}; {hint}")

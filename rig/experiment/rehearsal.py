@@ -43,9 +43,8 @@ def rehearse(plan: Plan) -> None:
     fault: Exception | None
     try:
         with build_rig(plan.profile, Backend.SIM) as rig:
-            rig.mechanism.controller = controller
-            rig.mechanism.motion = plan.motion
-            rig.arm(torque=getattr(plan.motion, "has_torque", True))
+            rig.mechanism.attach(controller, plan.motion)
+            rig.arm(torque=plan.motion.has_torque)
             loop: Loop[Any, Any, Any] = Loop(
                 clock=rig.clock,
                 period=plan.profile.loop.period,

@@ -16,7 +16,6 @@ from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_j
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
 from rig.hal import Clock, DeviceError, RigError
-from rig.hal.motion import facts_of
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
 from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Progress
@@ -202,7 +201,7 @@ def _create_folder(
     folder.write_json(
         EVALUATION,
         evaluation_as_json(
-            plan.motion.segments, experiment.metrics, experiment.figures, facts_of(plan.motion)
+            plan.motion.segments, experiment.metrics, experiment.figures, plan.motion.facts
         ),
     )
     return folder
@@ -265,7 +264,7 @@ def _run(
                 for sentence in refused:
                     watcher.said(sentence)
                     events(None, "real-time", sentence, {})
-                rig.arm(torque=getattr(plan.motion, "has_torque", True))
+                rig.arm(torque=plan.motion.has_torque)
                 energised = True
                 with stopwatch:
                     outcome = loop.run(
@@ -276,7 +275,7 @@ def _run(
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
                     )
-        held = getattr(rig.mechanism, "pose_held", str)() if outcome.fault is not None else None
+        held = rig.mechanism.pose_held() if outcome.fault is not None else None
         if held:
             watcher.said(held)
             events(loop.t, "hold", held, {})
@@ -293,10 +292,8 @@ def _run(
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any]:
     loop = plan.profile.loop
-    rig.mechanism.controller = plan.controller
-    rig.mechanism.motion = plan.motion
-    if hasattr(plan.motion, "attach"):  # it works valves as well, beside the setpoints
-        plan.motion.attach(rig.devices)
+    rig.mechanism.attach(plan.controller, plan.motion)
+    plan.motion.attach(rig.devices)
     return Loop(
         clock=rig.clock,
         period=loop.period,
@@ -338,7 +335,7 @@ def _finish(
         folder.write_timing(summarise_timing(log) | stopwatch.facts)
     if status is not RunStatus.OK:
         return []
-    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics, facts_of(plan.motion))
+    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics, plan.motion.facts)
     folder.write_metrics(metrics)
     return metrics
 

@@ -1,13 +1,17 @@
-"""The hardware abstraction layer: small, typed, without I/O of its own."""
+"""The whole contract between the program and what it runs: small, typed, without I/O of its own.
 
-from rig.hal.bus import Buses, CanBus, CyclicBus, Frame
+What is not written here may not be relied on. `parts` is what a package offers, `mechanism`,
+`motion` and `controller` what the loop runs, `devices`, `driver` and `bus` what drivers are,
+`plant` what is simulated.
+"""
+
+from rig.hal.bus import Buses, CanBus, CyclicBus, FastCanBus, Frame
 from rig.hal.clock import Clock, MonotonicClock
+from rig.hal.columns import Column
+from rig.hal.controller import Controller
 from rig.hal.devices import (
-    ChamberLocks,
     Device,
-    Doubtful,
     EmergencyStopInput,
-    Homeable,
     LinearEncoder,
     MarkerCamera,
     Markers,
@@ -15,6 +19,7 @@ from rig.hal.devices import (
     ServoBus,
     Vector,
 )
+from rig.hal.driver import Address, BusSettings, DeviceFile, DriverSettings, Endpoint
 from rig.hal.errors import (
     ConfigurationError,
     ConnectionFailed,
@@ -28,36 +33,51 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
+from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.motion import Fact, Motion, Segment
+from rig.hal.plant import Plant
 from rig.hal.reading import Reading
 
 __all__ = [
+    "Address",
+    "BusSettings",
     "Buses",
     "CanBus",
-    "ChamberLocks",
     "Clock",
+    "Column",
     "ConfigurationError",
     "ConnectionFailed",
+    "Controller",
     "CyclicBus",
     "Device",
     "DeviceError",
     "DeviceFault",
-    "Doubtful",
+    "DeviceFile",
+    "DriverSettings",
     "EmergencyStop",
     "EmergencyStopInput",
+    "Endpoint",
+    "Fact",
+    "FastCanBus",
     "Frame",
-    "Homeable",
     "LimitExceeded",
     "LinearEncoder",
     "LoopStalled",
+    "Margin",
     "MarkerCamera",
     "Markers",
+    "Mechanism",
     "MonotonicClock",
+    "Motion",
     "MotionRefused",
+    "Plant",
     "PressureRegulator",
     "Reading",
     "RigError",
     "SafetyError",
+    "Segment",
     "ServoBus",
     "StaleReading",
     "Vector",
+    "pick_device",
 ]

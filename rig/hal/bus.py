@@ -1,6 +1,6 @@
 """The bus seam: what a driver needs of a CAN bus, and of anything exchanged cyclically."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 
@@ -27,6 +27,42 @@ class CanBus(Protocol):
 
     def recv(self, timeout: float | None = None) -> Frame | None:
         """Return the next received frame, or None after `timeout` seconds (0: at once)."""
+        ...
+
+    def shutdown(self) -> None:
+        """Release the interface."""
+        ...
+
+
+class FastCanBus(Protocol):
+    """A CAN interface as the cycle uses it: identifiers with flags, bytes, and no frame objects.
+
+    SocketCAN's raw socket offers all of it; `drivers.can.fast_path` makes it of any `CanBus`.
+    An identifier bears SocketCAN's flags for extended, remote and error frames.
+    """
+
+    def drain(self, limit: int) -> list[tuple[int, bytes]]:
+        """Return the waiting frames, at most `limit`, without waiting."""
+        ...
+
+    def send_data(self, can_id: int, data: bytes) -> None:
+        """Send one frame; raise `can.CanError` or `OSError` if the interface refuses it."""
+        ...
+
+    def backlog(self) -> int:
+        """Return how many frames wait that the interface has not taken yet; 0 if it cannot tell."""
+        ...
+
+    def count_dropped(self) -> int:
+        """Return how many frames were lost since nobody took them in time; 0 if it cannot tell."""
+        ...
+
+    def accept(self, can_ids: Iterable[int]) -> None:
+        """Let only these identifiers through, where the interface can filter."""
+        ...
+
+    def count_others(self) -> int:
+        """Return how many frames `accept` held back; 0 if it cannot tell."""
         ...
 
     def shutdown(self) -> None:

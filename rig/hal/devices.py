@@ -3,6 +3,7 @@
 Getters never block: they return the last reading, and the age says what it is worth.
 I/O happens in the cycle, when a device's bus is drained and its setpoints are sent.
 Everything is in SI units: m, rad, s, Pa (gauge). Vectors are tuples of floats, shape (n,).
+Drivers inherit these protocols: what has a default need not be written.
 """
 
 from typing import NamedTuple, Protocol
@@ -45,6 +46,14 @@ class Device(Protocol):
         """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
         ...
 
+    def listen(self) -> None:
+        """Arm without energising: measure, and leave the torque off. Where it is the same, arm."""
+        self.arm()
+
+    def doubt(self, now: float) -> str | None:
+        """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
+        return None
+
     def close(self) -> None:
         """Release it. Idempotent, and safe to call in any state."""
         ...
@@ -64,20 +73,14 @@ class PressureRegulator(Device, Protocol):
         """Take setpoints for this cycle, Pa gauge, shape (n,)."""
         ...
 
-
-class SafePressure(Protocol):
-    """Regulators of which some keep their pressure in the safe state."""
-
     def safe_pressure(self) -> Vector:
         """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
         ...
 
-
-class ChamberLocks(Protocol):
-    """Regulators with a valve between some of them and their chambers."""
-
-    lockable: tuple[bool, ...]
-    """Which of the channels have one."""
+    @property
+    def lockable(self) -> tuple[bool, ...]:
+        """Which of the channels have a valve between regulator and chamber; default: none."""
+        return (False,) * len(self.channels)
 
     def lock(self, shut: tuple[bool, ...]) -> None:
         """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.
@@ -89,7 +92,8 @@ class ChamberLocks(Protocol):
         ValueError
             A channel is to be shut that has no valve.
         """
-        ...
+        if any(shut):
+            raise ValueError(f"{self.name}: no channel has a valve to its chamber")
 
 
 class LinearEncoder(Device, Protocol):
@@ -104,22 +108,6 @@ class LinearEncoder(Device, Protocol):
 
     def velocity(self) -> Reading[Vector]:
         """Return the device's own velocities, m/s, shape (n,); often coarse."""
-        ...
-
-
-class Homeable(Protocol):
-    """A device whose zero must be found before use."""
-
-    def home(self) -> None:
-        """Find the zero."""
-        ...
-
-
-class Doubtful(Protocol):
-    """A device that may look wrong for a while before it is a fault."""
-
-    def doubt(self, now: float) -> str | None:
-        """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
         ...
 
 
@@ -145,6 +133,9 @@ class Markers(NamedTuple):
 
 class MarkerCamera(Device, Protocol):
     """A camera with its marker detector."""
+
+    sphere_radius: float | None = None
+    """Radius of the sphere on which the marker moves as the camera believes, m; None: none."""
 
     def markers(self) -> Reading[Markers]:
         """Return the newest markers; `t` is the middle of the exposure."""

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rig.hal.columns import Column
+from rig.hal.devices import Device
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
 
+Settings = TypeVar("Settings")
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
@@ -19,23 +21,63 @@ class Margin(NamedTuple):
     fraction: float
 
 
-class Mechanism(Protocol[State, Reference, Command]):
+class Mechanism(Protocol[Settings, State, Reference, Command]):
     """What the loop needs to know of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
-    `write`, `row`.
+    `write`, `row`. Inherit it: what has a default need not be written.
     """
 
     columns: Sequence[Column]
 
+    stopping_time: float = 0.0
+    """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""
+
     @classmethod
-    def model_of(cls, settings: Any) -> Any:
+    def assemble(
+        cls, settings: Settings, devices: Mapping[str, Device], period: float
+    ) -> "Mechanism[Settings, State, Reference, Command]":
+        """Pick the devices that the settings name.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's section of the profile.
+        devices : mapping
+            The rig's devices by name.
+        period : float
+            The loop's period, s.
+
+        Raises
+        ------
+        ConfigurationError
+            A device is not there, or cannot do what its role asks for (`pick_device`).
+        """
+        ...
+
+    @classmethod
+    def wiring(cls, settings: Settings) -> Mapping[str, str]:
+        """Return which channel of the plant each device measures that has no names for its own."""
+        return {}
+
+    @classmethod
+    def geometry_of(cls, settings: Settings) -> object | None:
+        """Return the geometry that the plant is made with, beside its own settings; if any."""
+        return None
+
+    @classmethod
+    def limits_of(cls, settings: Settings) -> object | None:
+        """Return the dataclass of limits that `rig check` shows; if any."""
+        return None
+
+    @classmethod
+    def model_of(cls, settings: Settings) -> object:
         """Return what the controllers are told of the mechanics, from the profile's settings."""
         ...
 
     @classmethod
     def plan(
-        cls, settings: Any, reference: Any, controller: Any, period: float
+        cls, settings: Settings, reference: object, controller: Any, period: float
     ) -> Motion[Reference]:
         """Turn what an experiment asks for into a motion, and refuse it if it cannot be.
 
@@ -62,6 +104,10 @@ class Mechanism(Protocol[State, Reference, Command]):
         """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
         ...
 
+    def attach(self, controller: Any, motion: Motion[Reference]) -> None:
+        """Take the controller and the motion of the run that begins, for what is logged of them."""
+        return
+
     def read(self, now: float) -> State:
         """Assemble one frozen state from the devices' last readings.
 
@@ -80,6 +126,17 @@ class Mechanism(Protocol[State, Reference, Command]):
         LimitExceeded, EmergencyStop
         """
         ...
+
+    def explain(self, error: Exception, state: State) -> Exception:
+        """Return a fault with its cause, or as it is; called once, with that cycle's state.
+
+        A mechanism may know more of a fault than the device or limit that showed it first.
+        """
+        return error
+
+    def pose_held(self) -> str | None:
+        """Say how the mechanism is held after a fault, for the operator; None: it is not."""
+        return None
 
     def resting_command(self, state: State) -> Command:
         """Return the command that changes nothing: what the devices hold now."""
@@ -125,14 +182,6 @@ class Mechanism(Protocol[State, Reference, Command]):
 
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
-        ...
-
-
-class Explaining(Protocol):
-    """A mechanism that knows more of a fault than the device or limit that showed it first."""
-
-    def explain(self, error: Exception, state: Any) -> Exception:
-        """Return the error with its cause, or as it is; called once, with that cycle's state."""
         ...
 
 

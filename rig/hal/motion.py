@@ -1,7 +1,10 @@
 """What the loop follows, and the stretches of it that metrics look at."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
+
+from rig.hal.devices import Device
 
 Followed = TypeVar("Followed", covariant=True)
 
@@ -22,24 +25,6 @@ class Segment(NamedTuple):
     end: float
 
 
-class Motion(Protocol[Followed]):
-    """A desired motion, from rest to rest."""
-
-    @property
-    def duration(self) -> float:
-        """How long it takes, s."""
-        ...
-
-    @property
-    def segments(self) -> tuple[Segment, ...]:
-        """The stretches that metrics look at."""
-        ...
-
-    def at(self, t: float) -> Followed:
-        """Return the reference at `t` seconds, 0 … `duration`."""
-        ...
-
-
 class Fact(NamedTuple):
     """A number that is known of a motion before it is done: it may be a metric like a measured one.
 
@@ -58,7 +43,32 @@ class Fact(NamedTuple):
     description: str
 
 
-def facts_of(motion: "Motion[object]") -> Mapping[str, Fact]:
-    """Return what is known of a motion before it is done; empty for one that was only drawn."""
-    facts: Mapping[str, Fact] = getattr(motion, "facts", {})
-    return facts
+class Motion(Protocol[Followed]):
+    """A desired motion, from rest to rest. Inherit it: what has a default need not be written."""
+
+    waits: bool = False
+    """Whether a late cycle holds the motion, so that nothing of it is left out."""
+
+    has_torque: bool = True
+    """Whether servo drives are energised for it; without torque they are only listened to."""
+
+    facts: Mapping[str, Fact] = MappingProxyType({})
+    """What is known of it before it is done."""
+
+    @property
+    def duration(self) -> float:
+        """How long it takes, s."""
+        ...
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """The stretches that metrics look at."""
+        ...
+
+    def at(self, t: float) -> Followed:
+        """Return the reference at `t` seconds, 0 … `duration`."""
+        ...
+
+    def attach(self, devices: Mapping[str, Device]) -> None:
+        """Take the rig's devices by name; for a motion that works valves beside the setpoints."""
+        return

@@ -14,14 +14,6 @@ Path = str
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
-    """A control law and its settings, which are apart where the law is slow to import."""
-
-    settings: Path
-    law: Path
-
-
-@dataclass(frozen=True, slots=True)
 class PlantModel:
     """A plant and its settings."""
 
@@ -37,8 +29,9 @@ class Additions:
     ----------
     mechanism : str
         The mechanism's name.
-    controllers : mapping of str to Law
-        By the name that profiles use.
+    controllers : mapping of str to Path
+        Laws, each a `rig.hal.Controller` with its settings dataclass as ``Settings``, by the name
+        that profiles use.
     references : mapping of str to Path
         Settings dataclasses, by the name that experiments use; no two mechanisms may share one.
     plants : mapping of str to PlantModel
@@ -55,7 +48,7 @@ class Additions:
     """
 
     mechanism: str
-    controllers: Mapping[str, Law] = field(default_factory=dict)
+    controllers: Mapping[str, Path] = field(default_factory=dict)
     references: Mapping[str, Path] = field(default_factory=dict)
     plants: Mapping[str, PlantModel] = field(default_factory=dict)
     measures: tuple[Path, ...] = ()

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rig.config import format_against
-from rig.report.figures import FIGURES
+from rig.report.figures import known_figures
 from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
 
 _EXPLANATIONS = {
@@ -122,14 +122,14 @@ def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> s
 
 
 def _figures(figures: Sequence[Path]) -> str:
-    parts = []
+    parts, known = [], known_figures()
     for figure in figures:
         content = figure.read_bytes()
         data = base64.b64encode(content).decode()
         width = round(_SCREEN_SCALE * int.from_bytes(content[16:20], "big"))  # of its IHDR
         name = figure.stem
         vector = f"{figure.parent.name}/{name}.svg"
-        caption = FIGURES[name].caption if name in FIGURES else name
+        caption = known[name].caption if name in known else name
         parts.append(
             f'<figure><img alt="{escape(caption)}" width="{width}" '
             f'src="data:image/png;base64,{data}">'

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any, Generic, NamedTuple, Protocol
 
-from controllers.base import Controller
 from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
 from rig.hal.columns import Column
+from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
 from rig.runtime.phases import Phase, Phases, Timings
@@ -110,7 +110,7 @@ class Loop(Generic[State, Reference, Command]):
         period: float,
         buses: Sequence[CyclicBus],
         devices: Sequence[Device],
-        mechanism: Mechanism[State, Reference, Command],
+        mechanism: Mechanism[Any, State, Reference, Command],
         controller: Controller[Reference, State, Command],
         states: StateMachine,
         max_missed: int = 5,
@@ -309,11 +309,17 @@ class Loop(Generic[State, Reference, Command]):
             sleep_until(start + tick * period)
 
 
-def _with_cause(error: Any, state: Any, mechanism: Any, devices: Any, now: float) -> Exception:
+def _with_cause(
+    error: Exception,
+    state: State,
+    mechanism: Mechanism[Any, State, Reference, Command],
+    devices: Sequence[Device],
+    now: float,
+) -> Exception:
     """Return the error with its cause as the mechanism knows it, or as the devices doubt."""
-    found: Exception = mechanism.explain(error, state) if hasattr(mechanism, "explain") else error
+    found = mechanism.explain(error, state)
     if found is error and isinstance(error, LimitExceeded):
-        doubts = [device.doubt(now) for device in devices if hasattr(device, "doubt")]
+        doubts = [device.doubt(now) for device in devices]
         suspicion = "; ".join(doubt for doubt in doubts if doubt)
         return error.suspecting(suspicion) if suspicion else error
     return found

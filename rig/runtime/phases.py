@@ -1,10 +1,10 @@
 """One run's way from energising over the approach and its motion to an orderly release."""
 
 from enum import IntEnum
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
-from controllers.base import Controller
 from rig.hal import SafetyError
+from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Mechanism, Reference, State
 from rig.hal.motion import Motion
 from rig.runtime.states import RigState, StateMachine
@@ -60,7 +60,7 @@ class Phases(Generic[State, Reference, Command]):
 
     def __init__(
         self,
-        mechanism: Mechanism[State, Reference, Command],
+        mechanism: Mechanism[Any, State, Reference, Command],
         controller: Controller[Reference, State, Command],
         states: StateMachine,
         motion: Motion[Reference],
@@ -80,7 +80,7 @@ class Phases(Generic[State, Reference, Command]):
         self._states = states
         self._period = period
         self._motion = motion
-        self._waits: bool = getattr(motion, "waits", False)
+        self._waits = motion.waits
         self._timings = timings
         self._controlling = False
         self._resting: Command | None = None

@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from rig.hal.columns import Column
+from rig.hal import Column, Mechanism
 
 
 class StopRecording:
@@ -34,7 +34,7 @@ class StopRecording:
 
     def __init__(
         self,
-        mechanism: Any,
+        mechanism: Mechanism[Any, Any, Any, Any],
         write: Callable[[int, float, tuple[float, ...]], None],
         truth: Callable[[], tuple[float, ...]],
         timing: tuple[Column, ...],
@@ -59,7 +59,7 @@ class StopRecording:
     @property
     def cycles(self) -> int:
         """How many cycles the stop takes; 0 if there is nothing to record."""
-        return math.ceil(getattr(self._mechanism, "stopping_time", 0.0) / self._period)
+        return math.ceil(self._mechanism.stopping_time / self._period)
 
     def __call__(self, now: float) -> None:
         """Record what is read now; never raises: the stop goes on whatever becomes of the log."""

@@ -17,7 +17,7 @@ from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
 from rig.hal.columns import Column
-from rig.hal.motion import Fact, Segment
+from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.arm.facts import INDICES, facts_of_plan
 from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
@@ -32,7 +32,7 @@ _TWIST = (
 _NOTHING_PLANNED = (0.0,) * 30
 
 
-class PlannedArmMotion:
+class PlannedArmMotion(Motion[ArmReference]):
     """A plan of a law as the loop follows it, with what is known of it beforehand."""
 
     waits = True
@@ -88,7 +88,7 @@ class PlannedArmMotion:
         return self._rows[min(max(number, 0), len(self._rows) - 1)]
 
 
-class Arm(ServoAxes):
+class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     """The loop's view of the arm.
 
     Parameters
@@ -140,7 +140,6 @@ class Arm(ServoAxes):
             period,
         )
         self.settings = settings
-        self.controller: Any = None
         self.motion: PlannedArmMotion | None = None
         self._arm = dimensions_of(geometry)
         self._followed = 0
@@ -152,13 +151,18 @@ class Arm(ServoAxes):
         return cls(settings, devices, period)
 
     @classmethod
+    def geometry_of(cls, settings: ArmSettings) -> ArmGeometry:
+        """Return the dimensions that the plant is made with."""
+        return settings.geometry
+
+    @classmethod
     def model_of(cls, settings: ArmSettings) -> ArmGeometry:
         """Return what the laws are told of the arm."""
         return settings.geometry
 
     @classmethod
     def plan(
-        cls, settings: ArmSettings, reference: Any, controller: Any, period: float
+        cls, settings: ArmSettings, reference: object, controller: Any, period: float
     ) -> PlannedArmMotion:
         """Have the law work out the whole motion; see `Mechanism.plan`."""
         if not isinstance(reference, get_args(ArmPathSettings)):
@@ -172,6 +176,10 @@ class Arm(ServoAxes):
         """Return the minimum-jerk way between two postures at `t`."""
         reference: ArmReference = cls.approach_joints(ArmReference, start, end, duration, t)
         return reference
+
+    def attach(self, controller: Any, motion: Motion[ArmReference]) -> None:
+        """Take the motion if it is one that a law has planned."""
+        self.motion = motion if isinstance(motion, PlannedArmMotion) else None
 
     def start_limiting(self, state: Any) -> None:
         """See `ServoAxes.start_limiting`."""

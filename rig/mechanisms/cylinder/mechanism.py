@@ -17,9 +17,10 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Margin, pick_device
+from rig.hal.mechanism import Margin, Mechanism, pick_device
 from rig.hal.motion import Motion
-from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.cylinder.references import PairMotion
+from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
 from rig.mechanisms.pneumatic.devices import check_pneumatics
 from rig.runtime.limits import VectorLimiter
 
@@ -40,7 +41,7 @@ class EstimatingController(Protocol):
         ...
 
 
-class AntagonisticPair:
+class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, PairCommand]):
     """The loop's view of one antagonistic pair.
 
     Parameters
@@ -165,8 +166,13 @@ class AntagonisticPair:
             period=period,
         )
 
-    @staticmethod
-    def wiring(settings: CylinderSettings) -> dict[str, str]:
+    @classmethod
+    def limits_of(cls, settings: CylinderSettings) -> CylinderLimits:
+        """Return the limits that `rig check` shows."""
+        return settings.limits
+
+    @classmethod
+    def wiring(cls, settings: CylinderSettings) -> dict[str, str]:
         """Return which channel of the plant each single-channel device measures."""
         return {
             settings.encoder_agonist: "agonist",
@@ -193,12 +199,12 @@ class AntagonisticPair:
 
     @classmethod
     def plan(
-        cls, settings: CylinderSettings, reference: Any, controller: Any, period: float
+        cls, settings: CylinderSettings, reference: object, controller: Any, period: float
     ) -> Motion[PairReference]:
         """Return the reference itself, if it stays within the permitted positions."""
-        motion: Motion[PairReference] = reference
-        if not isinstance(motion.at(0.0), PairReference):
+        if not isinstance(reference, PairMotion):
             raise ValueError("the reference is not one for a pair of cylinders")
+        motion = reference
         lower, upper = settings.limits.position
         for tick in range(int(motion.duration / period) + 1):
             t = tick * period
@@ -216,6 +222,10 @@ class AntagonisticPair:
     ) -> PairReference:
         """Return the minimum-jerk motion between two positions at `t`."""
         return PairReference(*minimum_jerk(start.position, end.position, duration, t))
+
+    def attach(self, controller: EstimatingController, motion: Motion[PairReference]) -> None:
+        """Take the controller whose estimate is logged."""
+        self.controller = controller
 
     def read(self, now: float) -> PairState:
         """Assemble the pair's state; see `Mechanism.read`."""
@@ -301,9 +311,7 @@ class AntagonisticPair:
 
     def released_command(self) -> PairCommand:
         """Return both chambers vented but for one that the profile has hold its pressure."""
-        if hasattr(self._regulators, "safe_pressure"):
-            return PairCommand(*self._regulators.safe_pressure())
-        return PairCommand(self._limits.pressure[0], self._limits.pressure[0])
+        return PairCommand(*self._regulators.safe_pressure())
 
     def blend(self, start: PairCommand, end: PairCommand, share: float) -> PairCommand:
         """Return the command `share` of the way from `start` to `end`."""

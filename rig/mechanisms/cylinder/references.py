@@ -12,12 +12,16 @@ from annotated_types import Ge, Gt, MinLen, Unit
 
 from controllers.cylinder.types import PairReference
 from controllers.minimum_jerk import minimum_jerk
-from rig.hal.motion import Segment
+from rig.hal.motion import Motion, Segment
 
 Length = Annotated[float, Unit("m")]
 Duration = Annotated[float, Unit("s"), Gt(0)]
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
+
+
+class PairMotion(Motion[PairReference]):
+    """What an experiment asks of a pair: references inherit it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +41,7 @@ class SineTone:
 
 
 @dataclass(frozen=True, slots=True)
-class Sine:
+class Sine(PairMotion):
     """A cosine about zero, one frequency after the other.
 
     It starts and ends at its crest, where the velocity is zero.
@@ -88,7 +92,7 @@ class Sine:
 
 
 @dataclass(frozen=True, slots=True)
-class Staircase:
+class Staircase(PairMotion):
     """Minimum-jerk moves between levels, with a dwell on each.
 
     Parameters
@@ -136,7 +140,7 @@ class Staircase:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class Step(PairMotion):
     """Sudden steps out and back, as a controller should never be asked to follow.
 
     Parameters
@@ -177,7 +181,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Ramp:
+class Ramp(PairMotion):
     """Slow constant-speed strokes to and fro, which show friction and stick-slip.
 
     Parameters

@@ -15,7 +15,7 @@ def check_camera(settings: JointSettings, camera: MarkerCamera) -> None:
     ConfigurationError
         The sphere that its rays end on is not the marker's.
     """
-    radius, height = getattr(camera, "sphere_radius", None), settings.geometry.marker_height
+    radius, height = camera.sphere_radius, settings.geometry.marker_height
     if radius is not None and abs(radius - height) > _SAME_SPHERE:
         raise ConfigurationError(
             f"{camera.name}: marker.sphere_radius is {radius * 1e3:.3f} mm, but joint.geometry."

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from controllers.spherical_joint.geometry import Quadruple
+from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.learning import LapLearning
 from controllers.spherical_joint.poses import natural_rotation
@@ -24,11 +24,12 @@ from rig.hal import (
     PressureRegulator,
     StaleReading,
 )
-from rig.hal.mechanism import Margin, pick_device
+from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint.motion import JointMotion, plan_motion
-from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
+from rig.mechanisms.joint.settings import JointLimits, JointSettings
 from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.devices import check_pneumatics
 from rig.runtime.limits import VectorLimiter
@@ -52,7 +53,7 @@ class PoseController(Protocol):
         ...
 
 
-class SphericalJoint:
+class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointCommand]):
     """The loop's view of the spherical joint.
 
     Parameters
@@ -97,7 +98,7 @@ class SphericalJoint:
             check_camera(settings, camera)
         self.settings = settings
         self.controller: PoseController | None = None
-        self.motion: JointMotion | None = None
+        self.motion: PosedMotion | None = None
         self._regulators = regulators
         self._encoders = encoders
         self._camera = camera
@@ -148,8 +149,18 @@ class SphericalJoint:
             period=period,
         )
 
-    @staticmethod
-    def wiring(settings: JointSettings) -> dict[str, str]:
+    @classmethod
+    def geometry_of(cls, settings: JointSettings) -> SphericalJointGeometry:
+        """Return the dimensions that the plant is made with."""
+        return settings.geometry
+
+    @classmethod
+    def limits_of(cls, settings: JointSettings) -> JointLimits:
+        """Return the limits that `rig check` shows."""
+        return settings.limits
+
+    @classmethod
+    def wiring(cls, settings: JointSettings) -> dict[str, str]:
         """Return which channel of the plant each single-channel device measures."""
         return dict(zip(settings.encoders, CHANNELS, strict=True))
 
@@ -179,7 +190,7 @@ class SphericalJoint:
 
     @classmethod
     def plan(
-        cls, settings: JointSettings, reference: Any, controller: Any, period: float
+        cls, settings: JointSettings, reference: object, controller: Any, period: float
     ) -> JointMotion:
         """Return the motion, if every pose of it is possible and permitted; see `plan_motion`."""
         return plan_motion(settings, reference, controller, period)
@@ -190,6 +201,11 @@ class SphericalJoint:
     ) -> JointReference:
         """Return the shortest minimum-jerk way between two poses at `t`."""
         return great_circle(start.axis, end.axis, duration, t)
+
+    def attach(self, controller: PoseController, motion: Motion[JointReference]) -> None:
+        """Take the controller whose estimate is logged, and the motion if its poses are known."""
+        self.controller = controller
+        self.motion = motion if isinstance(motion, PosedMotion) else None
 
     def read(self, now: float) -> JointState:
         """Assemble the joint's state; see `Mechanism.read`."""
@@ -230,7 +246,7 @@ class SphericalJoint:
         self._checked = True
 
     def explain(self, error: Exception, state: JointState) -> Exception:
-        """Return a fault with the cause that the rest of the rig shows; see `Explaining`."""
+        """Return a fault with the cause that the rest of the rig shows; see `Mechanism`."""
         return self._watch.explain(error, state)
 
     def resting_command(self, state: JointState) -> JointCommand:
@@ -254,9 +270,7 @@ class SphericalJoint:
 
     def released_command(self) -> JointCommand:
         """Return all chambers vented but for those that the profile has hold their pressure."""
-        if hasattr(self._regulators, "safe_pressure"):
-            return JointCommand(*self._regulators.safe_pressure())
-        return JointCommand(*(self._limits.pressure[0],) * 4)
+        return JointCommand(*self._regulators.safe_pressure())
 
     def blend(self, start: JointCommand, end: JointCommand, share: float) -> JointCommand:
         """Return the command `share` of the way from `start` to `end`."""

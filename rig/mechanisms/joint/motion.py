@@ -1,11 +1,11 @@
 """What an experiment asks of the spherical joint, as a motion that is possible and permitted."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from controllers.spherical_joint.feasibility import FeasibilityCheck, refuse
 from controllers.spherical_joint.types import JointReference, Lap
-from rig.hal.motion import Fact, Segment
+from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.joint.reach import JointReach, PoseFacts, bounds_of
 from rig.mechanisms.joint.settings import JointSettings
 
@@ -19,23 +19,59 @@ _TELL_EVERY = 5
 """Of these so many are told of in the log: what is told changes slowly."""
 
 
-class JointMotion:
+class Repetition(NamedTuple):
+    """A stretch that a motion repeats.
+
+    Parameters
+    ----------
+    start : float
+        When its first lap begins, s.
+    lap : float
+        How long a lap takes, s.
+    laps : int
+        How many there are.
+    """
+
+    start: float
+    lap: float
+    laps: int
+
+
+class JointDrawing(Motion[JointReference]):
+    """What an experiment asks of the joint: references inherit it."""
+
+    @property
+    def repetitions(self) -> Sequence[Repetition]:
+        """Laps that are alike, from which a controller may learn; default: none."""
+        return ()
+
+
+class PosedMotion(Motion[JointReference]):
+    """A motion of whose poses something is known beforehand."""
+
+    @property
+    def pose(self) -> tuple[float, float, float]:
+        """What is known of the pose that was asked for last, see `PoseFacts`."""
+        raise NotImplementedError
+
+
+class JointMotion(PosedMotion):
     """A motion whose references say where in a lap they are, with what is known of its poses.
 
     Parameters
     ----------
-    motion : object
+    motion : JointDrawing
         The settings of the experiment's reference.
     period : float
         The loop's period, s.
     """
 
-    def __init__(self, motion: Any, period: float) -> None:
+    def __init__(self, motion: JointDrawing, period: float) -> None:
         self._motion = motion
         self._period = period
         self._repetitions = [
             (start, laps, round(lap / period))
-            for start, lap, laps in getattr(motion, "repetitions", ())
+            for start, lap, laps in motion.repetitions
             if laps > 1
         ]
         self._poses: Sequence[PoseFacts] = ()
@@ -56,7 +92,7 @@ class JointMotion:
     def at(self, t: float) -> JointReference:
         """Return the reference at `t`, with its lap if it is in one."""
         self._place = int(t / (_PLAN_STEP * _TELL_EVERY))
-        reference: JointReference = self._motion.at(t)
+        reference = self._motion.at(t)
         for start, laps, ticks in self._repetitions:
             tick = round((t - start) / self._period)
             if 0 <= tick < laps * ticks:
@@ -95,7 +131,7 @@ class JointMotion:
 
 
 def plan_motion(
-    settings: JointSettings, reference: Any, controller: Any, period: float
+    settings: JointSettings, reference: object, controller: Any, period: float
 ) -> JointMotion:
     """Return the motion, if every pose of it is possible and permitted.
 
@@ -116,9 +152,9 @@ def plan_motion(
         A pose is out of reach of wires or rods, slackens a wire or unseats the ring; with the
         instant, the number and the pose.
     """
-    motion = JointMotion(reference, period)
-    if not isinstance(motion.at(0.0), JointReference):
+    if not isinstance(reference, JointDrawing):
         raise ValueError("the reference is not one for the spherical joint")
+    motion = JointMotion(reference, period)
     check = FeasibilityCheck(
         settings.geometry, bounds_of(settings), controller.settings.wire, controller.settings.pose
     )

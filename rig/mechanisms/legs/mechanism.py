@@ -1,17 +1,17 @@
 """Two walking legs on servo drives."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
 from rig.hal import Vector
 from rig.hal.columns import Column
-from rig.hal.motion import Segment
+from rig.hal.motion import Motion, Segment
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.settings import LegsSettings
@@ -22,7 +22,7 @@ _FINE = 1e-3
 grows as the steps get finer."""
 
 
-class PlannedGait:
+class PlannedGait(Motion[LegsReference]):
     """A plan of a law as the loop follows it, with what is known of it beforehand.
 
     Parameters
@@ -84,7 +84,7 @@ class PlannedGait:
         return tuple(self._rows[min(max(number, 0), len(self._rows) - 1)])
 
 
-class Legs(ServoAxes):
+class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     """The loop's view of two legs.
 
     Parameters
@@ -135,7 +135,6 @@ class Legs(ServoAxes):
             period,
         )
         self.settings = settings
-        self.controller: Any = None
         self.motion: PlannedGait | None = None
         self._followed = 0
         self._halt: Halt | None = None
@@ -146,26 +145,30 @@ class Legs(ServoAxes):
         return cls(settings, devices, period)
 
     @classmethod
+    def geometry_of(cls, settings: LegsSettings) -> LegGeometry:
+        """Return the dimensions that the plant is made with."""
+        return settings.geometry
+
+    @classmethod
     def model_of(cls, settings: LegsSettings) -> GaitModel:
         """Return what the laws are told of the legs."""
         return GaitModel(settings.geometry, settings.balance)
 
     @classmethod
     def plan(
-        cls, settings: LegsSettings, reference: Any, controller: Any, period: float
+        cls, settings: LegsSettings, reference: object, controller: Any, period: float
     ) -> PlannedGait:
         """Have the law work out the whole motion; see `Mechanism.plan`."""
-        if not hasattr(reference, "phases"):
+        if not isinstance(reference, GaitRequest):
             raise ValueError("the reference is not one for legs")
         law = type(controller)
         fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
         flat = None
-        if getattr(reference, "bob", None) is not None:
+        if reference.bob is not None:
             flat = law(controller.settings, controller.model, period).prepare(
-                replace(reference, bob=None)
+                reference.without_bob()
             )
-        distance = getattr(reference, "distance", 0.0)
-        return PlannedGait(controller.prepare(reference), fine, distance, flat)
+        return PlannedGait(controller.prepare(reference), fine, reference.distance, flat)
 
     @classmethod
     def approach(
@@ -173,6 +176,10 @@ class Legs(ServoAxes):
     ) -> LegsReference:
         """Return the minimum-jerk way between two postures at `t`."""
         return cls.approach_joints(LegsReference, start, end, duration, t)  # type: ignore[no-any-return]
+
+    def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
+        """Take the motion if it is one that a law has planned."""
+        self.motion = motion if isinstance(motion, PlannedGait) else None
 
     def start_limiting(self, state: Any) -> None:
         """See `ServoAxes.start_limiting`."""

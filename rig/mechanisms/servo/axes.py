@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
@@ -16,7 +16,7 @@ from rig.hal import (
     Vector,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Margin, pick_device
+from rig.hal.mechanism import Command, Margin, Mechanism, Reference, Settings, pick_device
 from rig.mechanisms.servo.settings import ServoLimits
 
 
@@ -48,6 +48,9 @@ class AxisState(Protocol):
     def velocities(self) -> Vector: ...  # noqa: D102 - rad/s
 
 
+State = TypeVar("State", bound=AxisState)
+
+
 class Kinds(NamedTuple):
     """The types that a mechanism's controllers speak.
 
@@ -66,7 +69,7 @@ class Kinds(NamedTuple):
     command: Callable[..., Any]
 
 
-class ServoAxes:
+class ServoAxes(Mechanism[Settings, State, Reference, Command]):
     """Reads, checks, limits and commands joints; a mechanism adds what they move.
 
     A stop in mid-motion slows the joints down under the limits' acceleration; a law's own motion
@@ -163,7 +166,7 @@ class ServoAxes:
             now, tuple([positions[k] for k in order]), tuple([velocities[k] for k in order])
         )
 
-    def check(self, state: AxisState, now: float) -> None:
+    def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         if self._emergency_stop is not None:
             pressed, t = self._emergency_stop.emergency_stop()
@@ -189,7 +192,7 @@ class ServoAxes:
                 f"distance of {name} from where it was sent", self._largest_error, 0.0, slack, "rad"
             )
 
-    def resting_command(self, state: AxisState) -> Any:
+    def resting_command(self, state: State) -> Any:
         """Return the command to stay; in mid-motion, to stop as soon as the limit permits."""
         if self._applied is None:
             return self._kinds.command(state.positions, self._still)
@@ -215,7 +218,7 @@ class ServoAxes:
         """
         return None
 
-    def energised_command(self, state: AxisState) -> Any:
+    def energised_command(self, state: State) -> Any:
         """Return the command to stay where the joints are."""
         return self._kinds.command(self._applied or state.positions, self._still)
 
@@ -232,7 +235,7 @@ class ServoAxes:
             self._still,
         )
 
-    def start_limiting(self, state: AxisState) -> None:
+    def start_limiting(self, state: State) -> None:
         """Take the measured positions for those that were sent."""
         self._applied = state.positions
         self._speeds = self._still
@@ -297,7 +300,7 @@ class ServoAxes:
             servo.command_positions(tuple([positions[k] for k in share]))
 
     def joint_row(
-        self, state: AxisState, reference: Any, command: Any, applied: Any
+        self, state: State, reference: Any, command: Any, applied: Any
     ) -> tuple[float, ...]:
         """Return this cycle's values for `joint_columns`."""
         return (
@@ -312,7 +315,7 @@ class ServoAxes:
             *applied.velocities,
         )
 
-    def reference_of(self, state: AxisState) -> Any:
+    def reference_of(self, state: State) -> Any:
         """Return the reference to stay where the joints are."""
         return self._kinds.reference(self._applied or state.positions, self._still, False)
 
@@ -331,7 +334,7 @@ class ServoAxes:
             False,
         )
 
-    def worst_margin(self, state: AxisState, applied: Any, now: float) -> Margin:
+    def worst_margin(self, state: State, applied: Any, now: float) -> Margin:
         """Return the quantity that is nearest to its limit."""
         joints = self.joints
         return min(

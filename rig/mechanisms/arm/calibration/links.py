@@ -26,7 +26,6 @@ class ArmLinks:
 
     name = "links"
     title = "link lengths and zeros of the joints, from a marker on the hand"
-    mechanisms = ("arm",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files and the mechanism's: what is fitted as one is used so."""

@@ -30,7 +30,6 @@ class ArmZeros:
 
     name = "zeros"
     title = "zeros and directions of the joints, from a marker on the hand"
-    mechanisms = ("arm",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files."""

@@ -107,7 +107,6 @@ class PairFriction:
 
     name = "friction"
     title = "friction of the pair: breakaway, Coulomb, viscous, Stribeck"
-    mechanisms = ("cylinder",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""

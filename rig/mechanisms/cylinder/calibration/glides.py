@@ -16,6 +16,7 @@ from annotated_types import Gt, Unit
 
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
+from rig.calibration.sequence import ScriptedMotion
 from rig.hal.motion import Segment
 
 _BROKEN: Final = 0.3e-3
@@ -127,7 +128,7 @@ class Glides:
         return self.slowest * t + faster * (1.0 - math.exp(-t / self.slowing))
 
 
-class Gliding:
+class Gliding(ScriptedMotion[PairReference]):
     """Does the glides; to the runtime it is the motion and its controller in one.
 
     Parameters
@@ -142,8 +143,7 @@ class Gliding:
 
     def __init__(self, settings: Glides, controller: Any, model: PairModel) -> None:
         self.settings = settings
-        self.duration = settings.duration
-        self.segments = settings.segments
+        super().__init__(settings.duration, settings.segments)
         self.estimate = controller.estimate
         self._controller = controller
         self._area = model.area

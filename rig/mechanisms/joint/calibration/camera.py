@@ -44,7 +44,6 @@ class Camera:
 
     name = "camera"
     title = "place, orientation and latency of the camera"
-    mechanisms = ("joint",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the camera's file, if there is a camera."""

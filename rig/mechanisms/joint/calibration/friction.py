@@ -75,7 +75,6 @@ class JointFriction:
 
     name = "friction"
     title = "friction of the pairs: Coulomb, viscous, breakaway"
-    mechanisms = ("joint",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""

@@ -34,7 +34,6 @@ class Geometry:
 
     name = "geometry"
     title = "dimensions of the joint, and its camera with them"
-    mechanisms = ("joint",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the joint's and the camera's file, if there is a camera."""

@@ -29,7 +29,6 @@ class Lens:
 
     name = "lens"
     title = "lens of the camera, from views of a chessboard"
-    mechanisms = ("joint",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the camera's file, if there is a camera."""

@@ -13,13 +13,14 @@ from annotated_types import Ge, Gt, Interval, Unit
 
 from controllers.spherical_joint.types import JointReference
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.motion import JointDrawing
 
 UPRIGHT = "upright"
 """Name of the stretch in which the ring stands upright."""
 
 
 @dataclass(frozen=True, slots=True)
-class Rosette:
+class Rosette(JointDrawing):
     """Swings through upright in a plane that turns, first on and then back.
 
     Parameters

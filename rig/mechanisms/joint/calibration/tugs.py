@@ -21,7 +21,9 @@ from annotated_types import Ge, Gt, Unit
 
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.types import JointCommand, JointReference, JointState
+from rig.calibration.sequence import ScriptedMotion
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.motion import PosedMotion
 from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
 
 _UPRIGHT: Final = (0.0, 0.0, 1.0)
@@ -147,7 +149,7 @@ class StrokesAndTugs:
         return (*self.strokes.segments, *rises)
 
 
-class Tugging:
+class Tugging(ScriptedMotion[JointReference], PosedMotion):
     """Does strokes and tugs; to the runtime it is the motion and its controller in one.
 
     Parameters
@@ -167,8 +169,7 @@ class Tugging:
     def __init__(
         self, settings: StrokesAndTugs, strokes: Any, controller: Any, base: float, calm: float
     ) -> None:
-        self.duration = settings.duration
-        self.segments = settings.segments
+        ScriptedMotion.__init__(self, settings.duration, settings.segments)
         self.estimate = controller.estimate
         self.learning = None  # what the joint's log keeps of laps
         self.settings = settings

@@ -10,27 +10,10 @@ from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointReference
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.motion import JointDrawing, Repetition
 
 ConeTilt = Annotated[float, Unit("rad"), Interval(gt=0.0, lt=math.pi / 2)]
 Duration = Annotated[float, Unit("s"), Gt(0)]
-
-
-class Repetition(NamedTuple):
-    """A stretch that a motion repeats.
-
-    Parameters
-    ----------
-    start : float
-        When its first lap begins, s.
-    lap : float
-        How long a lap takes, s.
-    laps : int
-        How many there are.
-    """
-
-    start: float
-    lap: float
-    laps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +71,7 @@ class _Stage(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class JointCircle:
+class JointCircle(JointDrawing):
     """The axis goes round on a cone, so that the marker draws a horizontal circle.
 
     It starts towards +X and turns towards +Y.

@@ -14,6 +14,7 @@ from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.poses import Vector, axis_from_tilt
 from controllers.spherical_joint.types import JointReference
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.motion import JointDrawing
 
 Tilt = Annotated[float, Unit("rad"), Interval(ge=0.0, lt=math.pi / 2)]
 Angle = Annotated[float, Unit("rad")]
@@ -44,7 +45,7 @@ class JointPose:
 
 
 @dataclass(frozen=True, slots=True)
-class JointPoses:
+class JointPoses(JointDrawing):
     """Minimum-jerk moves from pose to pose, with a dwell in each.
 
     Parameters

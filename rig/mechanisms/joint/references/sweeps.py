@@ -10,6 +10,7 @@ from controllers.minimum_jerk import minimum_jerk
 from controllers.spherical_joint.poses import Vector, axis_from_tilt
 from controllers.spherical_joint.types import JointReference
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.motion import JointDrawing
 
 Duration = Annotated[float, Unit("s"), Gt(0)]
 
@@ -17,7 +18,7 @@ _ZERO: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class JointSpiral:
+class JointSpiral(JointDrawing):
     """The axis winds outwards from upright to a tilt, round after round, and goes home again.
 
     Tilt and azimuth are the same minimum-jerk function of time, so that the rounds are equally far
@@ -78,7 +79,7 @@ class JointSpiral:
 
 
 @dataclass(frozen=True, slots=True)
-class JointStiffness:
+class JointStiffness(JointDrawing):
     """The joint is pushed about while its pressures are held, at one mean pressure after another.
 
     At each one control first brings the pose back and lets it rest. Then the four pressures are

@@ -44,7 +44,6 @@ class LegScale:
 
     name = "scale"
     title = "scale, direction and zero of the joints' encoders, in several poses of a jig"
-    mechanisms = ("legs",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files."""

@@ -41,7 +41,6 @@ class LegZeros:
 
     name = "zeros"
     title = "zeros of the joints, in a jig"
-    mechanisms = ("legs",)
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the servo devices' files."""

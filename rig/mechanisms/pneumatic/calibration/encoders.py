@@ -46,7 +46,6 @@ class Encoders:
 
     name = "encoders"
     title = "zero, direction and scale of the rods' encoders against a caliper"
-    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the encoders' files."""

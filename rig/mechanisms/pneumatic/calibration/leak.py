@@ -122,7 +122,6 @@ class Leak:
 
     name = "leak"
     title = "leak of the chambers, locked in for a while"
-    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""

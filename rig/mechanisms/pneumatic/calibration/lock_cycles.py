@@ -8,6 +8,7 @@ from annotated_types import Gt, Unit
 
 from controllers.cylinder.types import PairReference
 from controllers.minimum_jerk import minimum_jerk
+from rig.calibration.sequence import ScriptedMotion
 from rig.hal import ConfigurationError
 from rig.hal.motion import Segment
 
@@ -127,7 +128,7 @@ class LockCycles:
         return PairReference(0.0 if before is None else before.place * self.travel, 0.0, 0.0)
 
 
-class Locking:
+class Locking(ScriptedMotion[Any]):
     """Follows a motion between its cycles, and in them gives pressures and shuts the valves.
 
     To the runtime it is the motion and its controller in one; see `OpenLoop`.
@@ -161,8 +162,7 @@ class Locking:
         regulators: str,
     ) -> None:
         self.pressures = pressures
-        self.duration = cycles.duration
-        self.segments = cycles.segments
+        super().__init__(cycles.duration, cycles.segments)
         self.estimate = controller.estimate
         self.learning = None
         self._cycles = list(cycles.cycles())
@@ -189,14 +189,9 @@ class Locking:
             The regulators have none.
         """
         device = devices[self._regulators]
-        if not all(getattr(device, "lockable", (False,))):
+        if not all(device.lockable):
             raise ConfigurationError(f"{self._regulators}: not every chamber has a lock valve")
         self._lock = device.lock
-
-    @property
-    def pose(self) -> Any:
-        """What a joint's log keeps of a plan."""
-        return self._motion.pose
 
     def at(self, t: float) -> Any:
         """Take the time, and return the motion's reference."""

@@ -8,7 +8,10 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from annotated_types import Gt, MinLen, Unit
 
-from rig.hal.motion import Segment
+from controllers.spherical_joint.types import JointReference
+from rig.calibration.sequence import ScriptedMotion
+from rig.hal.motion import Motion, Segment
+from rig.mechanisms.joint.motion import JointDrawing
 
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
@@ -63,7 +66,7 @@ class PressureSteps:
         return tuple(times), tuple(pressures)
 
 
-class OpenLoop(Generic[Reference, Command]):
+class OpenLoop(ScriptedMotion[Reference], Generic[Reference, Command]):
     """Gives pressures by the clock; to the runtime it is the motion and its controller in one.
 
     The runtime asks the motion for each instant right before it updates the controller, so the
@@ -97,12 +100,10 @@ class OpenLoop(Generic[Reference, Command]):
     ) -> None:
         self.times = tuple(times)
         self.pressures = tuple(tuple(row) for row in pressures)
-        self.segments = tuple(segments)
-        self.duration = self.times[-1]
+        super().__init__(self.times[-1], segments)
         self.estimate = estimate
-        # What the joint's log keeps of a plan and of learning; there is neither.
+        # What the joint's log keeps of learning; there is none.
         self.learning = None
-        self.pose = (0.0, 0.0, 0.0)
         self._rest = rest
         self._command = command
         self._t = 0.0
@@ -134,7 +135,7 @@ class OpenLoop(Generic[Reference, Command]):
 
 
 @dataclass(frozen=True, slots=True)
-class Strokes:
+class Strokes(Motion[Any]):
     """Constant-speed strokes to and fro, each with a name of its own.
 
     Parameters
@@ -175,7 +176,7 @@ class Strokes:
         return self._ramp.at(t)
 
 
-class Leaning:
+class Leaning(ScriptedMotion[JointReference], JointDrawing):
     """A motion of a pair as one of the joint's ring: upright and to and fro along one azimuth.
 
     Parameters
@@ -197,13 +198,10 @@ class Leaning:
         self._bases = tuple(bases)
         self._across = (math.cos(azimuth), math.sin(azimuth))
         self._share = 1.0 / radius
-        self.duration = float(motion.duration)
-        self.segments: tuple[Segment, ...] = tuple(motion.segments)
+        ScriptedMotion.__init__(self, motion.duration, motion.segments)
 
     def at(self, t: float) -> Any:
         """Return the desired motion at `t`."""
-        from controllers.spherical_joint.types import JointReference
-
         along, (x, y) = self._motion.at(t), self._across
         tilt, rate = self._share * along.position, self._share * along.velocity
         rise, square = self._share * along.acceleration, rate * rate

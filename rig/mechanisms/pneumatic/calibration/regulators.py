@@ -43,7 +43,6 @@ class Regulators:
 
     name = "regulators"
     title = "set-point and monitor of the regulators against a gauge"
-    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the module's file."""

@@ -46,7 +46,6 @@ class Response:
 
     name = "response"
     title = "step response and dead time of the regulators"
-    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file: its controllers are told of the response."""

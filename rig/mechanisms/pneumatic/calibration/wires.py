@@ -51,7 +51,6 @@ class Wires:
 
     name = "wires"
     title = "wire offset, stiffness and pretension"
-    mechanisms = ("cylinder", "joint")
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the mechanism's file."""

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from annotated_types import Gt, MinLen, Unit
 
 from controllers.minimum_jerk import minimum_jerk
+from rig.calibration.sequence import ScriptedMotion
 from rig.hal import LimitExceeded
 from rig.hal.motion import Segment
 
@@ -48,7 +49,7 @@ class Postures:
     relative: bool = False
 
 
-class PostureMoves:
+class PostureMoves(ScriptedMotion[Any]):
     """Goes through postures by minimum-jerk moves, each as fast as its slowest joint may.
 
     Parameters
@@ -103,9 +104,8 @@ class PostureMoves:
             if name:
                 segments.append(Segment(name, t - settings.judged, t))
             here = there
-        self.segments = tuple(segments)
         # The loop stops at its duration: the last segment is to be there as a whole.
-        self.duration = t + 0.1
+        super().__init__(t + 0.1, segments)
 
     def at(self, t: float) -> Any:
         """Return where the joints should be at `t`."""

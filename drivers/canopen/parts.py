@@ -1,0 +1,12 @@
+"""Everything that a bus with CANopen devices offers to the program."""
+
+from rig.hal.parts import ProtocolParts
+
+PROTOCOL = ProtocolParts(
+    settings="drivers.canopen.settings:CanBusSettings",
+    bus="drivers.canopen.bus:CanopenBus",
+    open="drivers.can:open_bus",
+    load="drivers.canopen.load:check_bus_load",
+    decoder="drivers.canopen.decoder:make_decoder",
+    discovery="drivers.canopen.discovery:survey_canopen",
+)

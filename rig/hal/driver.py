@@ -1,0 +1,95 @@
+"""What the program asks of the settings of any driver and any bus; every answer has a default."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+
+class Address(NamedTuple):
+    """A node that a profile says is on a bus.
+
+    Parameters
+    ----------
+    name : str
+        The device, or device and axis, ``"servos.q1"``.
+    number : int
+        Its node number, axis number or id.
+    profile, vendor, product, serial : int or None
+        What it must say of itself; None: anything. `profile` is the CiA device profile.
+    """
+
+    name: str
+    number: int
+    profile: int | None = None
+    vendor: int | None = None
+    product: int | None = None
+    serial: int | None = None
+
+
+class DeviceFile(Protocol):
+    """What a device's own description file (``eds:``) knows of it."""
+
+    def values(self, plain: object) -> Mapping[tuple[str, ...], object]:
+        """Return the settings that the file knows and the profile does not say, by their keys."""
+        ...
+
+    def findings(
+        self, device: str, settings: "DriverSettings"
+    ) -> Iterable[tuple[tuple[str, ...], str]]:
+        """Yield what the device cannot do of what the settings want, with the keys that want it."""
+        ...
+
+
+class DriverSettings:
+    """Base of the settings of a driver."""
+
+    __slots__ = ()
+
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the device's channels or axes as the plant calls them; empty if it has no names.
+
+        A device without names measures the one channel that `Mechanism.wiring` gives it.
+        """
+        return ()
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return the nodes that should answer on the bus.
+
+        Parameters
+        ----------
+        device : str
+            The device's name in the profile.
+        serial : int or None
+            The serial number that the profile wants of it.
+        """
+        return ()
+
+    @classmethod
+    def read_description(cls, path: Path) -> DeviceFile | None:
+        """Read the file that the device's key ``eds`` names; None: the driver reads none.
+
+        Raises
+        ------
+        ConfigurationError
+            The file is missing or broken.
+        """
+        return None
+
+
+class Endpoint(NamedTuple):
+    """What a bus runs on, for people: ``socketcan``, ``can0`` and bit/s."""
+
+    interface: str
+    channel: str
+    bitrate: int
+
+
+class BusSettings(Protocol):
+    """The settings of a bus, whatever is spoken on it."""
+
+    max_load: float
+    """Share of its time that a rig may take."""
+
+    def endpoint(self) -> Endpoint:
+        """Return what it runs on."""
+        ...

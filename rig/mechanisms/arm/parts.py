@@ -1,0 +1,35 @@
+"""Everything that the U-R-S arm offers to the program."""
+
+from rig.hal.parts import MechanismParts, PlantModel
+
+_LAWS = "controllers.arm"
+_HERE = "rig.mechanisms.arm"
+
+PARTS = MechanismParts(
+    mechanism="arm",
+    settings=f"{_HERE}.settings:ArmSettings",
+    view=f"{_HERE}.mechanism:Arm",
+    controllers={
+        "inverse": f"{_LAWS}.plain:Inverse",
+        "dls": f"{_LAWS}.plain:DampedLeastSquares",
+        "servo-halt": f"{_LAWS}.plain:ServoHalt",
+        "esc-paper": f"{_LAWS}.esc:EscPaper",
+        "esc": f"{_LAWS}.esc:Esc",
+        "look-ahead": f"{_LAWS}.look_ahead:LookAhead",
+    },
+    references={
+        "arm-turnback": f"{_LAWS}.paths:TurnBack",
+        "arm-dwell": f"{_LAWS}.paths:DwellLine",
+        "arm-circle": f"{_LAWS}.paths:Circle",
+        "arm-line": f"{_LAWS}.paths:Line",
+    },
+    plants={
+        "arm": PlantModel(
+            "drivers.sim.plants.arm_settings:ArmPlantSettings", "drivers.sim.plants.arm:ArmPlant"
+        )
+    },
+    measures=(f"{_HERE}.measures:ARM_MEASURES",),
+    figures=(f"{_HERE}.figures:ARM_FIGURES",),
+    comparisons=(f"{_HERE}.comparison:ARM_COMPARISON",),
+    procedures=(f"{_HERE}.calibration.zeros:ArmZeros", f"{_HERE}.calibration.links:ArmLinks"),
+)

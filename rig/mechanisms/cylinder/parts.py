@@ -1,0 +1,42 @@
+"""Everything that one antagonistic pair offers to the program."""
+
+from rig.hal.parts import MechanismParts, PlantModel
+
+_LAWS = "controllers.cylinder"
+_HERE = "rig.mechanisms.cylinder"
+_SHARED = "rig.mechanisms.pneumatic.calibration"
+
+PARTS = MechanismParts(
+    mechanism="cylinder",
+    settings=f"{_HERE}.settings:CylinderSettings",
+    view=f"{_HERE}.mechanism:AntagonisticPair",
+    controllers={
+        "pid": f"{_LAWS}.pid:Pid",
+        "pid-friction": f"{_LAWS}.pid_friction:PidFriction",
+        "cascade": f"{_LAWS}.cascade:Cascade",
+        "super-twisting": f"{_LAWS}.super_twisting:SuperTwisting",
+    },
+    references={
+        "sine": f"{_HERE}.references:Sine",
+        "staircase": f"{_HERE}.references:Staircase",
+        "step": f"{_HERE}.references:Step",
+        "ramp": f"{_HERE}.references:Ramp",
+    },
+    plants={
+        "antagonistic-pair": PlantModel(
+            "drivers.sim.plants.settings:PlantSettings",
+            "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
+        )
+    },
+    measures=(f"{_HERE}.measures:PAIR_MEASURES",),
+    figures=(f"{_HERE}.figures:PAIR_FIGURES",),
+    comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
+    procedures=(
+        f"{_SHARED}.regulators:Regulators",
+        f"{_SHARED}.encoders:Encoders",
+        f"{_SHARED}.wires:Wires",
+        f"{_SHARED}.response:Response",
+        f"{_HERE}.calibration.friction:PairFriction",
+        f"{_SHARED}.leak:Leak",
+    ),
+)

@@ -1,0 +1,56 @@
+"""Everything that the spherical joint offers to the program."""
+
+from rig.hal.parts import MechanismParts, PlantModel
+
+_LAWS = "controllers.spherical_joint.laws"
+_HERE = "rig.mechanisms.joint"
+_SHARED = "rig.mechanisms.pneumatic.calibration"
+_PLANTS = "drivers.sim.plants"
+
+PARTS = MechanismParts(
+    mechanism="joint",
+    settings=f"{_HERE}.settings:JointSettings",
+    view=f"{_HERE}.mechanism:SphericalJoint",
+    controllers={
+        "pid": f"{_LAWS}:JointPid",
+        "pid-friction": f"{_LAWS}:JointPidFriction",
+        "cascade": f"{_LAWS}:JointCascade",
+        "super-twisting": f"{_LAWS}:JointSuperTwisting",
+    },
+    references={
+        "joint-circle": f"{_HERE}.references.circle:JointCircle",
+        "joint-poses": f"{_HERE}.references.poses:JointPoses",
+        "joint-spiral": f"{_HERE}.references.sweeps:JointSpiral",
+        "joint-stiffness": f"{_HERE}.references.sweeps:JointStiffness",
+    },
+    plants={
+        "spherical-joint": PlantModel(
+            f"{_PLANTS}.spherical_joint_settings:SphericalJointPlantSettings",
+            f"{_PLANTS}.spherical_joint:SphericalJointPlant",
+        )
+    },
+    measures=(
+        f"{_HERE}.measures.tracking:JOINT_MEASURES",
+        f"{_HERE}.measures.camera:CAMERA_MEASURES",
+        f"{_HERE}.measures.laps:LAP_MEASURES",
+        f"{_HERE}.measures.stiffness:STIFFNESS_MEASURES",
+    ),
+    figures=(
+        f"{_HERE}.figures.tracking:JOINT_FIGURES",
+        f"{_HERE}.figures.camera:CAMERA_FIGURES",
+        f"{_HERE}.figures.health:HEALTH_FIGURES",
+        f"{_HERE}.figures.maps:MAP_FIGURES",
+    ),
+    comparisons=(f"{_HERE}.comparison:JOINT_COMPARISON",),
+    procedures=(
+        f"{_SHARED}.regulators:Regulators",
+        f"{_SHARED}.encoders:Encoders",
+        f"{_SHARED}.wires:Wires",
+        f"{_SHARED}.response:Response",
+        f"{_HERE}.calibration.friction:JointFriction",
+        f"{_SHARED}.leak:Leak",
+        f"{_HERE}.calibration.lens:Lens",
+        f"{_HERE}.calibration.camera:Camera",
+        f"{_HERE}.calibration.geometry:Geometry",
+    ),
+)

@@ -1,0 +1,35 @@
+"""Everything that the walking legs offer to the program."""
+
+from rig.hal.parts import MechanismParts, PlantModel
+
+_LAWS = "controllers.gait"
+_HERE = "rig.mechanisms.legs"
+
+PARTS = MechanismParts(
+    mechanism="legs",
+    settings=f"{_HERE}.settings:LegsSettings",
+    view=f"{_HERE}.mechanism:Legs",
+    controllers={
+        "inverse": f"{_LAWS}.laws:InverseLaw",
+        "sc": f"{_LAWS}.laws:LimitedNormLaw",
+        "sc-trapezoid": f"{_LAWS}.laws:TrapezoidNormLaw",
+        "min-jerk": f"{_LAWS}.laws:MinimumJerkLaw",
+        "clamp": f"{_LAWS}.rivals:ClampedLaw",
+        "dls": f"{_LAWS}.rivals:DampedLaw",
+        "mink": f"{_LAWS}.mink_rival:MinkLaw",
+    },
+    references={
+        "legs-walk": f"{_LAWS}.motions:WalkSettings",
+        "legs-squat": f"{_LAWS}.motions:SquatSettings",
+    },
+    plants={
+        "legs": PlantModel(
+            "drivers.sim.plants.legs_settings:LegsPlantSettings",
+            "drivers.sim.plants.legs:LegsPlant",
+        )
+    },
+    measures=(f"{_HERE}.measures:LEGS_MEASURES",),
+    figures=(f"{_HERE}.figures.gait:LEGS_FIGURES",),
+    comparisons=(f"{_HERE}.comparison:LEGS_COMPARISON",),
+    procedures=(f"{_HERE}.calibration.zeros:LegZeros", f"{_HERE}.calibration.scale:LegScale"),
+)
