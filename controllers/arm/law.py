@@ -99,6 +99,9 @@ class ArmLaw:
         self._motion = None
         return plan
 
+    def compile(self) -> None:
+        """Do nothing: there is nothing to compile."""
+
     def reset(self, state: ArmState) -> None:
         """Go back to the beginning of the path."""
         del state  # the motion starts where the path does; the approach leads there

@@ -101,6 +101,9 @@ class PidFriction:
         self.correction = 0.0
         """Force of the last update that came from errors and not from the reference, N."""
 
+    def compile(self) -> None:
+        """Do nothing: there is nothing to compile."""
+
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
         self._integral = self._range.clip(state.agonist - state.antagonist)

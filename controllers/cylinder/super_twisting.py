@@ -106,6 +106,9 @@ class SuperTwisting:
         self.correction = 0.0
         """Force of the last update that came from errors and not from the reference, N."""
 
+    def compile(self) -> None:
+        """Do nothing: there is nothing to compile."""
+
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
         differential = self._range.clip(state.agonist - state.antagonist)

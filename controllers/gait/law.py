@@ -143,6 +143,9 @@ class GaitLaw(ABC, Generic[Chosen]):
         self._restart()
         return plan
 
+    def compile(self) -> None:
+        """Do nothing: there is nothing to compile."""
+
     def reset(self, state: LegsState) -> None:
         """Go back to the start of the prepared motion."""
         if self._schedule:

@@ -72,6 +72,9 @@ class PairLaw(Protocol):
     estimate: PairEstimate
     correction: float
 
+    def compile(self) -> None:
+        """Do nothing: what it works out is compiled when it is made."""
+
     def reset(self, state: PairState) -> None:
         """Start bumplessly from a measured state."""
         ...

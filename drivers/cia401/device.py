@@ -23,7 +23,14 @@ from drivers.cia401.codec import (
 )
 from drivers.cia401.settings import Cia401Settings
 from drivers.cia401.stuck import StuckWatch
-from rig.hal import DeviceFault, LimitExceeded, Reading, Vector
+from rig.hal import (
+    DeviceFault,
+    EmergencyStopInput,
+    LimitExceeded,
+    PressureRegulator,
+    Reading,
+    Vector,
+)
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -35,7 +42,7 @@ _BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wi
 _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
 
 
-class Cia401Regulators:
+class Cia401Regulators(PressureRegulator, EmergencyStopInput):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
     Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`; with lock valves

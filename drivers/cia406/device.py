@@ -14,7 +14,7 @@ from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
 from drivers.cia406.settings import Cia406Settings
-from rig.hal import ConnectionFailed, DeviceFault, Reading, Vector
+from rig.hal import ConnectionFailed, DeviceFault, LinearEncoder, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -62,7 +62,7 @@ def describe_alarms(alarms: int) -> str:
     return ", ".join(_ALARMS.get(bit, f"bit {bit}") for bit in range(16) if alarms >> bit & 1)
 
 
-class Cia406Encoder:
+class Cia406Encoder(LinearEncoder):
     """One linear encoder; satisfies `rig.hal.LinearEncoder` with one channel.
 
     Parameters

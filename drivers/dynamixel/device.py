@@ -23,13 +23,13 @@ from drivers.dynamixel.scaling import AxisScale, encode_position, encode_velocit
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.axis_guard import AxisGuard
 from drivers.servos.velocity_reference import VelocityReference
-from rig.hal import Reading, Vector
+from rig.hal import Reading, ServoBus, Vector
 
 _ATTEMPTS: Final = 3
 _NEVER: Final = -inf
 
 
-class DynamixelServos:
+class DynamixelServos(ServoBus):
     """Joints on Dynamixel servos; satisfies `rig.hal.ServoBus`.
 
     In the position modes a velocity is integrated to positions here. In velocity mode a

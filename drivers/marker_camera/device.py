@@ -12,6 +12,7 @@ from rig.hal import (
     ConnectionFailed,
     DeviceError,
     DeviceFault,
+    MarkerCamera,
     Markers,
     Reading,
     StaleReading,
@@ -31,7 +32,7 @@ class Reason(NamedTuple):
     bound: str
 
 
-class MarkerCameraDriver:
+class MarkerCameraDriver(MarkerCamera):
     """A camera that watches a marker; satisfies `rig.hal.MarkerCamera`.
 
     Parameters

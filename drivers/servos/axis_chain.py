@@ -7,7 +7,7 @@ from drivers.servos.axis_guard import AxisGuard
 from drivers.servos.axis_settings import AxisSettings
 from drivers.servos.following_error import FollowingWatch
 from drivers.servos.velocity_reference import VelocityReference
-from rig.hal import DeviceFault, Reading, Vector
+from rig.hal import DeviceFault, Reading, ServoBus, Vector
 
 
 class AxisDrive(Protocol):
@@ -77,7 +77,7 @@ class AxisDrive(Protocol):
 Drive = TypeVar("Drive", bound=AxisDrive)
 
 
-class ServoChain(Generic[Drive]):
+class ServoChain(ServoBus, Generic[Drive]):
     """The part of a servo driver that is the same for all drives.
 
     Drives are enabled in the cycles after arming. Until all of them are, and `is_enabled` says

@@ -65,6 +65,9 @@ class PressureRegulator(Device, Protocol):
     channels: tuple[str, ...]
     pressure_range: tuple[float, float]
 
+    lockable: tuple[bool, ...] = ()
+    """Which of the channels have a valve between regulator and chamber; empty: none has."""
+
     def pressure(self) -> Reading[Vector]:
         """Return the monitored pressures, Pa gauge, shape (n,)."""
         ...
@@ -76,11 +79,6 @@ class PressureRegulator(Device, Protocol):
     def safe_pressure(self) -> Vector:
         """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
         ...
-
-    @property
-    def lockable(self) -> tuple[bool, ...]:
-        """Which of the channels have a valve between regulator and chamber; default: none."""
-        return (False,) * len(self.channels)
 
     def lock(self, shut: tuple[bool, ...]) -> None:
         """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.
@@ -134,8 +132,10 @@ class Markers(NamedTuple):
 class MarkerCamera(Device, Protocol):
     """A camera with its marker detector."""
 
-    sphere_radius: float | None = None
-    """Radius of the sphere on which the marker moves as the camera believes, m; None: none."""
+    @property
+    def sphere_radius(self) -> float | None:
+        """Radius of the sphere on which the camera believes the marker, m; None: on none."""
+        return None
 
     def markers(self) -> Reading[Markers]:
         """Return the newest markers; `t` is the middle of the exposure."""

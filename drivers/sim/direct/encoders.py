@@ -4,7 +4,7 @@ from math import inf
 from typing import Protocol
 
 from drivers.sim.direct.regulators import SimulatedDevice
-from rig.hal import Clock, DeviceFault, Reading, Vector
+from rig.hal import Clock, DeviceFault, LinearEncoder, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -21,7 +21,7 @@ class RodPort(Protocol):
         ...
 
 
-class SimulatedEncoder(SimulatedDevice):
+class SimulatedEncoder(SimulatedDevice, LinearEncoder):
     """A linear encoder on one rod of a plant.
 
     Faults: ``silent`` and ``frozen`` (value: s), ``jump`` (value: m, default 5 mm), ``alarm``,

@@ -9,7 +9,15 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Protocol
 
-from rig.hal import Clock, DeviceFault, Reading, Vector
+from rig.hal import (
+    Clock,
+    Device,
+    DeviceFault,
+    EmergencyStopInput,
+    PressureRegulator,
+    Reading,
+    Vector,
+)
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -34,7 +42,7 @@ class RegulatorPort(Protocol):
         ...
 
 
-class SimulatedDevice:
+class SimulatedDevice(Device):
     """What the devices share: faults by name, and silence."""
 
     def __init__(self, name: str, clock: Clock) -> None:
@@ -84,7 +92,7 @@ class SimulatedDevice:
         self._silent_until = 0.0
 
 
-class SimulatedRegulators(SimulatedDevice):
+class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput):
     """Regulators, e-stop contact and supply valve of a plant.
 
     Faults: ``silent`` (value: s), ``wire_break`` and ``output_stuck`` (value: channel),

@@ -13,7 +13,7 @@ from drivers.servos.axis_settings import AxisSettings
 from drivers.servos.following_error import FollowingWatch
 from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.servo_port import ServoPort
-from rig.hal import Clock, DeviceFault, Reading, Vector
+from rig.hal import Clock, DeviceFault, Reading, ServoBus, Vector
 
 
 class SimulatedAxis:
@@ -176,7 +176,7 @@ class SimulatedAxis:
             self._plant.command_joint(self._channel, position, velocity, True)
 
 
-class SimulatedServos:
+class SimulatedServos(ServoBus):
     """Joints of a plant; satisfies `rig.hal.ServoBus`.
 
     Faults are those of `SimulatedAxis`, of one joint (``q3.stuck``) or of all (``stuck``).

@@ -189,7 +189,7 @@ class Locking(ScriptedMotion[Any]):
             The regulators have none.
         """
         device = devices[self._regulators]
-        if not all(device.lockable):
+        if not device.lockable or not all(device.lockable):
             raise ConfigurationError(f"{self._regulators}: not every chamber has a lock valve")
         self._lock = device.lock
 
