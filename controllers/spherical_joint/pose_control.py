@@ -72,9 +72,6 @@ class PairLaw(Protocol):
     estimate: PairEstimate
     correction: float
 
-    def compile(self) -> None:
-        """Do nothing: what it works out is compiled when it is made."""
-
     def reset(self, state: PairState) -> None:
         """Start bumplessly from a measured state."""
         ...
@@ -248,6 +245,9 @@ class PoseController:
         """Marker, residual, wanted rods and tensions."""
         self.marker = MarkerEstimate(_ZERO, _ZERO, _ZERO, _ZERO, 0.0, math.inf, ())
         """The estimate of the marker with its bias and its alarms."""
+
+    def compile(self) -> None:
+        """Do nothing: what it works out is compiled when it is made."""
 
     def reset(self, state: JointState) -> None:
         """Start bumplessly: the first command is what was measured."""

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rig.hal import DeviceFault, LoopStalled
+from rig.hal import Device, DeviceFault, LoopStalled, Mechanism, Motion
 from rig.hal.mechanism import Margin
 from rig.runtime.loop import SAFE_CYCLES, Loop
 from rig.runtime.phases import Phase, Timings
@@ -47,7 +47,7 @@ class FakeBus:
         return note
 
 
-class FakeDevice:
+class FakeDevice(Device):
     """Faults when told to; counts how often it was made safe."""
 
     def __init__(self):
@@ -63,7 +63,7 @@ class FakeDevice:
         self.safe += 1
 
 
-class FakeMechanism:
+class FakeMechanism(Mechanism):
     """One scalar that is commanded and read back."""
 
     columns = ()
@@ -133,7 +133,7 @@ class FakeController:
         return reference
 
 
-class FakeMotion:
+class FakeMotion(Motion):
     duration = 0.1
     segments = ()
 
