@@ -8,7 +8,6 @@ from controllers.cylinder.types import PairCommand, PairModel, PairReference, Pa
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     Device,
-    EmergencyStop,
     EmergencyStopInput,
     LimitExceeded,
     LinearEncoder,
@@ -22,6 +21,7 @@ from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
 from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -108,7 +108,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._regulators = regulators
         self._encoder_agonist = encoder_agonist
         self._encoder_antagonist = encoder_antagonist
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         limits = settings.limits
         self._limits = limits
         # What every cycle looks at, at hand.
@@ -246,12 +246,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
 
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self._oldest_reading:
-                raise StaleReading("emergency stop", now - t, self._oldest_reading)
+        self._stop_contact.check(now)
         _, position, p_agonist, p_antagonist = state
         if not math.isfinite(position + p_agonist + p_antagonist):
             raise SafetyError(f"a reading is not a number: {state}")

@@ -17,7 +17,6 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from rig.hal import (
-    EmergencyStop,
     EmergencyStopInput,
     LinearEncoder,
     MarkerCamera,
@@ -32,6 +31,7 @@ from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
 from rig.mechanisms.joint.settings import JointLimits, JointSettings
 from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -102,7 +102,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         self._regulators = regulators
         self._encoders = encoders
         self._camera = camera
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         self._limits = limits = settings.limits
         self._limiter = VectorLimiter(
             "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
@@ -236,12 +236,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
 
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self._limits.reading_age:
-                raise StaleReading("emergency stop", now - t, self._limits.reading_age)
+        self._stop_contact.check(now)
         self._watch.check(state, now)
         self._checked = True
 

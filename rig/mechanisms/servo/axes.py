@@ -7,7 +7,6 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     ConfigurationError,
-    EmergencyStop,
     EmergencyStopInput,
     LimitExceeded,
     SafetyError,
@@ -18,6 +17,7 @@ from rig.hal import (
 from rig.hal.columns import Column
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, Settings, pick_device
 from rig.mechanisms.servo.settings import ServoLimits
+from rig.mechanisms.stop_contact import StopContact
 
 
 class AxisLimits(NamedTuple):
@@ -108,7 +108,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self.joints = joints
         self.limits = limits
         self._servos = tuple(servos)
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, limits.reading_age)
         self._kinds = kinds
         self._period = period
         self._order, self._shares = _wire(joints.names, self._servos)
@@ -168,12 +168,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
 
     def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self.limits.reading_age:
-                raise StaleReading("emergency stop", now - t, self.limits.reading_age)
+        self._stop_contact.check(now)
         if not math.isfinite(sum(state.positions)):
             raise SafetyError(f"a reading is not a number: {state.positions}")
         joints, slack = self.joints, self.limits.following
