@@ -33,7 +33,7 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.plant import Plant
 from rig.hal.reading import Reading
@@ -53,6 +53,7 @@ __all__ = [
     "DeviceError",
     "DeviceFault",
     "DeviceFile",
+    "DevicePicker",
     "DriverSettings",
     "EmergencyStop",
     "EmergencyStopInput",

@@ -16,6 +16,7 @@ from controllers.arm.kinematics import (
 from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.arm.facts import INDICES, facts_of_plan
@@ -128,7 +129,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         *(Column(f"plan.path_{axis}", "m", "nearest place of the path") for axis in "xyz"),
     )
 
-    def __init__(self, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> None:
+    def __init__(self, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> None:
         geometry = settings.geometry
         super().__init__(
             AxisLimits(
@@ -146,7 +147,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         self.stopping_time = max(geometry.rate_limits) / settings.limits.acceleration + SETTLING
 
     @classmethod
-    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> "Arm":
+    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> "Arm":
         """Pick the devices that the settings name."""
         return cls(settings, devices, period)
 
@@ -174,14 +175,13 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         cls, start: ArmReference, end: ArmReference, duration: float, t: float
     ) -> ArmReference:
         """Return the minimum-jerk way between two postures at `t`."""
-        reference: ArmReference = cls.approach_joints(ArmReference, start, end, duration, t)
-        return reference
+        return cls.approach_joints(ArmReference, start, end, duration, t)
 
     def attach(self, controller: Any, motion: Motion[ArmReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedArmMotion) else None
 
-    def start_limiting(self, state: Any) -> None:
+    def start_limiting(self, state: ArmState) -> None:
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0

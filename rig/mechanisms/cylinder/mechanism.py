@@ -16,7 +16,7 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
@@ -130,7 +130,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
 
     @classmethod
     def assemble(
-        cls, settings: CylinderSettings, devices: Mapping[str, Any], period: float
+        cls, settings: CylinderSettings, devices: Mapping[str, Device], period: float
     ) -> "AntagonisticPair":
         """Pick the devices that the settings name.
 
@@ -148,11 +148,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         ConfigurationError
             A device is not there, or cannot do what its role asks for.
         """
-
-        def pick(role: str, name: str, kind: type[Any]) -> Any:
-            return pick_device(f"cylinder.{role}", name, kind, devices)
-
-        stop = settings.emergency_stop
+        pick = DevicePicker("cylinder", devices)
         return cls(
             settings,
             regulators=pick("regulators", settings.regulators, PressureRegulator),
@@ -160,9 +156,9 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
             encoder_antagonist=pick(
                 "encoder_antagonist", settings.encoder_antagonist, LinearEncoder
             ),
-            emergency_stop=None
-            if stop is None
-            else pick("emergency_stop", stop, EmergencyStopInput),
+            emergency_stop=pick.if_named(
+                "emergency_stop", settings.emergency_stop, EmergencyStopInput
+            ),
             period=period,
         )
 

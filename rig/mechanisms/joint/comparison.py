@@ -55,7 +55,7 @@ def draw_joints(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     return figure
 
 
-def _draw_errors(axes: Any, runs: Sequence[RunData]) -> None:
+def _draw_errors(axes: "Axes", runs: Sequence[RunData]) -> None:
     """Draw what each run left of its errors, on a logarithmic scale, with the bounds."""
     metrics = _errors(runs[0])
     values = np.column_stack([metric_values(runs, metric["name"]) * 1e3 for metric in metrics])

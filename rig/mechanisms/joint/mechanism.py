@@ -17,13 +17,14 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from rig.hal import (
+    Device,
     EmergencyStopInput,
     LinearEncoder,
     MarkerCamera,
     PressureRegulator,
     StaleReading,
 )
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
@@ -127,7 +128,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
 
     @classmethod
     def assemble(
-        cls, settings: JointSettings, devices: Mapping[str, Any], period: float
+        cls, settings: JointSettings, devices: Mapping[str, Device], period: float
     ) -> "SphericalJoint":
         """Pick the devices that the settings name.
 
@@ -136,16 +137,15 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         ConfigurationError
             A device is not there, or cannot do what its role asks for.
         """
-
-        def pick(role: str, name: str | None, kind: type[Any]) -> Any:
-            return None if name is None else pick_device(f"joint.{role}", name, kind, devices)
-
+        pick = DevicePicker("joint", devices)
         return cls(
             settings,
             regulators=pick("regulators", settings.regulators, PressureRegulator),
             encoders=tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders),
-            camera=pick("camera", settings.camera, MarkerCamera),
-            emergency_stop=pick("emergency_stop", settings.emergency_stop, EmergencyStopInput),
+            camera=pick.if_named("camera", settings.camera, MarkerCamera),
+            emergency_stop=pick.if_named(
+                "emergency_stop", settings.emergency_stop, EmergencyStopInput
+            ),
             period=period,
         )
 
@@ -220,7 +220,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
                 oldest, latest = t, k
         self._age = age = now - oldest
         if age > self._limits.reading_age:
-            device: Any = self._regulators if latest is None else self._encoders[latest]
+            device: Device = self._regulators if latest is None else self._encoders[latest]
             raise StaleReading(device.name, age, self._limits.reading_age)
         if self._camera is not None:
             markers, t = self._camera.markers()

@@ -80,7 +80,7 @@ def draw_range_map(run: RunData) -> "Figure | None":
     reach = np.degrees(run.log.column("plan.reach")[part])
     edges = np.linspace(0.0, float(tilt.max()) + 1e-6, _RINGS + 1)
     for number, shown in enumerate(maps):
-        axes: Any = figure.add_subplot(1, 3, number + 1, projection="polar")
+        axes: "Axes" = figure.add_subplot(1, 3, number + 1, projection="polar")
         _draw_map(figure, axes, shown, tilt, azimuth, edges)
         axes.plot(*_outline(azimuth, reach), color=VERMILION, lw=0.9, label="reach")
         axes.set_rmax(1.04 * float(reach.max()))
@@ -106,7 +106,7 @@ def _outline(azimuth: "Array", reach: "Array") -> "tuple[Array, Array]":
 
 
 def _draw_map(
-    figure: Any, axes: Any, shown: _Map, tilt: "Array", azimuth: "Array", edges: "Array"
+    figure: "Figure", axes: "Axes", shown: _Map, tilt: "Array", azimuth: "Array", edges: "Array"
 ) -> None:
     from matplotlib.colors import LogNorm
 

@@ -172,7 +172,7 @@ def draw_tensions(run: RunData) -> "Figure | None":
     return figure
 
 
-def _draw_sticking(axes: Any, run: RunData) -> None:
+def _draw_sticking(axes: "Axes", run: RunData) -> None:
     """Draw the share of the time in which each channel sticks though it should move."""
     shares = []
     for name in CHANNELS:
@@ -186,7 +186,7 @@ def _draw_sticking(axes: Any, run: RunData) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _draw_bounds(axes: Any, run: RunData, measures: set[str], factor: float) -> None:
+def _draw_bounds(axes: "Axes", run: RunData, measures: set[str], factor: float) -> None:
     label = "bound on the rms"
     for _, bound, segments in bounds_of(run, measures):
         for segment in segments:
