@@ -17,6 +17,7 @@ from rig.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
@@ -174,7 +175,7 @@ def draw_arm(run: RunData) -> "Figure | None":
     return figure
 
 
-def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, Any]) -> None:
+def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> None:
     """Draw how far the wrist can get, as far as the picture reaches."""
     from matplotlib.patches import Circle
 

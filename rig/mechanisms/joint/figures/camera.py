@@ -1,6 +1,6 @@
 """What the camera adds to the joint: how late it is, how much nearer it comes to the marker."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from rig.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _SHIFTS = np.linspace(-15e-3, 15e-3, 121)

@@ -1,7 +1,7 @@
 """The figures of the spherical joint, as its paper draws them and beyond."""
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +28,7 @@ _SLOW = 1e-3
 """While the marker moves no faster (m/s) nobody asks how much the channels stick."""
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
