@@ -279,30 +279,6 @@ class TensionDistribution:
         return tensions[0], tensions[1], tensions[2], tensions[3]
 
 
-def pair_pressures(
-    tensions: Quadruple, area: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the mean and the differential pressure (Pa) of each pair that make given tensions.
-
-    Parameters
-    ----------
-    tensions : tuple of float
-        Of the four wires, N.
-    area : float
-        Effective area of one cylinder, m².
-
-    Returns
-    -------
-    tuple of tuple of float
-        For the pairs (1, 3) and (4, 2): mean, and agonist less antagonist.
-    """
-    (a, b), (c, d) = (
-        ((tensions[one] + tensions[other]) * 0.5 / area, (tensions[one] - tensions[other]) / area)
-        for one, other in PAIRS
-    )
-    return (a, b), (c, d)
-
-
 @inlined
 def _triple(a: Vector, b: Vector, c: Vector) -> float:
     """Return ``a . (b x c)``."""

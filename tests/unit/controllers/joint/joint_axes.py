@@ -1,10 +1,11 @@
-"""Ring axes to test with."""
+"""Ring axes to test with, and how fast a ring turns as its axis moves."""
 
 import math
 
+import numpy as np
 from hypothesis import strategies as st
 
-from controllers.spherical_joint.poses import axis_from_tilt
+from controllers.spherical_joint.poses import axis_from_tilt, spin_rate
 
 
 def axes(most=60.0, least=0.0):
@@ -14,6 +15,17 @@ def axes(most=60.0, least=0.0):
         st.floats(math.radians(least), math.radians(most)),
         st.floats(-math.pi, math.pi),
     )
+
+
+def axis_from_paper_angles(theta, phi):
+    """Return the ring's axis for the paper's angles (rad): Kobayashi and Saito, eq. (4)."""
+    across = math.cos(phi)
+    return (math.sin(theta) * across, -math.sin(phi), math.cos(theta) * across)
+
+
+def angular_velocity(convention, axis, velocity):
+    """Return ``u x u' + s u`` (rad/s): what moves the axis, and the convention's spin about it."""
+    return np.cross(axis, velocity) + spin_rate(convention, axis, velocity) * np.array(axis)
 
 
 def around(tilt, step=5):

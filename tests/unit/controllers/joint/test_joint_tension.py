@@ -18,7 +18,7 @@ from controllers.spherical_joint.poses import (
     rotate,
 )
 from controllers.spherical_joint.taut import SlackWire, raised
-from controllers.spherical_joint.tension import TensionDistribution, pair_pressures
+from controllers.spherical_joint.tension import TensionDistribution
 
 GEOMETRY = SphericalJointGeometry()
 WIRES = ExactWires(GEOMETRY)
@@ -188,13 +188,6 @@ def test_keeping_a_wire_taut_at_a_great_tilt_takes_a_newton_for_a_newton():
     slack = (hold[0], hold[1] + 2.0, hold[2], hold[3] - 2.0)
     assert sum(pose.kept_taut(slack, 10.0)) < sum(slack) + 5.0
     assert sum(raised(slack, pose.shares, 10.0)) > sum(slack) + 25.0
-
-
-def test_pressures_of_tensions():
-    area = 181.5e-6
-    first, second = pair_pressures((20.0, 21.0, 22.0, 25.0), area)
-    assert first == pytest.approx((21.0 / area, -2.0 / area))
-    assert second == pytest.approx((23.0 / area, 4.0 / area))
 
 
 def test_measured_anchors_share_tensions_as_exact_ones_do():
