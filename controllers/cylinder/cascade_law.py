@@ -1,12 +1,9 @@
 """The cascade's law as numbers: one source for Python and for the loop, where it is compiled."""
 
 import math
-from collections.abc import Callable
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from controllers.compiled import compile_kernel, inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward
 from controllers.cylinder.types import PairModel
@@ -42,8 +39,8 @@ _lead = inlined(RegulatorLead.update)
 _share = inlined(DifferentialRange.share)
 
 
-class CascadeLaw:
-    """What `Cascade` computes each period, and what it remembers. Numbers only, see `memory_of`.
+class CascadeLaw(PlainNumbers):
+    """The numbers of a `Cascade`: its gains, what it remembers, and its step of one period.
 
     Parameters
     ----------
@@ -152,31 +149,4 @@ class CascadeLaw:
         return first, second, velocity, disturbance, wish - known
 
 
-_step = inlined(CascadeLaw.step)
-
-
-@cache
-def compiled_step(kind: Any) -> Callable[..., Output]:
-    """Return `CascadeLaw.step` compiled; it takes the law's memory (see `memory_of`) first.
-
-    Parameters
-    ----------
-    kind : dtype
-        The law's `record_type`.
-    """
-
-    def build(digest: int) -> Callable[..., Output]:
-        def kernel(
-            memory: Any, measured: float, difference: float, wanted: float, wanted_velocity: float,
-            wanted_acceleration: float, load: float,
-        ) -> Output:  # fmt: skip
-            _ = digest
-            law = memory.view(kind)[0]
-            return _step(
-                law, measured, difference, wanted, wanted_velocity, wanted_acceleration, load
-            )
-
-        return kernel
-
-    here = Path(__file__).parent
-    return compile_kernel(build, here, here.parent)
+inlined(CascadeLaw.step)

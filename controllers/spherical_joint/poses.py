@@ -78,22 +78,6 @@ ROTATIONS: dict[PoseConvention, Callable[[Vector], Rotation]] = {
 """Ring axis to rotation, by the name of the convention."""
 
 
-def spin_rate(convention: PoseConvention, axis: Vector, velocity: Vector) -> float:
-    """Return how fast the convention spins the ring about its axis as the axis moves, rad/s.
-
-    Parameters
-    ----------
-    convention : str
-        ``natural`` or ``paper``.
-    axis, velocity : tuple of float
-        Ring axis and its time derivative, 1/s.
-    """
-    x, y, z = axis
-    if convention == "natural":
-        return (y * velocity[0] - x * velocity[1]) / (1.0 + z)
-    return y * (z * velocity[0] - x * velocity[2]) / (x * x + z * z)
-
-
 def twist_of(rotation: Rotation) -> float:
     """Return the spin of a rotation about its own axis beyond the natural pose, rad."""
     natural = natural_rotation((rotation[0][2], rotation[1][2], rotation[2][2]))

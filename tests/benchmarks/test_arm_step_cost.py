@@ -13,11 +13,11 @@ from statistics import median
 
 import numpy as np
 import pytest
+from controllers.arm.step import make_step
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward
 from controllers.arm.region import region_for_twist
-from controllers.arm.step import make_step
 
 pytestmark = pytest.mark.benchmark
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from joint_axes import angular_velocity, around, axes, axis_from_paper_angles
+from joint_axes import angular_velocity, around, axes, axis_from_paper_angles, spin_rate
 
 from controllers.spherical_joint.poses import (
     ROTATIONS,
@@ -14,7 +14,6 @@ from controllers.spherical_joint.poses import (
     natural_rotation,
     paper_rotation,
     rotate,
-    spin_rate,
     tilt_of,
     twist_of,
     twisted,
