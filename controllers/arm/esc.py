@@ -15,7 +15,7 @@ from controllers.arm.dwell import (
     switch_of,
 )
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints
+from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.joint_path import joint_path_of_line
 from controllers.arm.kinematics import forward, singularity_indices
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
@@ -294,19 +294,14 @@ def _integrated(
         return length - straight.distance(forward(arm, q).position)
 
     while t < longest:
-        scale = scale_at(q)
+        scale, now = scale_at(q), rates(t, q)
         command = trajectory.twist(t)
-        yield Sample(q, rates(t, q), scale.linear, scale.angular, command)
-        after = advance_joints(rates, t, q, period)
+        yield Sample(q, now, scale.linear, scale.angular, command)
+        after = advance_joints(rates, t, q, period, now)
         if left(t + period, after) <= 0.0:
-            low, high = 0.0, period
-            for _ in range(44):
-                middle = 0.5 * (low + high)
-                there = advance_joints(rates, t, q, middle)
-                low, high = (middle, high) if left(t + middle, there) > 0.0 else (low, middle)
-            q = advance_joints(rates, t, q, low)
-            yield Sample(q, _AT_REST, 0.0, 0.0, command)
-            end.duration = t + low
+            last, _ = bisect_period(rates, t, q, period, lambda at, there: left(at, there) > 0.0)
+            yield Sample(advance_joints(rates, t, q, last), _AT_REST, 0.0, 0.0, command)
+            end.duration = t + last
             return
         q, t = after, t + period
     end.duration, end.outcome = t, "stalls"
