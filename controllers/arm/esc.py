@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
 from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
@@ -17,8 +17,8 @@ from controllers.arm.dwell import (
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.joint_path import joint_path_of_line
-from controllers.arm.kinematics import forward, singularity_indices
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.kinematics import Dimensions, forward, singularity_indices
+from controllers.arm.law import AnyArmLaw, ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import (
     elbow_scale,
@@ -60,7 +60,7 @@ class EscPaperSettings:
     dwell_slope: Literal["zero", "natural"] = "zero"
 
 
-class EscPaper(ArmLaw):
+class EscPaper(ArmLaw[EscPaperSettings]):
     """The law of the paper.
 
     Promises: the hand stays on its path; q3 stays within its rate limit at the elbow's
@@ -158,7 +158,7 @@ class EscSettings:
     limit_acceleration: bool = True
 
 
-class Esc(ArmLaw):
+class Esc(ArmLaw[EscSettings]):
     """The paper's law with what it lacks.
 
     Promises: the hand stays on its path; no joint exceeds its rate limit, at the elbow also while
@@ -217,7 +217,7 @@ def _as_it_is(_: Joints) -> float:
 
 
 def _dwell(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: StraightTrajectory,
     end: MotionEnd,
     integral: Literal["taylor", "exact"],
@@ -245,14 +245,14 @@ def _dwell(
     return dwelling(arm, trajectory, q_s, b, law.period, end)
 
 
-def forward_along(trajectory: StraightTrajectory, arm: Any, t: float) -> Joints:
+def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:
     """Return the joints at a nominal time on the way out, on the branch of the start."""
     from controllers.arm.inverse import branch_of, inverse
 
     return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
 
 
-def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
+def _circle(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
     """Yield a circle through a singularity, at full speed throughout.
 
     References
@@ -275,7 +275,7 @@ def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Moti
 
 
 def _integrated(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: Trajectory,
     rates: Callable[[float, Joints], Joints],
     scale_at: Callable[[Joints], Scale],

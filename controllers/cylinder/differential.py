@@ -9,8 +9,7 @@ regulators' dynamics.
 import math
 
 from controllers.compiled import PlainNumbers
-from controllers.cylinder.types import PairCommand, PairModel
-from controllers.named_tuples import new_tuple
+from controllers.cylinder.types import PairModel
 
 
 class DifferentialRange(PlainNumbers):
@@ -62,10 +61,6 @@ class DifferentialRange(PlainNumbers):
         base, lifted = self._base, self._floor + abs(half)
         mean = lifted if lifted > base else base
         return mean + half, mean - half
-
-    def split(self, differential: float) -> PairCommand:
-        """Return `share` as a command."""
-        return new_tuple(PairCommand, self.share(differential))
 
 
 class RegulatorLead(PlainNumbers):
