@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
 from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
@@ -15,10 +15,10 @@ from controllers.arm.dwell import (
     switch_of,
 )
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints
+from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.joint_path import joint_path_of_line
-from controllers.arm.kinematics import forward, singularity_indices
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.kinematics import Dimensions, forward, singularity_indices
+from controllers.arm.law import AnyArmLaw, ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import (
     elbow_scale,
@@ -60,7 +60,7 @@ class EscPaperSettings:
     dwell_slope: Literal["zero", "natural"] = "zero"
 
 
-class EscPaper(ArmLaw):
+class EscPaper(ArmLaw[EscPaperSettings]):
     """The law of the paper.
 
     Promises: the hand stays on its path; q3 stays within its rate limit at the elbow's
@@ -158,7 +158,7 @@ class EscSettings:
     limit_acceleration: bool = True
 
 
-class Esc(ArmLaw):
+class Esc(ArmLaw[EscSettings]):
     """The paper's law with what it lacks.
 
     Promises: the hand stays on its path; no joint exceeds its rate limit, at the elbow also while
@@ -217,7 +217,7 @@ def _as_it_is(_: Joints) -> float:
 
 
 def _dwell(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: StraightTrajectory,
     end: MotionEnd,
     integral: Literal["taylor", "exact"],
@@ -245,14 +245,14 @@ def _dwell(
     return dwelling(arm, trajectory, q_s, b, law.period, end)
 
 
-def forward_along(trajectory: StraightTrajectory, arm: Any, t: float) -> Joints:
+def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:
     """Return the joints at a nominal time on the way out, on the branch of the start."""
     from controllers.arm.inverse import branch_of, inverse
 
     return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
 
 
-def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
+def _circle(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
     """Yield a circle through a singularity, at full speed throughout.
 
     References
@@ -275,7 +275,7 @@ def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Moti
 
 
 def _integrated(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: Trajectory,
     rates: Callable[[float, Joints], Joints],
     scale_at: Callable[[Joints], Scale],
@@ -294,19 +294,14 @@ def _integrated(
         return length - straight.distance(forward(arm, q).position)
 
     while t < longest:
-        scale = scale_at(q)
+        scale, now = scale_at(q), rates(t, q)
         command = trajectory.twist(t)
-        yield Sample(q, rates(t, q), scale.linear, scale.angular, command)
-        after = advance_joints(rates, t, q, period)
+        yield Sample(q, now, scale.linear, scale.angular, command)
+        after = advance_joints(rates, t, q, period, now)
         if left(t + period, after) <= 0.0:
-            low, high = 0.0, period
-            for _ in range(44):
-                middle = 0.5 * (low + high)
-                there = advance_joints(rates, t, q, middle)
-                low, high = (middle, high) if left(t + middle, there) > 0.0 else (low, middle)
-            q = advance_joints(rates, t, q, low)
-            yield Sample(q, _AT_REST, 0.0, 0.0, command)
-            end.duration = t + low
+            last, _ = bisect_period(rates, t, q, period, lambda at, there: left(at, there) > 0.0)
+            yield Sample(advance_joints(rates, t, q, last), _AT_REST, 0.0, 0.0, command)
+            end.duration = t + last
             return
         q, t = after, t + period
     end.duration, end.outcome = t, "stalls"

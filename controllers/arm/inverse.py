@@ -133,19 +133,6 @@ def wrist_joints(
     return q4, q5, q6
 
 
-def all_solutions(
-    arm: Dimensions, pose: Pose, near: Joints | None = None
-) -> tuple[tuple[Branch, Joints], ...]:
-    """Return the joints on every branch, eight of them.
-
-    Raises
-    ------
-    OutOfReach
-        There are none.
-    """
-    return tuple((branch, inverse(arm, pose, branch, near)) for branch in BRANCHES)
-
-
 def nearest_turns(q: Joints, near: Joints) -> Joints:
     """Return the joints with whole turns added so that each is the nearest to `near`."""
     q1, q2, q3, q4, q5, q6 = (

@@ -31,7 +31,7 @@ class LookAheadSettings:
     acceleration_share: Annotated[float, Gt(0), Le(1)] = 1.0
 
 
-class LookAhead(ArmLaw):
+class LookAhead(ArmLaw[LookAheadSettings]):
     """The time-optimal way along the same path, from rest to rest.
 
     Promises: the hand stays on its path; no joint exceeds its rate or acceleration limit, nor the

@@ -14,6 +14,7 @@ from controllers.arm.kinematics import (
 from controllers.arm.paths import ArmPathSettings, Circle, DwellLine, Line, TurnBack
 from controllers.arm.types import Joints, Pose, Rotation, Twist, Vector
 from controllers.arm.vectors import along, dot, minus, scaled, turned, unit
+from controllers.bisection import bisect
 from controllers.motion import InfeasibleMotion
 
 _ON_SINGULARITY = 1e-9
@@ -168,10 +169,7 @@ class StraightTrajectory:
                     f"{arm.a2 + arm.a3:g} m from the shoulder, within {travel:g} m: "
                     f"there is no singularity to turn back at."
                 )
-        low, high = t, t + step
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if margin(middle)[0] > 0.0 else (low, middle)
+        low, high = bisect(lambda middle: margin(middle)[0] > 0.0, t, t + step)
         return 0.5 * (low + high)
 
 

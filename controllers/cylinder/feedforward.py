@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.compiled import inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.cylinder.types import PairModel
 from controllers.friction import PreslidingFriction, SmoothFriction
 
@@ -56,7 +56,7 @@ class FeedforwardSettings:
     error_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(100)] = 0.0
 
 
-class Feedforward:
+class Feedforward(PlainNumbers):
     """Inertia and friction of the desired motion.
 
     Parameters

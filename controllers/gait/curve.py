@@ -8,8 +8,9 @@ straight knee.
 
 import math
 
-from controllers.compiled import kernel_of
+from controllers.compiled import KernelMemory
 from controllers.gait import curve_kernel
+from controllers.gait.curve_kernel import PhaseNumbers
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import inverse
 from controllers.gait.phases import LegPath, Phase
@@ -62,11 +63,11 @@ class PhaseCurve:
         self._period = period
         self._geometry = geometry
         self._legs = right, left = phase.legs(geometry)
-        leading = int(path_length(left) > path_length(right))
-        self._leading = self._legs[leading]
-        self._follow = kernel_of(curve_kernel.follow)
-        self._rates = kernel_of(curve_kernel.rates)
-        self._packed = curve_kernel.pack(geometry.thigh, geometry.shank, right, left, leading)
+        self._leading = left if path_length(left) > path_length(right) else right
+        numbers = PhaseNumbers(geometry.thigh, geometry.shank, right, left, self._leading)
+        memory = KernelMemory(numbers)
+        self._follow = memory.bind(curve_kernel.follow)
+        self._rates = memory.bind(curve_kernel.rates)
         self.begin()
 
     def joints_at(self, xi: float) -> Joints:
@@ -103,13 +104,13 @@ class PhaseCurve:
 
     def rates(self) -> tuple[float, float]:
         """Return the norm of the twelve joint rates and the path's speed (m), up to one scale."""
-        norm, speed = self._rates(self._packed, self.joints, self.path)
+        norm, speed = self._rates(self.joints, self.path)
         return norm, speed
 
     def follow_joints(self, length: float) -> None:
         """Go on by a length of the curve of all twelve joints, rad."""
         self.joints, self.velocities, self.path, outcome = self._follow(
-            self._packed, self.joints, self.path, length, False, self._period
+            self.joints, self.path, length, False, self._period
         )
         if outcome:
             self._refuse(outcome)
@@ -117,7 +118,7 @@ class PhaseCurve:
     def follow_path(self, length: float) -> None:
         """Go on by a length of the path, m; not where a leg is straight."""
         self.joints, self.velocities, self.path, outcome = self._follow(
-            self._packed, self.joints, self.path, length, True, self._period
+            self.joints, self.path, length, True, self._period
         )
         if outcome:
             self._refuse(outcome)

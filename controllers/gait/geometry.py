@@ -133,8 +133,8 @@ class LegGeometry:
         -1 where the right leg's limits are the left's with the sign changed.
     max_rate : float
         Of any joint, rad/s.
-    torque_average, torque_peak : tuple of float
-        What a joint's servo can hold, and for a moment, N m.
+    torque_peak : tuple of float
+        What a joint's servo can hold for a moment, N m.
     masses : LegMasses
         Of the links.
 
@@ -163,14 +163,6 @@ class LegGeometry:
     )
     mirror: tuple[Sign, Sign, Sign, Sign, Sign, Sign] = (-1, -1, 1, 1, 1, -1)
     max_rate: Annotated[float, Unit("rad/s"), Gt(0)] = 4.76
-    torque_average: tuple[Torque, Torque, Torque, Torque, Torque, Torque] = (
-        1.5,
-        2.0,
-        1.5,
-        2.0,
-        2.0,
-        1.5,
-    )
     torque_peak: tuple[Torque, Torque, Torque, Torque, Torque, Torque] = (
         3.0,
         4.5,

@@ -5,12 +5,13 @@ the same.
 """
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arcs import Arcs, measure
 from controllers.gait.curve import PhaseCurve
 from controllers.gait.fastest import fastest
@@ -20,7 +21,6 @@ from controllers.gait.paces import Pace
 from controllers.gait.phases import Phase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
 from controllers.gait.types import (
-    GaitEstimate,
     GaitModel,
     Joints,
     LegsCommand,
@@ -28,8 +28,6 @@ from controllers.gait.types import (
     LegsState,
 )
 from controllers.motion import InfeasibleMotion
-
-Chosen = TypeVar("Chosen")
 
 _REST: Joints = (0.0,) * 12
 _ROUNDING = 1e-9
@@ -70,7 +68,9 @@ PaceMaker = Callable[[TimedPhase], Pace]
 """Gives each phase its time law; raises `InfeasibleMotion` with the reason."""
 
 
-class GaitLaw(ABC, Generic[Chosen]):
+class GaitLaw(
+    PlanningLaw[Chosen, GaitModel, LegsReference, LegsState, LegsCommand, LegsMotion, GaitPlan]
+):
     """What the laws have in common: phases in their order, one period per update.
 
     The path parameter belongs to the law, not to the clock: an update moves on by exactly one
@@ -89,19 +89,11 @@ class GaitLaw(ABC, Generic[Chosen]):
     name: ClassVar[str]
 
     def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
-        self.settings = settings
-        self.model = model
-        self.period = period
+        super().__init__(settings, model, period)
         self._schedule: tuple[_Stretch, ...] = ()
         self._number = 0
         self._cycle = 0
         self._started = False
-
-    @property
-    def estimate(self) -> GaitEstimate:
-        """Phase and path parameter of the last command."""
-        path = self._schedule[self._number].curve.path if self._schedule else 0.0
-        return GaitEstimate(self._number, path)
 
     @abstractmethod
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
@@ -142,9 +134,6 @@ class GaitLaw(ABC, Generic[Chosen]):
         self._check(plan)
         self._restart()
         return plan
-
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
 
     def reset(self, state: LegsState) -> None:
         """Go back to the start of the prepared motion."""

@@ -10,12 +10,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from controllers.bisection import bisect
 from controllers.gait.arcs import Arcs
 from controllers.gait.curve import PhaseCurve
 from controllers.minimum_jerk import minimum_jerk
 from controllers.motion import InfeasibleMotion
-
-_BISECTIONS = 60
 
 
 class PaceSummary(NamedTuple):
@@ -181,13 +180,7 @@ class LimitedNormPace:
         low, high = 1.0, 2.0
         while float(np.sum(self._times(high))) > duration:
             high *= 2.0
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if float(np.sum(self._times(middle))) > duration:
-                low = middle
-            else:
-                high = middle
-        return high
+        return bisect(lambda raised: float(np.sum(self._times(raised))) > duration, low, high)[1]
 
 
 class TrapezoidNormPace:

@@ -4,6 +4,7 @@ They are here to be compared with. Near the straight knee both leave the path, a
 own: the waist is torn between the feet.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -12,9 +13,10 @@ import numpy as np
 from annotated_types import Gt
 from numpy.typing import NDArray
 
+from controllers.base import Chosen
 from controllers.gait.curve import PhaseCurve
 from controllers.gait.kinematics import LegAngles, jacobian, waist_from_foot
-from controllers.gait.law import Chosen, GaitLaw, PaceMaker, TimedPhase
+from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
 from controllers.gait.laws import NoSettings
 from controllers.gait.paces import ConstantPathPace
 from controllers.gait.types import GaitModel, Joints, LegsCommand
@@ -54,9 +56,9 @@ class RivalLaw(GaitLaw[Chosen]):
             after, tuple([rate * (b - a) for a, b in zip(before, after, strict=True)])
         )
 
+    @abstractmethod
     def _next(self, curve: PhaseCurve) -> Joints:
         """Return where the joints go from `_joints` in this period."""
-        raise NotImplementedError
 
 
 class ClampedLaw(RivalLaw[NoSettings]):

@@ -58,21 +58,6 @@ class LegsCommand(NamedTuple):
     velocities: Joints
 
 
-class GaitEstimate(NamedTuple):
-    """Where on its path a law is.
-
-    Parameters
-    ----------
-    phase : int
-        Number of the phase, from 0.
-    path : float
-        Path parameter in it, 0 … 1.
-    """
-
-    phase: int
-    path: float
-
-
 @dataclass(frozen=True, slots=True)
 class BalanceSettings:
     """What counts as balanced.

@@ -20,7 +20,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.spherical_joint.ball_friction import Pair
+from controllers.spherical_joint.geometry import Pair
 from controllers.spherical_joint.types import JointModel
 
 _RISE_TIME = 0.2

@@ -8,7 +8,7 @@ What is not written here may not be relied on. `parts` is what a package offers,
 from rig.hal.bus import Buses, CanBus, CyclicBus, FastCanBus, Frame
 from rig.hal.clock import Clock, MonotonicClock
 from rig.hal.columns import Column
-from rig.hal.controller import Controller
+from rig.hal.controller import Controller, Law
 from rig.hal.devices import (
     Device,
     EmergencyStopInput,
@@ -61,6 +61,7 @@ __all__ = [
     "Fact",
     "FastCanBus",
     "Frame",
+    "Law",
     "LimitExceeded",
     "LinearEncoder",
     "LoopStalled",
