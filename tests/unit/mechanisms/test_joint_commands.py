@@ -21,8 +21,6 @@ from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointCommand
 from rig.mechanisms.base import Margin
 
-UP = (0.0, 0.0, 1.0)
-
 
 def test_resting_keeps_the_sum_of_the_pressures_and_the_ring():
     bench = JointBench()

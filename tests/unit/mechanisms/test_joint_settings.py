@@ -22,8 +22,6 @@ from pneumatic_fakes import (
 from rig.hal import ConfigurationError
 from rig.mechanisms.joint import SphericalJoint
 
-UP = (0.0, 0.0, 1.0)
-
 
 def test_controllers_are_told_what_the_profile_says():
     settings = joint_settings()
