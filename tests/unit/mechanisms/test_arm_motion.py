@@ -72,6 +72,7 @@ def test_after_its_last_cycle_the_motion_rests_at_its_end():
     assert motion.at(math.nextafter(4.5 * PERIOD, 1.0)) == (last, STILL, True)
     assert motion.at(motion.duration) == (last, STILL, True)
     assert motion.at(0.0).positions == STILL
+    assert motion.waits  # for a cycle that comes late: no step is left out
 
 
 def test_the_plans_columns_are_those_of_the_cycle_and_of_the_last_one_after_it():
@@ -99,9 +100,8 @@ def planned(bench, following):
 
 def test_the_log_goes_on_with_the_plan_only_while_it_is_followed():
     bench = ArmBench()
-    assert planned(bench, True) == 0.0  # nothing is planned
+    assert planned(bench, False) == 0.0  # nothing is planned
     bench.arm.motion = arm_motion(count=5)
-    bench.arm.start_limiting(bench.arm.read(0.0))
     assert [planned(bench, follow) for follow in (False, False, True, True, False, True)] == [
         0.0, 0.0, 0.0, 1.0, 2.0, 2.0,
     ]  # fmt: skip
@@ -164,6 +164,12 @@ def test_rates_are_told_of_the_arm_and_of_the_wrist():
     assert [known[f"peak_rate_q{k}"] for k in range(1, 7)] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
     assert known["peak_acceleration_arm"] == 1.5 / PERIOD
     assert known["peak_acceleration"] == 3.0 / PERIOD
+    for joint in range(6):
+        rates = np.ones((4, 6))
+        rates[1, joint] = -7.0
+        known = facts(count=4, velocities=rates)
+        assert (known["peak_rate_arm"] == 7.0) is (joint < 3)
+        assert (known["peak_rate_wrist"] == 7.0) is (joint >= 3)
 
 
 def test_an_index_that_changes_its_sign_is_crossed_and_not_only_neared():
@@ -179,6 +185,13 @@ def test_an_index_that_changes_its_sign_is_crossed_and_not_only_neared():
     assert math.isinf(known["time_crossing"])
 
 
+def test_an_index_may_be_crossed_at_any_step():
+    for step in range(4):
+        signs = np.where(np.arange(5) <= step, 0.3, -0.3)
+        known = facts(count=5, indices=np.column_stack([signs, np.full(5, 0.2), np.full(5, 0.2)]))
+        assert (known["crosses_shoulder"], known["crosses_wrist"]) == (1.0, 0.0)
+
+
 def test_an_index_that_touches_zero_is_not_crossed():
     known = facts(count=3, indices=np.array([[0.3] * 3, [0.0] * 3, [0.2] * 3]))
     assert known["crosses_shoulder"] == known["closest_shoulder"] == 0.0
@@ -189,3 +202,8 @@ def test_joints_that_end_whole_turns_apart_have_returned():
     assert return_error(start, np.array([math.tau, -2 * math.tau, 0.0])) < 1e-12
     assert return_error(start, np.array([0.1, math.tau - 0.3, 0.0])) == pytest.approx(0.3)
     assert return_error(start, np.array([math.pi, 0.0, 0.0])) == pytest.approx(math.pi)
+    assert return_error(start, np.array([1.1 * math.pi, 0.0, 0.0])) == pytest.approx(0.9 * math.pi)
+    assert return_error(start + 0.5, start + 0.75) == 0.25
+    places = np.zeros((4, 6))
+    places[:, 2] = (0.25, 9.0, 9.5, 1.0)
+    assert facts(count=4, positions=places)["return_error"] == 0.75

@@ -180,6 +180,7 @@ def test_a_reference_may_reach_the_permitted_positions_and_not_pass_them(sign):
         plan(Held(sign * REACH * 1.0001))
     with pytest.raises(ValueError, match=r"after 0\.00391 s .* at -?16\.4\d* mm"):
         plan(Held(sign * REACH * 1.05, at_tick=4))  # the last one
+    plan(Held(sign * REACH * 1.05, at_tick=5))  # when it has ended
 
 
 def test_what_is_no_reference_for_a_pair_is_refused():

@@ -52,6 +52,15 @@ def test_of_several_old_readings_the_oldest_is_blamed():
         assert (caught.value.device, caught.value.age) == (name, 3.0 * AGE)
 
 
+def test_of_readings_that_are_equally_old_the_first_device_is_blamed():
+    bench = PairBench()
+    with pytest.raises(StaleReading, match=r"^encoder-agonist: "):
+        bench.pair.read(1.0)
+    bench.agonist.t = 1.0
+    with pytest.raises(StaleReading, match=r"^encoder-antagonist: "):
+        bench.pair.read(1.0)
+
+
 def test_the_emergency_stop_is_heeded_before_anything_else():
     bench = PairBench()
     bench.move_to(2.0 * REACH)

@@ -51,6 +51,15 @@ def test_the_device_with_the_oldest_reading_is_blamed(oldest):
         assert (error.device, error.age, error.bound) == (oldest, its, AGE)
 
 
+def test_of_readings_that_are_equally_old_the_first_device_is_blamed():
+    bench = JointBench()
+    with pytest.raises(StaleReading, match=r"^regulators: "):
+        bench.joint.read(1.0)
+    bench.regulators.t = 1.0
+    with pytest.raises(StaleReading, match=r"^e1: "):
+        bench.joint.read(1.0)
+
+
 def test_the_emergency_stop_is_heeded_before_anything_else():
     bench = JointBench()
     bench.place((math.nan,) * 4)

@@ -8,7 +8,9 @@ from motion_fakes import MID, LegsBench, squat, straight_plan
 from servo_fakes import ACCELERATION, PERIOD, STEP
 
 from controllers.gait.geometry import JOINT_NAMES, LegGeometry
-from controllers.gait.types import LegsCommand, LegsReference
+from controllers.gait.laws import InverseLaw, NoSettings
+from controllers.gait.motions import SquatSettings
+from controllers.gait.types import GaitModel, LegsCommand, LegsReference
 from rig.hal import LimitExceeded
 from rig.mechanisms.legs import Legs, PlannedGait
 from rig.mechanisms.legs_facts import plan_facts
@@ -128,10 +130,12 @@ def test_a_stop_near_the_end_is_the_plans_own_end(before_the_end, done):
 
 def test_the_log_goes_on_with_the_plan_only_while_it_is_followed():
     bench = LegsBench()
-    state = bench.start(MID)
+    bench.servo.angles = MID
+    state = bench.legs.read(0.0)
     rest = LegsCommand(MID, STILL)
-    assert bench.legs.row(state, LegsReference(MID, STILL, True), rest, rest)[-17:] == (0.0,) * 17
-    bench.start(MID)
+    unplanned = bench.legs.row(state, LegsReference(MID, STILL, False), rest, rest)
+    assert len(unplanned) == len(bench.legs.columns)
+    assert unplanned[-17:] == (0.0,) * 17
     bench.legs.motion = bench.motion
     logged = []
     for follow in (False, True, True, False, True):
@@ -139,9 +143,20 @@ def test_the_log_goes_on_with_the_plan_only_while_it_is_followed():
         assert len(row) == len(bench.legs.columns)
         logged.append(row[-17:])
     assert logged == [bench.motion.sample(k) for k in (0, 0, 1, 2, 2)]
-    last = len(bench.plan.t) - 1
-    assert bench.motion.sample(last + 1) == bench.motion.sample(last)
-    assert bench.motion.sample(-1) == bench.motion.sample(0) != bench.motion.sample(last // 2)
+
+
+def test_the_plans_columns_are_those_of_the_cycle_and_of_the_nearest_one_beyond_it():
+    motion, plan = LegsBench().motion, LegsBench().plan
+    last = len(plan.t) - 1
+    for number, row in ((-1, 0), (0, 0), (1, 1), (40, 40), (last, last), (last + 1, last)):
+        logged = motion.sample(number)
+        assert logged[:3] == tuple(plan.waist[row].tolist())
+        assert logged[3:9] == tuple(plan.feet[row].ravel().tolist())
+        assert logged[9:13] == (*plan.balance.centre[row, :2], *plan.balance.zero_moment[row])
+        assert logged[13:15] == (plan.balance.static_margin[row], plan.balance.margin[row])
+        assert logged[15:] == (plan.phase_number[row], plan.path[row])
+    assert motion.sample(0) != motion.sample(1)
+    assert motion.sample(last) != motion.sample(last - 1)
 
 
 def test_a_fault_says_where_the_legs_are_held_and_how_safely():
@@ -224,6 +239,17 @@ def test_peak_rates_are_those_of_the_fine_plan():
     assert known["min_knee"].value == pytest.approx(0.5)
     assert known["start_knee"].value == pytest.approx(0.5)
     assert known["knee_torque_saved"].value == 0.0
+
+
+@pytest.mark.parametrize(("period", "fine"), [(PERIOD, 1e-3), (0.5e-3, 0.5e-3)])
+def test_peak_rates_are_worked_out_at_a_kilohertz_at_least(period, fine):
+    reference = SquatSettings(knee_min=0.0, time=0.5, repeats=1)
+    law = InverseLaw(NoSettings(), GaitModel(), period)
+    motion = Legs.plan(LegsSettings(("servo",), ServoLimits()), reference, law, period)
+    finely = InverseLaw(NoSettings(), GaitModel(), fine).prepare(reference)
+    assert motion.facts["peak_knee_rate"].value == finely.peak_knee_rate
+    assert motion.plan.period == period
+    assert motion.facts["advance_lost"].value < 1e-9  # it was to go nowhere
 
 
 def test_a_straight_knee_belongs_to_an_instant_that_is_near_it():

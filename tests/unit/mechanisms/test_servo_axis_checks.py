@@ -47,6 +47,11 @@ def test_the_device_with_the_oldest_reading_is_blamed(oldest):
     assert (error.device, error.age, error.bound) == (oldest, 2.0 * AGE, AGE)
 
 
+def test_of_devices_with_equally_old_readings_the_first_is_blamed():
+    with pytest.raises(StaleReading, match=r"^left: "):
+        ServoBench().axes.read(1.0)
+
+
 @pytest.mark.parametrize("oldest", ["left", "right"])
 def test_a_reading_just_too_old_is_a_fault_beside_a_fresh_one(oldest):
     bench = ServoBench()
@@ -213,3 +218,9 @@ def test_the_nearest_limit_is_told(place, lag, late, speed, nearest):
     state = bench.axes.read(1.0)
     bench.axes.check(state, 1.0)
     assert bench.axes.worst_margin(state, None, 1.0) == nearest
+
+
+def test_before_anything_was_sent_only_readings_and_ranges_are_near_a_limit():
+    bench = ServoBench()
+    bench.place(a=0.5, b=-0.75, c=1.25)
+    assert bench.axes.worst_margin(bench.cycle(), None, 0.0) == Margin("a range", 0.5)

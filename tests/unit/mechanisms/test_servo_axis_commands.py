@@ -87,6 +87,8 @@ def test_a_rate_counts_from_what_was_applied_before():
 def test_the_first_command_of_all_is_taken_for_where_the_axes_are():
     bench = ServoBench()
     assert bench.limit(a=0.5, b=-1.0, c=2.0) == ((0.5, -1.0, 2.0), (0.0, 0.0, 0.0))
+    assert bench.limit(a=0.5 + PERIOD, b=-1.0, c=2.0).velocities == (1.0, 0.0, 0.0)
+    assert bench.axes.limit_hits() == NO_HITS
 
 
 def test_the_speed_that_is_applied_is_that_of_the_step():
