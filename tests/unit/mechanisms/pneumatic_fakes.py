@@ -4,7 +4,15 @@ Sums and differences of multiples of 2**-45 are exact here, so that a test can s
 `TINY` beside it.
 """
 
-from rig.hal import Markers, Reading
+from rig.hal import (
+    Device,
+    EmergencyStopInput,
+    LinearEncoder,
+    MarkerCamera,
+    Markers,
+    PressureRegulator,
+    Reading,
+)
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings, FrictionModel
 
@@ -16,7 +24,7 @@ REACH, MISMATCH, SPEED = 2.0**-6, 2.0**-9, 0.5
 LOWEST, HIGHEST, BASE = 10e3, 500e3, 120e3
 
 
-class Idle:
+class Idle(Device):
     """The life cycle of a device to which nothing happens."""
 
     def connect(self):
@@ -35,7 +43,7 @@ class Idle:
         pass
 
 
-class FakeRegulators(Idle):
+class FakeRegulators(Idle, PressureRegulator):
     """Chambers that read what a test says."""
 
     def __init__(self, channels, name="regulators", pressure_range=(0.0, 500e3)):
@@ -52,6 +60,9 @@ class FakeRegulators(Idle):
     def set_pressure(self, pressure):
         self.sent.append(tuple(pressure))
 
+    def safe_pressure(self):
+        return (LOWEST,) * len(self.channels)
+
 
 class HoldingRegulators(FakeRegulators):
     """Some of them keep their pressure in the safe state."""
@@ -62,7 +73,7 @@ class HoldingRegulators(FakeRegulators):
         return self.held
 
 
-class FakeEncoder(Idle):
+class FakeEncoder(Idle, LinearEncoder):
     """One rod that stands where a test says."""
 
     channels = ("position",)
@@ -80,21 +91,24 @@ class FakeEncoder(Idle):
         return Reading((0.0,), self.t)
 
 
-class FakeCamera(Idle):
+class FakeCamera(Idle, MarkerCamera):
     """Sees the marker where a test says, if anywhere."""
 
     def __init__(self, name="camera", sphere_radius=None):
         self.name = name
         self.t = 0.0
         self.sees = Markers((), ())
-        if sphere_radius is not None:
-            self.sphere_radius = sphere_radius
+        self.radius = sphere_radius
+
+    @property
+    def sphere_radius(self):
+        return self.radius
 
     def markers(self):
         return Reading(self.sees, self.t)
 
 
-class FakeStop:
+class FakeStop(EmergencyStopInput):
     """An emergency stop."""
 
     def __init__(self):

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from pneumatic_fakes import FakeStop, Idle
 
-from rig.hal import Reading
+from rig.hal import Reading, ServoBus
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes
 from rig.mechanisms.servo.settings import ServoLimits
 
@@ -36,7 +36,7 @@ class Command(NamedTuple):
     velocities: tuple
 
 
-class FakeServo(Idle):
+class FakeServo(Idle, ServoBus):
     """Drives that stand where a test says."""
 
     def __init__(self, name, axis_names):

@@ -20,11 +20,12 @@ from controllers.cylinder.types import PairCommand, PairReference, PairState
 from rig.hal import ConfigurationError
 from rig.hal.mechanism import Margin
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.mechanisms.cylinder.references import PairMotion
 
 REST = PairState(0.0, 0.0, BASE, BASE)
 
 
-class Held:
+class Held(PairMotion):
     """A reference that stays at one place, and steps aside at one tick of the loop's."""
 
     duration = 4 * PERIOD

@@ -19,17 +19,19 @@ from controllers.spherical_joint.poses import (
 from controllers.spherical_joint.types import JointReference
 from rig.hal.motion import Segment
 from rig.mechanisms.joint.mechanism import SphericalJoint
-from rig.mechanisms.joint.motion import JointMotion, plan_motion
+from rig.mechanisms.joint.motion import JointDrawing, JointMotion, plan_motion
 from rig.mechanisms.joint.reach import JointReach, bounds_of
 
 ZERO = (0.0,) * 3
 CONTROLLER = SimpleNamespace(settings=SimpleNamespace(wire="exact", pose="natural"))
 
 
-class Leaning:
+class Leaning(JointDrawing):
     """A ring that leans to a side, and further from some instant on."""
 
     segments = (Segment("hold", 0.25, 0.5),)
+    duration = 0.5
+    repetitions = ()
 
     def __init__(self, tilt=0.0, then=None, since=0.0, azimuth=0.4, duration=0.5, laps=()):
         self.tilt, self.then, self.since = tilt, then, since
