@@ -78,8 +78,8 @@ _TABLE: dict[Kind, dict[str, _Class]] = {
         "legs/sc": _Class("controllers.gait.laws:LimitedNormLaw"),
         "legs/sc-trapezoid": _Class("controllers.gait.laws:TrapezoidNormLaw"),
         "legs/min-jerk": _Class("controllers.gait.laws:MinimumJerkLaw"),
-        "legs/clamp": _Class("controllers.gait.rivals:ClampedLaw"),
-        "legs/dls": _Class("controllers.gait.rivals:DampedLaw"),
+        "legs/clamp": _Class("controllers.gait.clamped_and_damped:ClampedLaw"),
+        "legs/dls": _Class("controllers.gait.clamped_and_damped:DampedLaw"),
         "legs/mink": _Class("controllers.gait.mink_rival:MinkLaw"),
     },
     "mechanism": {

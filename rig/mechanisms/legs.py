@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import AXIS_NAMES
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
 from rig.hal import Vector
@@ -105,7 +105,7 @@ class Legs(ServoJoints):
     Settings = LegsSettings
 
     columns = (
-        *servo_columns(JOINT_NAMES),
+        *servo_columns(AXIS_NAMES),
         *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
         *(
             Column(f"reference.{leg}_foot_{axis}", "m", "planned sole under the ankle")
@@ -124,10 +124,10 @@ class Legs(ServoJoints):
         limits = settings.geometry.limits
         super().__init__(
             JointLimits(
-                JOINT_NAMES,
+                AXIS_NAMES,
                 tuple([lower for lower, _ in limits]),
                 tuple([upper for _, upper in limits]),
-                (settings.geometry.max_rate,) * len(JOINT_NAMES),
+                (settings.geometry.max_rate,) * len(AXIS_NAMES),
             ),
             settings.limits,
             *self.pick("legs", settings, devices),
