@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
+from controllers.arm.axis_path import axis_path_of_line
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
 from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
 from controllers.arm.dwell import (
@@ -16,7 +17,6 @@ from controllers.arm.dwell import (
 )
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import advance_joints, bisect_period
-from controllers.arm.joint_path import joint_path_of_line
 from controllers.arm.kinematics import Dimensions, forward, singularity_indices
 from controllers.arm.law import AnyArmLaw, ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
@@ -27,7 +27,7 @@ from controllers.arm.region import (
     region_for_speed,
     region_for_twist,
 )
-from controllers.arm.retiming import follow_joint_path, retime
+from controllers.arm.retiming import follow_axis_path, retime
 from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory, Trajectory
 from controllers.arm.turn_back import (
     check_turn_back,
@@ -132,7 +132,7 @@ class EscPaper(ArmLaw[EscPaperSettings]):
         The arm's own joints count at no more than their limits: near the shoulder's singularity
         they are slowed by its region.
         """
-        path = joint_path_of_line(self.arm, trajectory)
+        path = axis_path_of_line(self.arm, trajectory)
         greatest = 0.0
         limits = self.geometry.rate_limits
         for q, rate in path.samples(200):
@@ -191,9 +191,9 @@ class Esc(ArmLaw[EscSettings]):
         if trajectory.depth is not None:
             return _dwell(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
-            path = joint_path_of_line(self.arm, trajectory)
+            path = axis_path_of_line(self.arm, trajectory)
             timing = retime(path, self.geometry.rate_limits, None)
-            return follow_joint_path(trajectory, path, timing, self.period, end)
+            return follow_axis_path(trajectory, path, timing, self.period, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
         side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0

@@ -27,4 +27,4 @@ def least_time(geometry: ArmGeometry, path: ArmPathSettings) -> float:
         outside = time_at_depth(arm, trajectory, elbow_at_depth(arm, trajectory.depth))
         return 2.0 * outside + trajectory.dwell
     law = LookAhead(LookAheadSettings(), geometry, 0.0)
-    return velocity_limited_time(law.joint_path(trajectory), geometry.rate_limits)
+    return velocity_limited_time(law.axis_path(trajectory), geometry.rate_limits)

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.joint_path import JointPath
+from controllers.arm.axis_path import AxisPath
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectories import Trajectory
@@ -66,7 +66,7 @@ class Timing(NamedTuple):
 
 
 def retime(
-    path: JointPath,
+    path: AxisPath,
     rate_limits: Sequence[float],
     acceleration_limits: Sequence[float] | None,
 ) -> Timing:
@@ -74,7 +74,7 @@ def retime(
 
     Parameters
     ----------
-    path : JointPath
+    path : AxisPath
         The hand goes and turns along it no faster than commanded.
     rate_limits : sequence of float
         rad/s.
@@ -99,7 +99,7 @@ def retime(
     return Timing(s, t, speed)
 
 
-def velocity_limited_time(path: JointPath, rate_limits: Sequence[float]) -> float:
+def velocity_limited_time(path: AxisPath, rate_limits: Sequence[float]) -> float:
     """Return the least time under the rate limits alone, s: what others are compared with."""
     return retime(path, rate_limits, None).duration
 
@@ -152,9 +152,9 @@ def _greatest_curved(tangent: Array, bend: Array, allowed: Array) -> Array:
     return greatest
 
 
-def follow_joint_path(
+def follow_axis_path(
     trajectory: Trajectory,
-    path: JointPath,
+    path: AxisPath,
     timing: Timing,
     period: float,
     end: MotionEnd,

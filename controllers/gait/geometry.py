@@ -12,7 +12,7 @@ JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll
 LEGS = ("right", "left")
 """In the order of the paper's eq. (3)."""
 
-JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
+AXIS_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 """All twelve, in the order of every vector of joints."""
 
 KNEES = (3, 9)
@@ -206,7 +206,7 @@ class LegGeometry:
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest angle of all twelve joints, in the order of `JOINT_NAMES`, rad."""
+        """Lowest and highest angle of all twelve joints, in the order of `AXIS_NAMES`, rad."""
         left = tuple(zip(self.min_angle, self.max_angle, strict=True))
         right = tuple(
             (low, high) if sign > 0 else (-high, -low)

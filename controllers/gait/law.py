@@ -12,14 +12,14 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from controllers.base import Chosen, PlanningLaw
-from controllers.gait.arcs import Arcs, measure
-from controllers.gait.curve import PhaseCurve
+from controllers.gait.arc_lengths import Arcs, measure
 from controllers.gait.fastest import fastest
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import LegsMotion, WalkSettings
-from controllers.gait.paces import Pace
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import Phase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
+from controllers.gait.time_laws import Pace
 from controllers.gait.types import (
     GaitModel,
     Joints,
@@ -229,11 +229,11 @@ class GaitLaw(
     def _check(self, plan: GaitPlan) -> None:
         limits = np.array(plan.geometry.limits)
         beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1])
-        worst, joint = divmod(int(np.argmax(beyond)), len(JOINT_NAMES))
+        worst, joint = divmod(int(np.argmax(beyond)), len(AXIS_NAMES))
         if beyond[worst, joint] > _ROUNDING:
             low, high = np.degrees(limits[joint]).tolist()
             raise InfeasibleMotion(
-                f"at {plan.t[worst]:.3f} s {JOINT_NAMES[joint]} would be at "
+                f"at {plan.t[worst]:.3f} s {AXIS_NAMES[joint]} would be at "
                 f"{math.degrees(plan.q[worst, joint]):.3f} deg, outside {low:g} … {high:g} deg."
             )
         bound = self.model.balance.min_margin

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Gt, Unit
 
 from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
-from controllers.gait.paces import (
+from controllers.gait.time_laws import (
     ConstantPathPace,
     LimitedNormPace,
     MinimumJerkPace,

@@ -8,7 +8,7 @@ from annotated_types import Gt, Unit
 from controllers.gait.geometry import LegGeometry
 
 Joints = tuple[float, ...]
-"""One value per joint, in the order of `controllers.gait.geometry.JOINT_NAMES`."""
+"""One value per joint, in the order of `controllers.gait.geometry.AXIS_NAMES`."""
 
 
 class LegsState(NamedTuple):

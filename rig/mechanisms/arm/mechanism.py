@@ -5,7 +5,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
     dimensions_of,
     forward,
@@ -110,7 +110,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     Settings = ArmSettings
 
     columns = (
-        *servo_columns(JOINT_NAMES),
+        *servo_columns(AXIS_NAMES),
         *(Column(f"reading.hand_{axis}", "m", "hand by the measured joints") for axis in "xyz"),
         *(Column(f"reading.twist_{name}", unit, "of the hand, measured") for name, unit in _TWIST),
         *(
@@ -133,7 +133,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         geometry = settings.geometry
         super().__init__(
             AxisLimits(
-                JOINT_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
+                AXIS_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
             ),
             settings.limits,
             *self.pick("arm", settings, devices),

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
@@ -105,7 +105,7 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     Settings = LegsSettings
 
     columns = (
-        *servo_columns(JOINT_NAMES),
+        *servo_columns(AXIS_NAMES),
         *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
         *(
             Column(f"reference.{leg}_foot_{axis}", "m", "planned sole under the ankle")
@@ -126,10 +126,10 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         limits = settings.geometry.limits
         super().__init__(
             AxisLimits(
-                JOINT_NAMES,
+                AXIS_NAMES,
                 tuple([lower for lower, _ in limits]),
                 tuple([upper for _, upper in limits]),
-                (settings.geometry.max_rate,) * len(JOINT_NAMES),
+                (settings.geometry.max_rate,) * len(AXIS_NAMES),
             ),
             settings.limits,
             *self.pick("legs", settings, devices),

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from servo_fakes import ACCELERATION, AGE, FOLLOWING, PERIOD, FakeServo
 
-from controllers.arm.geometry import JOINT_NAMES as ARM_NAMES
+from controllers.arm.geometry import AXIS_NAMES as ARM_NAMES
 from controllers.arm.paths import DwellLine
 from controllers.arm.plan import ArmPlan
-from controllers.gait.geometry import JOINT_NAMES as LEG_NAMES
+from controllers.gait.geometry import AXIS_NAMES as LEG_NAMES
 from controllers.gait.laws import MinimumJerkLaw, NoSettings
 from controllers.gait.motions import SquatSettings
 from controllers.gait.types import GaitModel

@@ -7,7 +7,7 @@ import pytest
 from motion_fakes import MID, LegsBench, squat, straight_plan
 from servo_fakes import ACCELERATION, PERIOD, STEP
 
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.laws import InverseLaw, NoSettings
 from controllers.gait.motions import SquatSettings
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference
@@ -196,7 +196,7 @@ def test_the_limits_are_those_of_the_geometry_mirrored_on_the_right():
     joints = bench.legs.joints
     assert tuple(zip(joints.lower, joints.upper, strict=True)) == geometry.limits
     assert joints.rates == (geometry.max_rate,) * 12
-    roll = JOINT_NAMES.index("right_hip_roll")
+    roll = AXIS_NAMES.index("right_hip_roll")
     beyond = list(MID)
     beyond[roll] = math.radians(20.0) + 0.126
     bench.servo.angles = tuple(beyond)

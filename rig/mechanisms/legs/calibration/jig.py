@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import AXIS_NAMES
 from controllers.gait.types import LegsCommand, LegsReference
 from rig.calibration.estimates import Estimate
 from rig.calibration.instruments import Instrument
@@ -60,7 +60,7 @@ def instruments_of(profile: Profile, poses: dict[str, tuple[float, ...]]) -> lis
             f"angle {joint}", "rad", tolerance, tuple(poses), joint,
             tuple(pose[k] for pose in poses.values()),
         )
-        for k, joint in enumerate(JOINT_NAMES)
+        for k, joint in enumerate(AXIS_NAMES)
     ]  # fmt: skip
 
 
@@ -72,11 +72,11 @@ def excite(
     left = [name for name in poses if name not in done]
     name = left[0] if left else ""
     postures = Postures(
-        (name,), JOINT_NAMES, ((0.0,) * len(JOINT_NAMES),), settings.jig.dwell,
+        (name,), AXIS_NAMES, ((0.0,) * len(AXIS_NAMES),), settings.jig.dwell,
         settings.jig.dwell, relative=True,
     )  # fmt: skip
     motion = PostureMoves(
-        postures, (1.0,) * len(JOINT_NAMES), settings.geometry.limits,
+        postures, (1.0,) * len(AXIS_NAMES), settings.geometry.limits,
         reference=LegsReference, command=LegsCommand, columns=_PLAN_COLUMNS, has_torque=False,
     )  # fmt: skip
     wider = dataclasses.replace(settings.limits, following=_ROOM)
@@ -118,17 +118,17 @@ def measured(
     recording.require(poses)
     for name in poses:
         _check_still(name, recording[name], steps)
-    for joint in JOINT_NAMES:
+    for joint in AXIS_NAMES:
         lacking = [name for name in poses if name not in readings.get(f"angle {joint}", {})]
         if lacking:
             raise CalibrationRefused(f"nobody says the angle of {joint} in {lacking[0]!r}")
-    read = [[recording[n].mean(f"reading.position_{j}") for j in JOINT_NAMES] for n in poses]
-    said = [[readings[f"angle {joint}"][name] for joint in JOINT_NAMES] for name in poses]
+    read = [[recording[n].mean(f"reading.position_{j}") for j in AXIS_NAMES] for n in poses]
+    said = [[readings[f"angle {joint}"][name] for joint in AXIS_NAMES] for name in poses]
     return np.array(read), np.array(said)
 
 
 def _check_still(name: str, stretch: Stretch, steps: "Array") -> None:
-    for joint, step in zip(JOINT_NAMES, steps.tolist(), strict=True):
+    for joint, step in zip(AXIS_NAMES, steps.tolist(), strict=True):
         moved = float(np.ptp(stretch[f"reading.position_{joint}"]))
         if moved > _LOOSE + 2.0 * step:
             raise CalibrationRefused(
@@ -144,7 +144,7 @@ def settings_of(profile: Profile) -> list[tuple[str, Any]]:
         for device in devices_of(profile)
         for joint, settings in profile.devices[device].settings.joints.items()
     }
-    return [found[joint] for joint in JOINT_NAMES]
+    return [found[joint] for joint in AXIS_NAMES]
 
 
 def steps_of(profile: Profile) -> "Array":
@@ -185,8 +185,8 @@ def findings(
     joints = settings_of(profile)
     for number, device in enumerate(devices_of(profile)):
         mine = [k for k, (owner, _) in enumerate(joints) if owner == device]
-        _check(device, profile.devices[device].settings, {JOINT_NAMES[k]: values[k] for k in mine})
-        written = {JOINT_NAMES[k]: _written(values[k]) for k in mine}
+        _check(device, profile.devices[device].settings, {AXIS_NAMES[k]: values[k] for k in mine})
+        written = {AXIS_NAMES[k]: _written(values[k]) for k in mine}
         found.append(
             Finding(
                 device,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import AXIS_NAMES
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
@@ -68,8 +68,8 @@ class LegScale:
         values, estimates, fitted = [], [], np.empty_like(said)
         for k, (device, joint) in enumerate(settings_of(profile)):
             std = math.hypot(tolerance, float(steps[k]) / math.sqrt(12.0))
-            nominal = profile.devices[device].nominal.joints[JOINT_NAMES[k]]
-            value, found, line = _line(JOINT_NAMES[k], joint, nominal, read[:, k], said[:, k], std)
+            nominal = profile.devices[device].nominal.joints[AXIS_NAMES[k]]
+            value, found, line = _line(AXIS_NAMES[k], joint, nominal, read[:, k], said[:, k], std)
             values.append(value)
             estimates.append(found)
             fitted[:, k] = line

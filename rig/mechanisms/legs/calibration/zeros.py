@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import AXIS_NAMES
 from rig.calibration.estimates import interval
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
@@ -68,11 +68,11 @@ class LegZeros:
             values.append({"offset": offset})
             # One angle cannot tell how well it repeats: the tolerances are taken at their word.
             std = math.hypot(tolerance, float(steps[k]) / math.sqrt(12.0))
-            name = f"{JOINT_NAMES[k]}.offset"
+            name = f"{AXIS_NAMES[k]}.offset"
             estimates.append((interval(name, offset, "rad", std, math.inf),))
         (name,) = poses
         stretch = recording[name]
-        samples = np.column_stack([stretch[f"reading.position_{j}"] for j in JOINT_NAMES])
+        samples = np.column_stack([stretch[f"reading.position_{j}"] for j in AXIS_NAMES])
         scatter = read - samples
         bound = 1e-3 + float(steps.max())
         return findings(profile, values, estimates, scatter, bound, (_panel(said, read, scatter),))

@@ -9,14 +9,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from matrix_rays import path_ray
 
-from controllers.gait.curve_kernel import upright_ray
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.kinematics import (
     hip_from_ankle,
     inverse,
     jacobian,
     waist_from_foot,
 )
+from controllers.gait.phase_curve_kernel import upright_ray
 from controllers.motion import InfeasibleMotion
 
 GEOMETRY = LegGeometry(thigh=0.105, shank=0.095)
@@ -147,7 +147,7 @@ def test_straight_leg_has_a_ray_where_it_has_no_inverse():
 
 
 def test_limits_of_the_right_leg_mirror_the_left():
-    limits = dict(zip(JOINT_NAMES, LegGeometry().limits, strict=True))
+    limits = dict(zip(AXIS_NAMES, LegGeometry().limits, strict=True))
     assert limits["left_hip_yaw"] == tuple(map(math.radians, (-30.0, 90.0)))
     assert limits["right_hip_yaw"] == tuple(map(math.radians, (-90.0, 30.0)))
     assert limits["right_ankle_roll"] == pytest.approx(tuple(map(math.radians, (-24.0, 24.0))))

@@ -9,10 +9,10 @@ straight knee.
 import math
 
 from controllers.compiled import KernelMemory
-from controllers.gait import curve_kernel
-from controllers.gait.curve_kernel import PhaseNumbers
+from controllers.gait import phase_curve_kernel
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import inverse
+from controllers.gait.phase_curve_kernel import PhaseNumbers
 from controllers.gait.phases import LegPath, Phase
 from controllers.gait.types import Joints
 from controllers.motion import InfeasibleMotion
@@ -66,8 +66,8 @@ class PhaseCurve:
         self._leading = left if path_length(left) > path_length(right) else right
         numbers = PhaseNumbers(geometry.thigh, geometry.shank, right, left, self._leading)
         memory = KernelMemory(numbers)
-        self._follow = memory.bind(curve_kernel.follow)
-        self._rates = memory.bind(curve_kernel.rates)
+        self._follow = memory.bind(phase_curve_kernel.follow)
+        self._rates = memory.bind(phase_curve_kernel.rates)
         self.begin()
 
     def joints_at(self, xi: float) -> Joints:
@@ -141,7 +141,7 @@ class PhaseCurve:
         self.path = xi
 
     def _refuse(self, outcome: int) -> None:
-        if outcome == curve_kernel.TANGENTIAL:
+        if outcome == phase_curve_kernel.TANGENTIAL:
             raise InfeasibleMotion(
                 f"{self.phase.name}: both legs are straight and the path runs along the reach of "
                 "one of them; no direction is singled out."

@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from controllers.bisection import bisect
-from controllers.gait.arcs import Arcs
-from controllers.gait.curve import PhaseCurve
+from controllers.gait.arc_lengths import Arcs
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.minimum_jerk import minimum_jerk
 from controllers.motion import InfeasibleMotion
 

@@ -14,11 +14,11 @@ from annotated_types import Gt
 from numpy.typing import NDArray
 
 from controllers.base import Chosen
-from controllers.gait.curve import PhaseCurve
 from controllers.gait.kinematics import LegAngles, jacobian, waist_from_foot
 from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
 from controllers.gait.laws import NoSettings
-from controllers.gait.paces import ConstantPathPace
+from controllers.gait.phase_curve import PhaseCurve
+from controllers.gait.time_laws import ConstantPathPace
 from controllers.gait.types import GaitModel, Joints, LegsCommand
 
 Array = NDArray[np.float64]
