@@ -28,7 +28,8 @@ from controllers.arm.region import (
     region_for_twist,
 )
 from controllers.arm.retiming import follow_axis_path, retime
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory, Trajectory
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import (
     check_turn_back,
     dwelling,
@@ -81,7 +82,8 @@ class EscPaper(ArmLaw[EscPaperSettings]):
         """Yield a sample per period."""
         if isinstance(trajectory, CircularTrajectory):
             return _circle(self, trajectory, end)
-        assert isinstance(trajectory, StraightTrajectory)
+        if not isinstance(trajectory, StraightTrajectory):
+            raise _unknown(self.name, trajectory)
         if trajectory.depth is not None:
             settings = self.settings
             return _dwell(
@@ -187,7 +189,8 @@ class Esc(ArmLaw[EscSettings]):
         """Yield a sample per period."""
         if isinstance(trajectory, CircularTrajectory):
             return _circle(self, trajectory, end)
-        assert isinstance(trajectory, StraightTrajectory)
+        if not isinstance(trajectory, StraightTrajectory):
+            raise _unknown(self.name, trajectory)
         if trajectory.depth is not None:
             return _dwell(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
@@ -305,3 +308,10 @@ def _integrated(
             return
         q, t = after, t + period
     end.duration, end.outcome = t, "stalls"
+
+
+def _unknown(law: str, trajectory: Trajectory) -> InfeasibleMotion:
+    return InfeasibleMotion(
+        f"{law} plans lines and circles, not a {type(trajectory).__name__}; "
+        "inverse, dls and servo-halt follow any path."
+    )

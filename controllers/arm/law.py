@@ -6,9 +6,9 @@ from typing import Any, ClassVar
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan, Sample, make_plan
-from controllers.arm.trajectories import Trajectory, make_trajectory
+from controllers.arm.trajectories import ArmPathSettings, make_trajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import ArmCommand, ArmReference, ArmState, Joints
 from controllers.base import Chosen, PlanningLaw
 

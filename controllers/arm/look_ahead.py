@@ -10,7 +10,8 @@ from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
 from controllers.arm.retiming import Timing, follow_axis_path, retime
-from controllers.arm.trajectories import StraightTrajectory, Trajectory
+from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.motion import InfeasibleMotion
 
 _FINE = 2e-3

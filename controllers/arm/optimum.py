@@ -4,9 +4,8 @@ from controllers.arm.dwell import elbow_at_depth
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.retiming import velocity_limited_time
-from controllers.arm.trajectories import StraightTrajectory, make_trajectory
+from controllers.arm.trajectories import ArmPathSettings, StraightTrajectory, make_trajectory
 from controllers.arm.turn_back import time_at_depth
 
 

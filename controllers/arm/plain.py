@@ -17,7 +17,7 @@ from controllers.arm.decomposition import full_scale, joint_rates
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
-from controllers.arm.trajectories import Trajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints, Twist
 from controllers.arm.vectors import along, minus, rotation_error
 

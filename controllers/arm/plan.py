@@ -17,7 +17,7 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_in_plane,
 )
-from controllers.arm.trajectories import Trajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import ArmReference, Joints, Twist
 from controllers.motion import InfeasibleMotion
 

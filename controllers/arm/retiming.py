@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from controllers.arm.axis_path import AxisPath
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
-from controllers.arm.trajectories import Trajectory
+from controllers.arm.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.optimum import least_time
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
+from controllers.arm.trajectories import ArmPathSettings
 from controllers.motion import InfeasibleMotion
 from rig.hal.motion import Fact
 

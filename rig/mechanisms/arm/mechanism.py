@@ -13,8 +13,8 @@ from controllers.arm.kinematics import (
     link_points,
     singularity_indices,
 )
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
+from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
 from rig.hal import Device
 from rig.hal.columns import Column

@@ -10,6 +10,7 @@ from controllers.gait.geometry import KNEES
 from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
 from controllers.gait.leg_postures import leg_posture
 from controllers.gait.plan import GaitPlan
+from controllers.gait.time_laws import LimitedNormPace
 from rig.hal.motion import Fact
 
 _RESOLUTION = float(np.deg2rad(1.0 / 209.0))
