@@ -19,8 +19,8 @@ PARTS = MechanismParts(
         "mink": f"{_LAWS}.mink_rival:MinkLaw",
     },
     references={
-        "legs-walk": f"{_LAWS}.motions:WalkSettings",
-        "legs-squat": f"{_LAWS}.motions:SquatSettings",
+        "legs-walk": f"{_HERE}.references:WalkSettings",
+        "legs-squat": f"{_HERE}.references:SquatSettings",
     },
     plants={
         "legs": PlantModel(
