@@ -6,9 +6,9 @@ import pytest
 from joint_fakes import CHANNELS
 
 from rig.hal import SafetyError
-from rig.mechanisms.cylinder.settings import RegulatorModel
 from rig.mechanisms.joint.alarms.pressures import PressureWatch
 from rig.mechanisms.joint.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 STEP, TIME, DEVIATION, START = 2.0**-10, 2.0**-6, 40e3, 200e3
 CYCLES = round(TIME / STEP)
