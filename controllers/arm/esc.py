@@ -146,7 +146,7 @@ class EscPaper(ArmLaw[EscPaperSettings]):
 
 @dataclass(frozen=True, slots=True)
 class EscSettings:
-    """What the law may be asked to leave out.
+    """Parts of the law that may be left out.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ _AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class MotionEnd:
-    """How a law's motion ended; a law fills it in.
+    """The end of a motion, which its law fills in.
 
     Attributes
     ----------
@@ -45,15 +45,6 @@ class ArmLaw(
     `prepare` runs the law through the whole motion and keeps nothing but the path; `update` runs
     it again, one period per call whatever the clock says: a late cycle is a cycle later, not a
     jump. The law moves the commanded joints; that the measured ones follow is for the drives.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the law.
-    model : ArmGeometry
-        Dimensions and limits.
-    period : float
-        The loop's period, s.
     """
 
     name: ClassVar[str]

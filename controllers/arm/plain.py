@@ -191,7 +191,7 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
 
 @dataclass(frozen=True, slots=True)
 class ServoHaltSettings(InverseSettings):
-    """Where the hand is slowed and where it halts.
+    """Conditions of J at which the hand is slowed and halts.
 
     Parameters
     ----------

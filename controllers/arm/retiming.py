@@ -32,7 +32,7 @@ _ACCELERATION_SHARE = 0.98
 
 
 class Timing(NamedTuple):
-    """When the joint path is where.
+    """The timing of an axis path.
 
     Parameters
     ----------
