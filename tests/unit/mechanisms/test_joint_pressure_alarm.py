@@ -68,7 +68,7 @@ def test_a_pressure_that_was_well_meanwhile_has_its_time_again():
 
 def test_the_channel_that_was_off_first_is_the_one_that_is_told_of():
     bench = Bench()
-    bench.pass_by(3, ch4=50e3)
+    bench.pass_by(1, ch4=50e3)
     with pytest.raises(SafetyError, match=r"\[ch4: "):
         bench.pass_by(CYCLES, ch1=45e3, ch4=50e3)
 
