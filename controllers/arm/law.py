@@ -9,10 +9,8 @@ from controllers.arm.kinematics import dimensions_of
 from controllers.arm.plan import ArmPlan, Sample, make_plan
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import ArmCommand, ArmReference, ArmState, Joints
+from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
-
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class MotionEnd:
@@ -107,7 +105,7 @@ class ArmLaw(
         sample = next(self._motion, None)
         if sample is None:
             end = reference.positions if self._last is None else self._last.positions
-            return ArmCommand(end, _AT_REST)
+            return ArmCommand(end, AT_REST)
         self._last = sample
         return ArmCommand(sample.positions, sample.velocities)
 

@@ -7,6 +7,7 @@ Rotation = tuple[Vector, Vector, Vector]
 """Rows of a rotation matrix, base from tool."""
 Joints = tuple[float, float, float, float, float, float]
 """One value per joint, q1 … q6."""
+AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Pose(NamedTuple):
