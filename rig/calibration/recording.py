@@ -21,11 +21,15 @@ TRUTH = "truth."
 
 
 class CalibrationRefused(RigError):
-    """What was recorded does not suffice, or is worse than what there is; nothing was changed."""
+    """The data do not suffice, or their fit is worse than the one in force; nothing was changed."""
 
 
 class RigLacks(CalibrationRefused):
     """The rig has not what the procedure takes; nothing was moved."""
+
+
+class NoFiles(CalibrationRefused):
+    """There are no files to read; what is in force stays."""
 
 
 class Stretch(Mapping[str, "NDArray[np.float64]"]):

@@ -19,7 +19,7 @@ from rig.mechanisms.arm.calibration.hand_model import (
     marker_positions,
     parameters_of,
 )
-from rig.mechanisms.servo.calibration.posture_moves import PostureMoves, Postures
+from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -33,7 +33,6 @@ _SHARE: Final = 0.7
 """Of each joint's permitted speed."""
 _BOUND: Final = 3.0
 """Residual above which a fit is not to be used, in the instrument's stated uncertainty."""
-_PLAN_COLUMNS: Final = 30
 
 
 def devices_of(profile: Profile) -> tuple[str, ...]:
@@ -68,17 +67,14 @@ def excite(profile: Profile, poses: Poses, done: Sequence[str], *, relative: boo
     )
     speeds = [_SHARE * rate for rate in geometry.rate_limits]
     limits = tuple(zip(geometry.position_min, geometry.position_max, strict=True))
-    motion = PostureMoves(
-        postures, speeds, limits,
-        reference=ArmReference, command=ArmCommand, columns=_PLAN_COLUMNS,
-    )  # fmt: skip
+    script = PostureScript(postures, speeds, limits, reference=ArmReference, command=ArmCommand)
     first = postures.angles[0]
     farthest = max(
         1.875 * max(q - low, high - q) / speed
         for q, (low, high), speed in zip(first, limits, speeds, strict=True)
     )
     return Excitation(
-        postures, motion, motion, "joint-moves", profile, notes_of(profile, poses),
+        postures, script, script, "joint-moves", profile, script.describe, notes_of(profile, poses),
         approach=0.2 if relative else farthest,
     )  # fmt: skip
 

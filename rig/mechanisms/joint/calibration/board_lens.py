@@ -118,6 +118,8 @@ class Views(NamedTuple):
 
     Parameters
     ----------
+    board : Board
+        The board.
     paths : tuple of Path
         The files that they are from.
     size : tuple of int
@@ -130,6 +132,7 @@ class Views(NamedTuple):
         Images that were looked at.
     """
 
+    board: Board
     paths: tuple[Path, ...]
     size: tuple[int, int]
     names: tuple[str, ...]
@@ -199,10 +202,10 @@ def read_views(source: Path, board: Board) -> Views:
             f"squares, at least {LEAST_VIEWS} are needed: is it the right board, whole, in focus?"
         )
     (size,) = sizes
-    return Views(tuple(paths), size, tuple(names), np.array(found), seen)
+    return Views(board, tuple(paths), size, tuple(names), np.array(found), seen)
 
 
-def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
+def fit_lens(views: Views, guess: Intrinsics) -> FittedLens:
     """Return the lens that projects a board's corners to where they were seen.
 
     Raises
@@ -219,7 +222,7 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
             f"the boards span {100 * spread[0]:.0f} % of the width and {100 * spread[1]:.0f} % of "
             f"the height, at least {100 * _LEAST_SPREAD:.0f} % are needed: show it in the corners"
         )
-    grid = board.corners.astype(np.float32)
+    grid = views.board.corners.astype(np.float32)
     camera = np.array([[guess.fx, 0.0, guess.cx], [0.0, guess.fy, guess.cy], [0.0, 0.0, 1.0]])
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
     corners = [each.astype(np.float32) for each in views.corners]
@@ -234,7 +237,7 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
         )
     first = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *bend.ravel()[:2]])
     poses = np.hstack([np.array(each, float).reshape(-1, 3) for each in (turns, places)])
-    found = fit_weighted(board.corners, views.corners, first, poses)
+    found = fit_weighted(views.board.corners, views.corners, first, poses)
     return FittedLens(
         dict(zip(LENS, found.values.tolist(), strict=True)),
         dict(zip(LENS, found.stds.tolist(), strict=True)),
@@ -242,16 +245,16 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
     )
 
 
-def project(views: Views, board: Board, lens: Intrinsics) -> "Array":
+def project(views: Views, lens: Intrinsics) -> "Array":
     """Return where a lens has the corners, each board where that lens sees it best, pixels."""
     import cv2
 
     matrix = np.array([[lens.fx, 0.0, lens.cx], [0.0, lens.fy, lens.cy], [0.0, 0.0, 1.0]])
     bend = np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3])
-    rows = []
+    rows, grid = [], views.board.corners
     for corners in views.corners:
-        _, turn, place = cv2.solvePnP(board.corners, corners, matrix, bend)
-        rows.append(cv2.projectPoints(board.corners, turn, place, matrix, bend)[0].reshape(-1, 2))
+        _, turn, place = cv2.solvePnP(grid, corners, matrix, bend)
+        rows.append(cv2.projectPoints(grid, turn, place, matrix, bend)[0].reshape(-1, 2))
     return np.array(rows)
 
 

@@ -28,9 +28,9 @@ from rig.calibration.estimates import Estimate
 from rig.calibration.recording import Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import Belief, axis_with, with_stiffer_wires
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, Tug
-from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
-from rig.mechanisms.pneumatic.calibration.sliding_samples import bump_of, smooth
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -88,30 +88,27 @@ def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[T
 def _last(profile: Profile, stretch: Stretch, tug: Tug) -> Stretch | None:
     """Return the last samples before the pair is fast; None if it never is."""
     period = profile.loop.period
-    channels = tuple(profile.devices[profile.mechanism_settings.regulators].settings.channels)
-    one, other = (stretch[f"reading.rod_{channels[wire]}"] for wire in PAIRS[tug.pair])
-    position = 0.5 * tug.side * (one - other)
-    signals = smooth(position, position, position, period)
+    bump, rods = Bump(period), JointPneumatics(profile).rods(stretch)
+    one, other = PAIRS[tug.pair]
+    position = 0.5 * tug.side * (rods[:, one] - rods[:, other])
+    signals = bump.smooth(PairSignals("", position, position, position))
     fast = np.flatnonzero((signals.position > _CREPT) & (signals.velocity > _MOVING))
     if not len(fast):
         return None
-    end = int(fast[0]) + len(bump_of(period)[0]) - 1
+    end = int(fast[0]) + bump.width - 1
     rows = slice(max(end - round(_BEFORE / period), 0), end)
     return Stretch({name: column[rows] for name, column in stretch.items()})
 
 
 def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
     """Return the greatest force before the pair moved, N at base pressure and upright."""
-    period, usual = profile.loop.period, belief.usual
-    width = len(bump_of(period)[0])
-    raw = pairs_of(profile, last)[tug.pair]
-    seals = 0.5 * (tug.side * float(raw.force[-width]) - belief.alone * float(raw.load[-width]))
+    bump, pneumatics, usual = Bump(profile.loop.period), JointPneumatics(profile), belief.usual
+    raw, k = pneumatics.signals(last)[tug.pair], -bump.width
+    seals = 0.5 * (tug.side * float(raw.force[k]) - belief.alone * float(raw.load[k]))
     taken = np.zeros(4)
     taken[list(PAIRS[tug.pair])] = tug.side * seals * np.array([1.0, -1.0])
-    pairs = [
-        smooth(pair.force, pair.position, pair.load, period)
-        for pair in pairs_of(profile, last, axis_with(profile, last, taken))
-    ]
+    axis = axis_with(profile, last, taken)
+    pairs = [bump.smooth(pair) for pair in pneumatics.signals(last, axis)]
     pull = tug.side * pairs[tug.pair].force
     k = int(np.argmax(pull))
     # The ring bears all four wires, the pair's own friction grows with its two.

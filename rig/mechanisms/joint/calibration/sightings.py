@@ -7,8 +7,8 @@ import numpy as np
 
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.sighting_model import Sightings, rotation
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,7 +77,7 @@ def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Tr
     t = column("t") - column("reading.age")
     base = settings.area * settings.base_pressure
     columns = []
-    for channel in pneumatics_of(profile).channels:
+    for channel in JointPneumatics(profile).channels:
         rod = column(f"reading.rod_{channel}")  # its shortening from home
         limit = limits_of(rod, t, settings.friction)
         raised = 1.0 + _STEP * (limit - 1.0)
@@ -138,7 +138,7 @@ def check_travel(profile: Profile, seen: Sightings) -> None:
     CalibrationRefused
         A rod hardly moved; which one, and by how much.
     """
-    channels = pneumatics_of(profile).channels
+    channels = JointPneumatics(profile).channels
     for channel, travel in zip(channels, np.ptp(seen.rods, axis=0), strict=True):
         if travel < _LEAST_TRAVEL:
             raise CalibrationRefused(

@@ -42,8 +42,8 @@ from rig.mechanisms.joint.calibration.ball_friction import (
     sheared,
     with_stiffer_wires,
 )
-from rig.mechanisms.pneumatic.calibration.pair_signals import PairSignals, pairs_of
-from rig.mechanisms.pneumatic.calibration.sliding_samples import Signals, bump_of, sliding, smooth
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals, SmoothSignals
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,7 +95,7 @@ class _Stroke(NamedTuple):
     stretch: Stretch
     axis: "Array"
     pairs: list[PairSignals]
-    signals: list[Signals]
+    signals: list[SmoothSignals]
 
 
 class StrokeFit(NamedTuple):
@@ -191,19 +191,17 @@ def least_speed(profile: Profile) -> float:
 
 
 def _strokes(profile: Profile, belief: Belief, stretches: Sequence[Stretch]) -> list[_Stroke]:
-    strokes = []
+    strokes, bump, pneumatics = [], Bump(profile.loop.period), JointPneumatics(profile)
     for stretch in stretches:
         axis = axis_of(profile, belief, stretch)
-        pairs = pairs_of(profile, stretch, axis)
-        signals = [smooth(p.force, p.position, p.load, profile.loop.period) for p in pairs]
-        strokes.append(_Stroke(stretch, axis, pairs, signals))
+        pairs = pneumatics.signals(stretch, axis)
+        strokes.append(_Stroke(stretch, axis, pairs, [bump.smooth(pair) for pair in pairs]))
     return strokes
 
 
 def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
     """Raise if there is too little sliding to fit."""
-    width = len(bump_of(profile.loop.period)[0])
-    least = least_speed(profile)
+    bump, least = Bump(profile.loop.period), least_speed(profile)
     for number, pair in enumerate(strokes[0].pairs):
         went = max(float(np.ptp(stroke.pairs[number].position)) for stroke in strokes)
         if went < 0.5 * travel:
@@ -211,7 +209,7 @@ def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
                 f"{pair.name} moved by {1e3 * went:.3g} mm at most where {1e3 * travel:.3g} mm "
                 "were asked for: a rod is stuck, or the supply is shut"
             )
-        places = sum(len(sliding(s.signals[number].velocity, least, width)) for s in strokes)
+        places = sum(len(bump.sliding(s.signals[number].velocity, least)) for s in strokes)
         if places < _LEAST_ROWS:
             raise CalibrationRefused(
                 f"{pair.name} slid evenly and faster than {1e3 * least:.3g} mm/s in {places} "
@@ -221,14 +219,14 @@ def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
 
 
 def _rows(profile: Profile, belief: Belief, strokes: Sequence[_Stroke]) -> list[Sliding]:
-    width, least = len(bump_of(profile.loop.period)[0]), least_speed(profile)
+    bump, least = Bump(profile.loop.period), least_speed(profile)
     parts: list[list[Array]] = [[] for _ in strokes[0].pairs]
     for number, (stretch, axis, pairs, signals) in enumerate(strokes):
         on_ball = friction_on_ball(profile, belief, stretch, axis, signals)
         speeds = sheared(profile, stretch, signals)
         for mine, pair, one, speed, on in zip(parts, pairs, signals, speeds, on_ball, strict=True):
             position = pair.position[0] + one.position
-            k = sliding(one.velocity, least, width)
+            k = bump.sliding(one.velocity, least)
             mine.append(
                 np.column_stack([np.full(len(k), float(number)), one.force[k], position[k],
                                  one.velocity[k], one.acceleration[k], speed[k], on[k],

@@ -19,7 +19,7 @@ lean. Upright nothing is left of it.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -29,9 +29,10 @@ from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
+from rig.mechanisms.joint.calibration import sighting_model
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
-from rig.mechanisms.joint.calibration.sighting_model import Wires
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, Wires, ends_of_sweeps
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,43 +48,49 @@ _MOST: Final = math.radians(10.0)
 """A ring that leans more does not stand upright."""
 
 
-class WireOffsets(NamedTuple):
-    """What is found of the single wires.
+class JointWires(Wires):
+    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself.
 
     Parameters
     ----------
-    offsets : tuple of float
-        How much further each rod stands out than all in the mean, m.
-    home, give : Estimate
-        Where all of them are taut in the mean, the ring upright, and how they give, m and m/N.
-    single : tuple of Estimate
-        Where each of them is taut.
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
     """
 
-    offsets: tuple[float, ...]
-    home: Estimate
-    give: Estimate
-    single: tuple[Estimate, ...]
-
-
-def inclinometers(stretches: Sequence[str]) -> tuple[Instrument, ...]:
-    """Return the inclinometer on the ring, read along both axes in some stretches."""
-    return tuple(
-        Instrument(
-            f"inclinometer {axis}", "rad", INCLINOMETER_ACCURACY, tuple(stretches), f"axis_{axis}"
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return the inclinometer on the ring, read along both axes where sweeps end."""
+        stretches = tuple(ends_of_sweeps())
+        return tuple(
+            Instrument(
+                f"inclinometer {axis}", "rad", INCLINOMETER_ACCURACY, stretches, f"axis_{axis}"
+            )
+            for axis in _AXES
         )
-        for axis in _AXES
-    )
+
+    def believed_stiffness(self, profile: Profile) -> float | None:
+        """Return the wires' stiffness that the profile has, N/m."""
+        return float(profile.mechanism_settings.wire_stiffness)
+
+    def with_single_wires(
+        self, profile: Profile, data: Recording, readings: Readings, found: Fit, mean: WireEstimates
+    ) -> WireEstimates:
+        """Return what the inclinometer tells of each wire, or that nobody read it."""
+        sides = ends_of_sweeps()
+        axes = _axes(readings, sides)
+        if axes is None:
+            note = "nobody read the inclinometer on the ring: single wires are not told"
+            return mean._replace(notes=(*mean.notes, note))
+        return wire_offsets(profile, data, axes, sides, found)._replace(notes=mean.notes)
 
 
 def wire_offsets(
     profile: Profile,
     recording: Recording,
-    readings: Readings,
+    axes: "Array",
     sides: Mapping[str, int],
     found: Fit,
-) -> WireOffsets | None:
-    """Return what is found of the single wires; None if nobody read the inclinometer.
+) -> WireEstimates:
+    """Return where the wires are taut, in their mean and each by itself.
 
     Parameters
     ----------
@@ -91,27 +98,19 @@ def wire_offsets(
         Of a joint.
     recording : Recording
         What was recorded.
-    readings : mapping
-        Of the inclinometer.
+    axes : ndarray, shape (n, 3)
+        The ring's in each stretch, by the inclinometer.
     sides : mapping of str to int
-        The stretches in which it is read: +1 on the way up.
+        The n stretches in which it was read: +1 on the way up.
     found : Fit
         What the mean of all rods says while the ring leans as it does: home (mm), give (mm/N).
-
-    Raises
-    ------
-    CalibrationRefused
-        It was not read everywhere, or the ring does not stand upright.
     """
-    axes = _axes(readings, sides)
-    if axes is None:
-        return None
-    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
+    pneumatics = JointPneumatics(profile)
     recorded = [recording[name] for name in sides]
     extension = np.array(
         [[pneumatics.extension(p, c).mean() for c in pneumatics.channels] for p in recorded]
     )
-    pull = settings.area * np.array(
+    pull = pneumatics.area * np.array(
         [[p.mean(f"reading.pressure_{c}") for c in pneumatics.channels] for p in recorded]
     )
     side, mean_pull = np.array([float(value) for value in sides.values()]), pull.mean(axis=1)
@@ -151,11 +150,17 @@ def wire_offsets(
         others = [*parts[0], (own.std, len(side) - 3.0)]
         value = home.value + offsets[-1]
         single.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
-    return WireOffsets(tuple(offsets), home, give, tuple(single))
+    return WireEstimates(home, give, tuple(single), tuple(offsets))
 
 
 def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
-    """Return the ring's axis in each stretch, shape (n, 3), as the inclinometer shows it."""
+    """Return the ring's axis in each stretch, shape (n, 3); None if nobody read the inclinometer.
+
+    Raises
+    ------
+    CalibrationRefused
+        It was not read everywhere, or the ring does not stand upright.
+    """
     shown = [readings.get(f"inclinometer {axis}", {}) for axis in _AXES]
     if not any(shown):
         return None
@@ -208,7 +213,7 @@ def _believed(profile: Profile) -> dict[str, float]:
 
 def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
     """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
-    wires = Wires.of(values)
+    wires = sighting_model.Wires.of(values)
     return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
 
 

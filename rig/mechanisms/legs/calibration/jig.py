@@ -12,9 +12,10 @@ from controllers.gait.types import LegsCommand, LegsReference
 from rig.calibration.estimates import Estimate
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
-from rig.mechanisms.servo.calibration.posture_moves import PostureMoves, Postures
+from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,7 +26,6 @@ _ROOM: Final = 4.0 * math.pi
 """By how much a reading may be outside its limits, rad: any way that a horn can be mounted."""
 _LOOSE: Final = 2e-3
 """By how much a joint that a jig holds may move, beside two counts, rad."""
-_PLAN_COLUMNS: Final = 17
 
 
 def devices_of(profile: Profile) -> tuple[str, ...]:
@@ -75,25 +75,19 @@ def excite(
         (name,), JOINT_NAMES, ((0.0,) * len(JOINT_NAMES),), settings.jig.dwell,
         settings.jig.dwell, relative=True,
     )  # fmt: skip
-    motion = PostureMoves(
+    script = PostureScript(
         postures, (1.0,) * len(JOINT_NAMES), settings.geometry.limits,
-        reference=LegsReference, command=LegsCommand, columns=_PLAN_COLUMNS, has_torque=False,
+        reference=LegsReference, command=LegsCommand, has_torque=False,
     )  # fmt: skip
-    wider = dataclasses.replace(settings.limits, following=_ROOM)
-    relaxed = dataclasses.replace(
-        profile, mechanism_settings=dataclasses.replace(settings, limits=wider)
-    )
+    wider = profile_with(profile, {f"{profile.mechanism}.limits.following": _ROOM})
     if profile.plant is not None and name:  # a simulated robot is put where a real one is
-        stand = dataclasses.replace(profile.plant.settings, stand=poses[name])
-        relaxed = dataclasses.replace(
-            relaxed, plant=dataclasses.replace(profile.plant, settings=stand)
-        )
+        wider = profile_with(wider, {"plant.stand": poses[name]})
     notes = (
         "limits.following is not in force: there is no torque, and the zeros that the joints' "
         "limits rest on are what is looked for",
     )
     return Excitation(
-        postures, motion, motion, "joint-moves", relaxed, notes, approach=0.1,
+        postures, script, script, "joint-moves", wider, script.describe, notes, approach=0.1,
         placing=f"put both legs into the jig's pose {name!r}, without torque" if name else "",
     )  # fmt: skip
 

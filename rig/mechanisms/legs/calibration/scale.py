@@ -13,7 +13,7 @@ import numpy as np
 from controllers.gait.geometry import JOINT_NAMES
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
@@ -39,8 +39,8 @@ _BOUND = 3.0
 """Residual above which a line is not to be used, in the stated uncertainty."""
 
 
-class LegScale:
-    """Scale, direction and zero of every joint."""
+class LegScale(Procedure[Recording]):
+    """Procedure for scale, direction and zero of every joint."""
 
     name = "scale"
     title = "scale, direction and zero of the joints' encoders, in several poses of a jig"
@@ -57,13 +57,11 @@ class LegScale:
         """Return the jig's next pose."""
         return excite(profile, jig_poses(profile), done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit a line per joint."""
         poses = jig_poses(profile)
         steps = steps_of(profile)
-        read, said = measured(poses, recording, readings, steps)
+        read, said = measured(poses, data, readings, steps)
         tolerance = profile.mechanism_settings.jig.tolerance
         values, estimates, fitted = [], [], np.empty_like(said)
         for k, (device, joint) in enumerate(settings_of(profile)):

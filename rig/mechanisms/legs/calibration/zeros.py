@@ -13,7 +13,7 @@ import numpy as np
 from controllers.gait.geometry import JOINT_NAMES
 from rig.calibration.estimates import interval
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
@@ -36,8 +36,8 @@ _SAMPLES = 5
 """Of each stretch that are shown."""
 
 
-class LegZeros:
-    """Zero of every joint, in one pose."""
+class LegZeros(Procedure[Recording]):
+    """Procedure for the zero of every joint, in one pose."""
 
     name = "zeros"
     title = "zeros of the joints, in a jig"
@@ -54,13 +54,11 @@ class LegZeros:
         """Return the jig's first pose."""
         return excite(profile, jig_poses(profile, 1), done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Compare what the encoders read with what the jig is made to."""
         poses = jig_poses(profile, 1)
         steps = steps_of(profile)
-        (read,), (said,) = measured(poses, recording, readings, steps)
+        (read,), (said,) = measured(poses, data, readings, steps)
         tolerance = profile.mechanism_settings.jig.tolerance
         values, estimates = [], []
         for k, (_, joint) in enumerate(settings_of(profile)):
@@ -71,7 +69,7 @@ class LegZeros:
             name = f"{JOINT_NAMES[k]}.offset"
             estimates.append((interval(name, offset, "rad", std, math.inf),))
         (name,) = poses
-        stretch = recording[name]
+        stretch = data[name]
         samples = np.column_stack([stretch[f"reading.position_{j}"] for j in JOINT_NAMES])
         scatter = read - samples
         bound = 1e-3 + float(steps.max())

@@ -17,10 +17,10 @@ import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import open_loop, pneumatics_of, relaxed
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 if TYPE_CHECKING:
@@ -38,31 +38,41 @@ _BOUND: Final = 1.5e3
 """rms above which a fit is not to be used, Pa: 0.3 % of full scale."""
 
 
-class Regulators:
-    """Set-point and monitor of every regulator: offset, gain, linearity, hysteresis."""
+class Regulators(Procedure[Recording]):
+    """Procedure for set-point and monitor of every regulator: offset, gain, linearity, hysteresis.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "regulators"
     title = "set-point and monitor of the regulators against a gauge"
 
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
+
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the module's file."""
-        return (pneumatics_of(profile).regulators,)
+        return (self._of(profile).regulators,)
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
         """Return a gauge per chamber, read at every step."""
-        names = tuple(name for sweep in range(SWEEPS) for name, _, _ in _sweep(profile, sweep))
+        pneumatics = self._of(profile)
+        names = tuple(name for sweep in range(SWEEPS) for name, _, _ in _sweep(pneumatics, sweep))
         return tuple(
             Instrument(f"gauge {channel}", "Pa", GAUGE_ACCURACY, names, f"pressure_{channel}")
-            for channel in pneumatics_of(profile).channels
+            for channel in pneumatics.channels
         )
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
         names: list[str] = []
         levels: list[float] = []
-        pneumatics = pneumatics_of(profile)
+        pneumatics = self._of(profile)
         for sweep in range(SWEEPS):
-            steps = list(_sweep(profile, sweep))
+            steps = list(_sweep(pneumatics, sweep))
             if all(name in done for name, _, _ in steps):
                 continue
             # Below the first and above the last step, so that each is reached from one side.
@@ -73,21 +83,14 @@ class Regulators:
                 pneumatics.lowest, *(p for _, p, _ in rising),
                 pneumatics.highest, *(p for _, p, _ in falling),
             ]  # fmt: skip
-        steps_of = PressureSteps(tuple(names), tuple(levels))
-        base = profile.mechanism_settings.base_pressure
-        times, pressures = steps_of.knots(base)
-        count = len(pneumatics.channels)
-        motion = open_loop(profile, times, [(p,) * count for p in pressures], steps_of.segments)
-        wider, notes = relaxed(profile)
-        return Excitation(steps_of, motion, motion, "open-loop", wider, notes, approach=0.5)
+        plan = PressureSteps(tuple(names), tuple(levels))
+        return pneumatics.together(plan, room=0.0, approach=0.5)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit both characteristics of every channel."""
-        pneumatics = pneumatics_of(profile)
-        steps = [step for sweep in range(SWEEPS) for step in _sweep(profile, sweep)]
-        recording.require(name for name, _, _ in steps)
+        pneumatics = self._of(profile)
+        steps = [step for sweep in range(SWEEPS) for step in _sweep(pneumatics, sweep)]
+        data.require(name for name, _, _ in steps)
         entry = profile.devices[pneumatics.regulators]
         values: dict[str, Any] = {}
         estimates: list[Estimate] = []
@@ -103,9 +106,9 @@ class Regulators:
                 )
             wired, nominal = entry.settings.channels[channel], entry.nominal.channels[channel]
             gauge = np.array([shown[name] for name, _, _ in steps])
-            sent = np.array([recording[name].mean(f"applied.{channel}") for name, _, _ in steps])
+            sent = np.array([data[name].mean(f"applied.{channel}") for name, _, _ in steps])
             read = np.array(
-                [recording[name].mean(f"reading.pressure_{channel}") for name, _, _ in steps]
+                [data[name].mean(f"reading.pressure_{channel}") for name, _, _ in steps]
             )
             sides = np.array([side for _, _, side in steps], float)
             _check(channel, np.array([p for _, p, _ in steps]), sent, gauge)
@@ -152,9 +155,8 @@ class Regulators:
         )  # fmt: skip
 
 
-def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name, pressure and side (+1 from below) of the steps of one sweep."""
-    pneumatics = pneumatics_of(profile)
     spacing = (pneumatics.highest - pneumatics.lowest) / (LEVELS + 1)
     # Each sweep has levels of its own: the converter's steps then err independently.
     shift = 0.5 * spacing * (sweep / SWEEPS)

@@ -21,11 +21,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rig.calibration.estimates import Estimate, middle_of
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import open_loop, pneumatics_of, relaxed
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 if TYPE_CHECKING:
@@ -41,19 +40,20 @@ _LEAST: Final = 0.3
 _BOUND: Final = 3e3
 
 
-class Response:
-    """Step response and dead time of the regulators."""
+class Response(Procedure[Recording]):
+    """Procedure for step response and dead time of the regulators.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "response"
     title = "step response and dead time of the regulators"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file: its controllers are told of the response."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: the monitors measure it."""
-        return ()
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the repetitions that are not done."""
@@ -69,20 +69,14 @@ class Response:
             ("", "", *names), (base + _HEIGHT, base, *levels), ramp=_RAMP, dwell=_DWELL,
             judged=_DWELL + _RAMP,
         )  # fmt: skip
-        times, pressures = plan.knots(base)
-        count = len(pneumatics_of(profile).channels)
-        motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
-        wider, notes = relaxed(profile)
-        return Excitation(plan, motion, motion, "open-loop", wider, notes, approach=1.0)
+        return self._of(profile).together(plan, room=0.0, approach=1.0)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit every step of every channel."""
-        channels = pneumatics_of(profile).channels
+        channels = self._of(profile).channels
         base = profile.mechanism_settings.base_pressure
         sides = {side: [f"{side} {k + 1}" for k in range(REPEATS)] for side in ("up", "down")}
-        recording.require(name for names in sides.values() for name in names)
+        data.require(name for names in sides.values() for name in names)
         estimates: list[Estimate] = []
         rests: list[Array] = []
         panels: list[Panel] = []
@@ -93,7 +87,7 @@ class Response:
             for side, names in sides.items():
                 rows = []
                 for number, name in enumerate(names):
-                    part = recording[name]
+                    part = data[name]
                     before = base if side == "up" else base + _HEIGHT
                     t = part["t"] - _sent(part["t"], part[f"applied.{channel}"], before)
                     pressure = part[f"reading.pressure_{channel}"]
