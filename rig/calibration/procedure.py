@@ -4,15 +4,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import NoFiles
 from rig.config import Profile
 from rig.hal.motion import Motion
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from rig.calibration.instruments import Instrument
 
 Readings = Mapping[str, Mapping[str, float]]
@@ -41,12 +39,12 @@ class Panel(NamedTuple):
     x_label: str
     y_label: str
     residual_label: str
-    x: "NDArray[np.float64]"
-    y: "NDArray[np.float64]"
-    fit: "NDArray[np.float64]"
-    before: "NDArray[np.float64]"
+    x: Array
+    y: Array
+    fit: Array
+    before: Array
     residual_scale: float = 1.0
-    curve: "tuple[NDArray[np.float64], NDArray[np.float64]] | None" = None
+    curve: tuple[Array, Array] | None = None
 
 
 class Finding(NamedTuple):
@@ -77,7 +75,7 @@ class Finding(NamedTuple):
     target: str
     values: Mapping[str, object]
     estimates: Sequence[Estimate]
-    residuals: "NDArray[np.float64]"
+    residuals: Array
     unit: str
     bound: float
     blocks: int

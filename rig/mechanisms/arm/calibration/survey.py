@@ -2,11 +2,12 @@
 
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from controllers.arm.types import ArmCommand, ArmReference
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
@@ -20,11 +21,6 @@ from rig.mechanisms.arm.calibration.hand_model import (
     parameters_of,
 )
 from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 Poses = Sequence[tuple[str, tuple[float, ...]]]
 
@@ -95,7 +91,7 @@ def notes_of(profile: Profile, poses: Poses) -> tuple[str, ...]:
 
 def measured(
     profile: Profile, poses: Poses, recording: Recording, readings: Readings
-) -> "tuple[Array, Array]":
+) -> tuple[Array, Array]:
     """Return the joints (n, 6), rad, and the marker (n, 3), m, of every pose.
 
     Raises
@@ -158,7 +154,7 @@ def length_finding(profile: Profile, fit: HandFit) -> Finding:
     return _finding(profile, profile.mechanism, {"geometry": geometry}, estimates, fit, ())
 
 
-def panels_of(profile: Profile, fit: HandFit, joints: "Array", hand: "Array") -> list[Panel]:
+def panels_of(profile: Profile, fit: HandFit, joints: Array, hand: Array) -> list[Panel]:
     """Return a panel per axis: how far the hand is from where the profile has it."""
     settings = profile.mechanism_settings
     start = fit.values.copy()

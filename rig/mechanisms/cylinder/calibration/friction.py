@@ -33,11 +33,12 @@ friction compensation", European J. Control 4(3), 1998, pp. 176-195: the shape.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
+from rig.calibration.arrays import Array
 from rig.calibration.error_sums import half_width
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
@@ -46,11 +47,6 @@ from rig.config import Profile
 from rig.mechanisms.cylinder.calibration.glides import Glides, GlideScript
 from rig.mechanisms.cylinder.calibration.pneumatics import PairPneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _BASES: Final = (1.0, 0.8, 1.2, 0.9, 1.1)
 _SHARE: Final = 0.8
@@ -91,12 +87,12 @@ class _Glides(NamedTuple):
         Sum of the tensions less that at base pressure, N.
     """
 
-    glide: "Array"
-    side: "Array"
-    force: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    load: "Array"
+    glide: Array
+    side: Array
+    force: Array
+    velocity: Array
+    acceleration: Array
+    load: Array
 
 
 class PairFriction(Procedure[Recording]):
@@ -201,7 +197,7 @@ def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _
     return _Glides(*np.array(rows, float).T)
 
 
-def _model(rows: _Glides, q: "Array", speed: float) -> "Array":
+def _model(rows: _Glides, q: Array, speed: float) -> Array:
     coulomb, viscous, mass, growth, stribeck, zero = q[:6]
     fade = np.exp(-((rows.velocity / speed) ** 2))
     return np.asarray(
@@ -231,7 +227,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
     scale = [1.0, 10.0, 0.1, 0.1, 1.0, 0.1]
     usual = believed.stribeck_velocity
 
-    def without(q: "Array") -> "Array":
+    def without(q: Array) -> Array:
         return rows.force - _model(rows, q, usual)
 
     try:
@@ -255,7 +251,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
     return found, None, [note]
 
 
-def _left(rows: _Glides, q: "Array") -> "Array":
+def _left(rows: _Glides, q: Array) -> Array:
     """Return what the model leaves of the force, N."""
     return rows.force - _model(rows, q, abs(float(q[6])) + 1e-9)
 
@@ -287,7 +283,7 @@ def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
     other = mass * rows.acceleration + growth * rows.load + zero * rows.side
     measured = rows.force - other
 
-    def believed(velocity: "Array") -> "Array":
+    def believed(velocity: Array) -> Array:
         fade = np.exp(-((velocity / friction.stribeck_velocity) ** 2))
         rise = friction.breakaway - friction.coulomb
         force: Array = friction.coulomb + rise * fade + friction.viscous * velocity

@@ -1,9 +1,9 @@
 """The pneumatic side of one antagonistic pair."""
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 from controllers.cylinder.types import PairCommand, PairEstimate, PairReference
+from rig.calibration.arrays import Array
 from rig.calibration.profile_changes import profile_with, with_wider_limits
 from rig.calibration.recording import Stretch
 from rig.config import Profile, format_quantity
@@ -11,10 +11,6 @@ from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.calibration.pneumatics import Limit, Pneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import PairSignals
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 _SOFT = 0.3
 """Share of the profile's stiffness that a pair is moved from place to place with."""
@@ -43,7 +39,7 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         """See `Pneumatics.encoders`."""
         return (self.settings.encoder_agonist, self.settings.encoder_antagonist)
 
-    def extension(self, stretch: Stretch, channel: str) -> "NDArray[np.float64]":
+    def extension(self, stretch: Stretch, channel: str) -> Array:
         """See `Pneumatics.extension`."""
         return stretch[f"reading.position_{channel}"]
 

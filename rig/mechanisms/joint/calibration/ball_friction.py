@@ -9,23 +9,19 @@ changes by half along a stroke.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import PAIRS, SphericalJointGeometry
 from controllers.spherical_joint.poses import natural_rotation
+from rig.calibration.arrays import Array, Indices
 from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump, SmoothSignals
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _POSE_EVERY = 10
 """Samples between two poses of which it is worked out how far wires are wound."""
@@ -87,7 +83,7 @@ class Belief(NamedTuple):
         wires = max((both - math.sqrt(2.0) * ring) / (1.0 - both * ring), 0.0)
         return self._replace(ring=ring, wire=wires / self.wound)
 
-    def seal(self, pull: "Array", speed: "Array") -> "Array":
+    def seal(self, pull: Array, speed: Array) -> Array:
         """Return the friction of one rod's seals (N) under a chamber's pull (N) at a speed."""
         still = 0.5 * (self.coulomb - self.seals * self.usual)
         friction: Array = still + self.seals * pull + 0.5 * self.viscous * np.abs(speed)
@@ -116,9 +112,9 @@ def friction_on_ball(
     profile: Profile,
     belief: Belief,
     stretch: Stretch,
-    axis: "Array",
+    axis: Array,
     signals: Sequence[SmoothSignals],
-) -> list["Array"]:
+) -> list[Array]:
     """Return the believed friction on each pair, N, weighed with the bump of its signals.
 
     Parameters
@@ -160,7 +156,7 @@ def friction_on_ball(
     return [ring * speed + mine for speed, mine in zip(speeds, lost, strict=True)]
 
 
-def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]) -> list["Array"]:
+def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]) -> list[Array]:
     """Return the speed of each pair that the viscous friction of its two rods amounts to, m/s.
 
     Away from upright one rod of a pair goes faster than the other one, and what they lose grows
@@ -177,7 +173,7 @@ def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]
     return found
 
 
-def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
+def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> Array:
     """Return where the ring points in a stroke, shape (n, 3).
 
     A controller knows how far wires stretch by what it believes of the friction on the ball. In
@@ -190,7 +186,7 @@ def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
     return axis_with(profile, stretch, taken)
 
 
-def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
+def axis_with(profile: Profile, stretch: Stretch, taken: Array) -> Array:
     """Return where the ring points, shape (n, 3), from what the seals take of each chamber's pull.
 
     Parameters
@@ -210,20 +206,18 @@ def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
     return np.column_stack([np.interp(every, places, column) for column in axis.T])
 
 
-def _rods(
-    profile: Profile, stretch: Stretch, places: "NDArray[np.int_]"
-) -> tuple["Array", "Array"]:
+def _rods(profile: Profile, stretch: Stretch, places: Indices) -> tuple[Array, Array]:
     """Return how far each rod is pulled in, m, and its chamber's pull, N, shape (m, 4)."""
     pneumatics = JointPneumatics(profile)
     return pneumatics.rods(stretch)[places], pneumatics.pulls(stretch)[places]
 
 
-def _places(count: int) -> "NDArray[np.int_]":
+def _places(count: int) -> Indices:
     """Return where a pose is worked out, the last sample among them."""
     return np.unique(np.append(np.arange(0, count, _POSE_EVERY), count - 1))
 
 
-def _wound(geometry: SphericalJointGeometry, axis: "Array") -> "Array":
+def _wound(geometry: SphericalJointGeometry, axis: Array) -> Array:
     """Return by which angle each wire is wound on the ball, rad, shape (n, 4)."""
     anchors, adjusts = np.array(geometry.anchors), np.array(geometry.adjust_points)
     straight = math.acos(geometry.ball_radius / geometry.adjust_distance)

@@ -9,17 +9,13 @@ and Machine Intelligence 22(11), 2000.
 import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.recording import CalibrationRefused
 from rig.mechanisms.joint.calibration.board_lens_fit import LENS, fit_weighted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 LEAST_VIEWS: Final = 6
 """So many views have to show the whole board."""
@@ -106,7 +102,7 @@ class Board(NamedTuple):
         return board
 
     @property
-    def corners(self) -> "Array":
+    def corners(self) -> Array:
         """Where squares meet, in the board's plane, m, shape (n, 3)."""
         grid = np.zeros(((self.columns - 1) * (self.rows - 1), 3))
         grid[:, :2] = np.mgrid[: self.columns - 1, : self.rows - 1].T.reshape(-1, 2)
@@ -136,7 +132,7 @@ class Views(NamedTuple):
     paths: tuple[Path, ...]
     size: tuple[int, int]
     names: tuple[str, ...]
-    corners: "Array"
+    corners: Array
     seen: int
 
     @property
@@ -167,7 +163,7 @@ class FittedLens(NamedTuple):
 
     values: dict[str, float]
     stds: dict[str, float]
-    residuals: "Array"
+    residuals: Array
 
 
 def read_views(source: Path, board: Board) -> Views:
@@ -245,7 +241,7 @@ def fit_lens(views: Views, guess: Intrinsics) -> FittedLens:
     )
 
 
-def project(views: Views, lens: Intrinsics) -> "Array":
+def project(views: Views, lens: Intrinsics) -> Array:
     """Return where a lens has the corners, each board where that lens sees it best, pixels."""
     import cv2
 

@@ -18,11 +18,12 @@ JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
+from rig.calibration.arrays import Array
 from rig.calibration.error_sums import half_width
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import Recording, Stretch
@@ -31,11 +32,6 @@ from rig.mechanisms.joint.calibration.ball_friction import Belief, axis_with, wi
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, Tug
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _MOVING: Final = 5e-3
 """A pair that is faster has broken away, m/s."""
@@ -65,7 +61,7 @@ class Case(NamedTuple):
     bound: bool = False
 
 
-def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
+def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> Array:
     """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
 
     Parameters
@@ -136,7 +132,7 @@ class Breakaways:
         Which pairs are to be told.
     """
 
-    def __init__(self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int]) -> None:
+    def __init__(self, tugs: Sequence[Tug], forces: Array, pairs: Sequence[int]) -> None:
         self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
         self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
         rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
@@ -155,12 +151,12 @@ class Breakaways:
         after = {SAME: (1.0, 0.0), BACK: (0.0, 1.0), OTHER: (-0.5, -0.5)}[tug.after]
         return [*kind, float(tug.swing), *after]
 
-    def _weights(self, pair: int) -> "Array":
+    def _weights(self, pair: int) -> Array:
         kinds = np.array([0.5 * (kind[0] == pair) for kind in self._kinds])
         weights: Array = kinds @ self._inverse[: len(kinds)]
         return weights
 
-    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: "Array") -> Estimate:
+    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: Array) -> Estimate:
         """Return a pair's breakaway with its interval.
 
         Parameters

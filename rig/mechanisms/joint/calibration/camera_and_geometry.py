@@ -5,12 +5,13 @@ elsewhere; and the marker of a joint is where a wrong camera sees it.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from controllers.spherical_joint.types import JointReference
 from rig.assembly import make_controller, plan_motion
+from rig.calibration.arrays import Array
 from rig.calibration.procedure import Excitation, Panel
 from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording
@@ -27,11 +28,6 @@ from rig.mechanisms.joint.calibration.sighting_model import (
     rod_slopes,
 )
 from rig.mechanisms.joint.calibration.sightings import check_travel, sightings_of, track_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 RESIDUAL_BOUND: Final = 0.1e-3
 """Rms of what joint and camera do not explain of the rods above which the fit is of no use, m."""
@@ -79,12 +75,12 @@ class Solved(NamedTuple):
 
     posterior: Posterior
     seen: Sightings
-    mounted: "Array"
+    mounted: Array
     before: Values
     channels: tuple[str, ...]
 
     @property
-    def residuals(self) -> "Array":
+    def residuals(self) -> Array:
         """Measured less modelled extension of each rod, m, shape (n, 4)."""
         return self.seen.rods - extensions_seen(self.posterior.by_name, self.seen, self.mounted)
 
@@ -184,7 +180,7 @@ def solve(
     turned = sum(drawing_of(profile).anchor_angles)
     part = settings.tolerance.part / np.sqrt(3.0)
 
-    def extra(values: Mapping[str, float]) -> "Array":
+    def extra(values: Mapping[str, float]) -> Array:
         rows = [(sum(values[name] for name in ANGLES) - turned) / (4.0 * _EQUAL)]
         if gauge is not None:
             shown = values["marker_height"] * axes_seen(values, upright, mounted)[0, 2]
@@ -199,8 +195,8 @@ def solve(
         whitening = _whitening(values, seen, mounted)
 
         def misfit(
-            values: Mapping[str, float], seen: Sightings = seen, whitening: "Array" = whitening
-        ) -> "Array":
+            values: Mapping[str, float], seen: Sightings = seen, whitening: Array = whitening
+        ) -> Array:
             rest = seen.rods - extensions_seen(values, seen, mounted)
             return np.asarray(np.einsum("nij,nj->ni", whitening, rest))
 
@@ -213,7 +209,7 @@ def solve(
     return Solved(posterior, seen, mounted, _before(profile, posterior), channels)
 
 
-def _whitening(values: Values, seen: Sightings, mounted: "Array") -> "Array":
+def _whitening(values: Values, seen: Sightings, mounted: Array) -> Array:
     """Return what makes the four misfits of each frame independent and alike, (n, 4, 4).
 
     A wrong axis moves opposite rods against each other; their sum tells more than either.

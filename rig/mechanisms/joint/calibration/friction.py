@@ -13,11 +13,12 @@ bristles of seals and seat would yield at no speed at all is a little higher.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from rig.assembly import make_controller
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import Recording
@@ -34,11 +35,6 @@ from rig.mechanisms.joint.calibration.stroke_fit import (
     fit_strokes,
 )
 from rig.mechanisms.joint.calibration.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, TugScript
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 SPEEDS: Final = (0.045, 0.06, 0.08) * 4
 _TURN: Final = 0.15
@@ -155,7 +151,7 @@ def _travel(strokes: Strokes) -> float:
     return math.sqrt(0.5) * max(ways)
 
 
-def _sides(tugs: Sequence[Tug], forces: "Array", pair: int) -> "tuple[Array, Array]":
+def _sides(tugs: Sequence[Tug], forces: Array, pair: int) -> tuple[Array, Array]:
     """Return what those tugs at a pair took that moved it, to either side."""
     mine = np.isfinite(forces) & np.array([tug.pair == pair for tug in tugs])
     side = np.array([tug.side for tug in tugs])
@@ -197,7 +193,7 @@ def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
     speeds = np.array([velocity.min(), 0.0, 0.0, velocity.max()])
     sides = np.array([-1.0, -1.0, 1.0, 1.0])
 
-    def was(v: "Array", side: "Array") -> "Array":
+    def was(v: Array, side: Array) -> Array:
         dry = believed.coulomb + believed.shared * believed.usual
         force: Array = dry * side + believed.viscous * v
         return force
@@ -210,7 +206,7 @@ def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
 
 
 def _panel_of_tugs(
-    profile: Profile, name: str, forward: "Array", backward: "Array", mean: float
+    profile: Profile, name: str, forward: Array, backward: Array, mean: float
 ) -> Panel:
     count, believed = len(forward) + len(backward), belief_of(profile)
     before = profile.mechanism_settings.friction.breakaway + believed.alone * believed.usual

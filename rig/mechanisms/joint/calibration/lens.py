@@ -6,10 +6,11 @@ the camera's distance is then only as right as its focal length.
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import interval
 from rig.calibration.procedure import FilesOffered, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, NoFiles
@@ -23,11 +24,6 @@ from rig.mechanisms.joint.calibration.board_lens import (
 )
 from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
 from rig.run_folder import RunFolder, RunStatus
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _BOUND: Final = 0.3
 """Rms of a corner, pixels: above, the board is not flat or the images are not sharp."""
@@ -107,7 +103,7 @@ class Lens(Procedure[Views]):
         )  # fmt: skip
 
 
-def _panels(views: Views, residuals: "Array", before: "Array") -> list[Panel]:
+def _panels(views: Views, residuals: Array, before: Array) -> list[Panel]:
     """Return one panel across the image and one down it."""
     old = views.corners - before
     panels = []

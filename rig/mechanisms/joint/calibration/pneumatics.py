@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from controllers.spherical_joint.poses import natural_rotation
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.types import JointCommand, JointEstimate, JointReference
 from rig.assembly import plan_motion
+from rig.calibration.arrays import Array
 from rig.calibration.profile_changes import profile_with, with_wider_limits
 from rig.calibration.recording import Stretch
 from rig.config import Profile, format_quantity
@@ -22,11 +23,6 @@ from rig.mechanisms.joint.motion import PosedMotion
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.calibration.pneumatics import Limit, Pneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import PairSignals
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _ZERO: Final = (0.0, 0.0, 0.0)
 _BETWEEN: Final = 0.25 * math.pi
@@ -89,20 +85,20 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         """See `Pneumatics.encoders`."""
         return tuple(self.settings.encoders)
 
-    def extension(self, stretch: Stretch, channel: str) -> "Array":
+    def extension(self, stretch: Stretch, channel: str) -> Array:
         """See `Pneumatics.extension`; the log says how far a rod is pulled in from home."""
         return np.asarray(self._homes[channel] - stretch[f"reading.rod_{channel}"])
 
-    def rods(self, stretch: Stretch) -> "Array":
+    def rods(self, stretch: Stretch) -> Array:
         """Return how far each rod is pulled in, m, shape (n, 4)."""
         return np.column_stack([stretch[f"reading.rod_{c}"] for c in self.channels])
 
-    def pulls(self, stretch: Stretch) -> "Array":
+    def pulls(self, stretch: Stretch) -> Array:
         """Return the pull of each chamber, N, shape (n, 4)."""
         pressures = np.column_stack([stretch[f"reading.pressure_{c}"] for c in self.channels])
         return np.asarray(self.area * pressures)
 
-    def signals(self, stretch: Stretch, axis: "Array | None" = None) -> list[PairSignals]:
+    def signals(self, stretch: Stretch, axis: Array | None = None) -> list[PairSignals]:
         """Return what both pairs did in a stretch.
 
         A pair moves the ring with more than the difference of its own two tensions wherever the
@@ -222,7 +218,8 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
 
     def reach(self, share: float) -> float:
         """See `Pneumatics.reach`."""
-        return _CHECKED * share * self.settings.limits.tilt * self.settings.geometry.ball_radius
+        along_ball = self.settings.limits.tilt * self.settings.geometry.ball_radius
+        return _CHECKED * share * along_ball
 
     def along_line(
         self,

@@ -26,10 +26,11 @@ JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.error_sums import half_width
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
@@ -44,11 +45,6 @@ from rig.mechanisms.joint.calibration.ball_friction import (
 )
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals, SmoothSignals
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
@@ -81,19 +77,19 @@ class Sliding(NamedTuple):
     """
 
     name: str
-    stroke: "Array"
-    force: "Array"
-    position: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    sheared: "Array"
-    on_ball: "Array"
-    load: "Array"
+    stroke: Array
+    force: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    sheared: Array
+    on_ball: Array
+    load: Array
 
 
 class _Stroke(NamedTuple):
     stretch: Stretch
-    axis: "Array"
+    axis: Array
     pairs: list[PairSignals]
     signals: list[SmoothSignals]
 
@@ -118,12 +114,12 @@ class StrokeFit(NamedTuple):
     stiffer: Fit
 
     @property
-    def values(self) -> "Array":
+    def values(self) -> Array:
         """The parameters."""
         return 0.5 * (self.fits[0].values + self.fits[1].values)
 
     @property
-    def residuals(self) -> "Array":
+    def residuals(self) -> Array:
         """Measured less fitted, N."""
         return 0.5 * (self.fits[0].residuals + self.fits[1].residuals)
 
@@ -257,7 +253,7 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
         raise CalibrationRefused(f"the friction of {rows.name}: {error}") from error
 
 
-def _found(belief: Belief, values: "Sequence[Array]", seals: float) -> Belief:
+def _found(belief: Belief, values: Sequence[Array], seals: float) -> Belief:
     """Return what the pairs say in the mean; ring and wires share what the ball takes.
 
     Parameters

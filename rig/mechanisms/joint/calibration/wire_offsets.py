@@ -19,10 +19,11 @@ lean. Upright nothing is left of it.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.error_sums import half_width
 from rig.calibration.estimates import Estimate, Fit, fit, welch
 from rig.calibration.instruments import Instrument
@@ -33,11 +34,6 @@ from rig.mechanisms.joint.calibration import sighting_model
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, Wires, ends_of_sweeps
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 INCLINOMETER_ACCURACY: Final = 2e-4
 """Standard uncertainty of a reading, rad: a digital one of 0.01 deg, turned round to lose its zero.
@@ -86,7 +82,7 @@ class JointWires(Wires):
 def wire_offsets(
     profile: Profile,
     recording: Recording,
-    axes: "Array",
+    axes: Array,
     sides: Mapping[str, int],
     found: Fit,
 ) -> WireEstimates:
@@ -153,7 +149,7 @@ def wire_offsets(
     return WireEstimates(home, give, tuple(single), tuple(offsets))
 
 
-def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
+def _axes(readings: Readings, sides: Mapping[str, int]) -> Array | None:
     """Return the ring's axis in each stretch, shape (n, 3); None if nobody read the inclinometer.
 
     Raises
@@ -182,7 +178,7 @@ def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
 
 
 def _sum(
-    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: "Array"
+    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: Array
 ) -> Estimate:
     """Return an estimate whose error is what scatters, and what tolerances leave.
 
@@ -211,13 +207,13 @@ def _believed(profile: Profile) -> dict[str, float]:
     }
 
 
-def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
+def _shortened(values: Mapping[str, float], axes: Array) -> Array:
     """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
     wires = sighting_model.Wires.of(values)
     return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
 
 
-def _made(profile: Profile, believed: Mapping[str, float], axes: "Array") -> "Array":
+def _made(profile: Profile, believed: Mapping[str, float], axes: Array) -> Array:
     """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, n, 4)."""
     rows = {
         prior.name: 0.5 * (ahead - behind)

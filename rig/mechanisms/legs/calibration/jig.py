@@ -3,12 +3,13 @@
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from controllers.gait.geometry import JOINT_NAMES
 from controllers.gait.types import LegsCommand, LegsReference
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
@@ -16,11 +17,6 @@ from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _ROOM: Final = 4.0 * math.pi
 """By how much a reading may be outside its limits, rad: any way that a horn can be mounted."""
@@ -93,8 +89,8 @@ def excite(
 
 
 def measured(
-    poses: dict[str, tuple[float, ...]], recording: Recording, readings: Readings, steps: "Array"
-) -> "tuple[Array, Array]":
+    poses: dict[str, tuple[float, ...]], recording: Recording, readings: Readings, steps: Array
+) -> tuple[Array, Array]:
     """Return what the encoders read and what the jig says, each (poses, 12), rad.
 
     Parameters
@@ -121,7 +117,7 @@ def measured(
     return np.array(read), np.array(said)
 
 
-def _check_still(name: str, stretch: Stretch, steps: "Array") -> None:
+def _check_still(name: str, stretch: Stretch, steps: Array) -> None:
     for joint, step in zip(JOINT_NAMES, steps.tolist(), strict=True):
         moved = float(np.ptp(stretch[f"reading.position_{joint}"]))
         if moved > _LOOSE + 2.0 * step:
@@ -141,7 +137,7 @@ def settings_of(profile: Profile) -> list[tuple[str, Any]]:
     return [found[joint] for joint in JOINT_NAMES]
 
 
-def steps_of(profile: Profile) -> "Array":
+def steps_of(profile: Profile) -> Array:
     """Return the steps of the encoders, rad; 0 where they are not known."""
     counts = [getattr(joint, "counts_per_radian", math.inf) for _, joint in settings_of(profile)]
     return np.array([1.0 / abs(count) for count in counts])
@@ -151,7 +147,7 @@ def findings(
     profile: Profile,
     values: Sequence[dict[str, Any]],
     estimates: Sequence[Sequence[Estimate]],
-    residuals: "Array",
+    residuals: Array,
     bound: float,
     panels: Sequence[Panel],
 ) -> list[Finding]:

@@ -6,11 +6,12 @@ may say the angles instead, in a file of readings.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from controllers.gait.geometry import JOINT_NAMES
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
@@ -26,11 +27,6 @@ from rig.mechanisms.legs.calibration.jig import (
     settings_of,
     steps_of,
 )
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _LEAST_TURN = math.radians(10.0)
 _WIDEST = 2.0
@@ -81,8 +77,8 @@ class LegScale(Procedure[Recording]):
 
 
 def _line(
-    name: str, joint: Any, nominal: Any, read: "Array", said: "Array", std: float
-) -> "tuple[dict[str, Any], tuple[Estimate, ...], Array]":
+    name: str, joint: Any, nominal: Any, read: Array, said: Array, std: float
+) -> tuple[dict[str, Any], tuple[Estimate, ...], Array]:
     """Return settings, estimates and fitted angles of a joint."""
     turned, moved = float(np.ptp(said)), float(np.ptp(read))
     if turned < _LEAST_TURN:
@@ -114,7 +110,7 @@ def _line(
     return value, estimates, design @ (gain, offset)
 
 
-def _panels(read: "Array", said: "Array", fitted: "Array") -> list[Panel]:
+def _panels(read: Array, said: Array, fitted: Array) -> list[Panel]:
     """Return a panel per leg; `read` with the directions corrected."""
     panels = []
     for leg, mine in (("right leg", slice(0, 6)), ("left leg", slice(6, 12))):

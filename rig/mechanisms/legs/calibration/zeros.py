@@ -6,11 +6,11 @@ makes of the joints, to its tolerance.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from controllers.gait.geometry import JOINT_NAMES
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import interval
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
@@ -26,11 +26,6 @@ from rig.mechanisms.legs.calibration.jig import (
     settings_of,
     steps_of,
 )
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _SAMPLES = 5
 """Of each stretch that are shown."""
@@ -76,7 +71,7 @@ class LegZeros(Procedure[Recording]):
         return findings(profile, values, estimates, scatter, bound, (_panel(said, read, scatter),))
 
 
-def _panel(said: "Array", read: "Array", scatter: "Array") -> Panel:
+def _panel(said: Array, read: Array, scatter: Array) -> Panel:
     shown = scatter[:: max(len(scatter) // _SAMPLES, 1)][:_SAMPLES]
     joint = np.broadcast_to(np.arange(1.0, 13.0), shown.shape)
     fit = np.broadcast_to(1e3 * (said - read), shown.shape)

@@ -7,11 +7,12 @@ straight line through what the encoder counted.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rig.assembly import make_controller
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Fit, fit
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
@@ -19,9 +20,6 @@ from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.references import Staircase
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 CALIPER_ACCURACY: Final = 10e-6
 """Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
@@ -112,9 +110,9 @@ def _stairs(pneumatics: Pneumatics[Any, Any]) -> Staircase:
 
 def _line(
     device: str,
-    counted: "NDArray[np.float64]",
-    extension: "NDArray[np.float64]",
-    before: "NDArray[np.float64]",
+    counted: Array,
+    extension: Array,
+    before: Array,
     step: float,
 ) -> Finding:
     travel, moved = float(np.ptp(extension)), float(np.ptp(counted))

@@ -33,11 +33,12 @@ ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristi
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
@@ -50,11 +51,6 @@ from rig.mechanisms.pneumatic.calibration.lock_cycles import (
     LockScript,
 )
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 ATMOSPHERE: Final = 101_325.0
 _FLOW: Final = 1.185 * 287.05 * 293.15
@@ -96,10 +92,10 @@ class _Waits(NamedTuple):
         Of the chamber but for a part that is always the same, m³.
     """
 
-    place: "Array"
-    time: "Array"
-    left: "Array"
-    volume: "Array"
+    place: Array
+    time: Array
+    left: Array
+    volume: Array
 
 
 class Leak(Procedure[Recording]):
@@ -249,7 +245,7 @@ def _waits(
     return _Waits(*np.concatenate(parts).T)
 
 
-def _nothing_seen(channel: str, seen: "Array", times: Sequence[float]) -> str:
+def _nothing_seen(channel: str, seen: Array, times: Sequence[float]) -> str:
     shortest = np.array(times) < 1.0
     if np.nanmax(seen[shortest], initial=0.0) > _WIDE:
         return (
@@ -266,7 +262,7 @@ def _fit_rates(channel: str, waits: _Waits) -> Fit:
     """Fit the rates at both places (1/s), and where the lines begin."""
     inside = waits.place > 0
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         rate, begin = np.where(inside, q[0], q[1]), np.where(inside, q[2], q[3])
         return np.asarray(waits.left - begin + rate * waits.time)
 

@@ -3,19 +3,16 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from controllers.cylinder.types import PairReference
+from rig.calibration.arrays import Array
 from rig.calibration.procedure import Excitation
 from rig.calibration.recording import Stretch
 from rig.calibration.sequence import ScriptedMotion
 from rig.config import Profile, format_quantity
 from rig.hal.motion import Motion
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps, TogetherByClock
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
 
 Reference = TypeVar("Reference")
 Command = TypeVar("Command", bound=tuple[float, ...])
@@ -61,7 +58,7 @@ class Pneumatics(ABC, Generic[Reference, Command]):
         """The rods' encoders, in the order of the channels."""
 
     @abstractmethod
-    def extension(self, stretch: Stretch, channel: str) -> "NDArray[np.float64]":
+    def extension(self, stretch: Stretch, channel: str) -> Array:
         """Return how far a rod stands out by its encoder, m, shape (n,)."""
 
     # Limits -----------------------------------------------------------------------------

@@ -11,10 +11,11 @@ with the minus sign on the way up; c is the set-point and P the chamber's pressu
 """
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
@@ -22,11 +23,6 @@ from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 SWEEPS: Final = 2
 LEVELS: Final = 9
@@ -167,7 +163,7 @@ def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, 
         yield f"sweep {sweep + 1} down {k + 1}", level - 0.2 * spacing, -1
 
 
-def _check(channel: str, wanted: "Array", sent: "Array", gauge: "Array") -> None:
+def _check(channel: str, wanted: Array, sent: Array, gauge: Array) -> None:
     """Refuse a regulator that was clipped, does not follow or has run out of supply."""
     off = np.abs(sent - wanted).max()
     if off > 1e3:
@@ -192,23 +188,23 @@ def _check(channel: str, wanted: "Array", sent: "Array", gauge: "Array") -> None
         )
 
 
-def _fit_setpoint(sent: "Array", gauge: "Array", sides: "Array", scale: float) -> Fit:
+def _fit_setpoint(sent: Array, gauge: Array, sides: Array, scale: float) -> Fit:
     """Fit offset, gain, bow and loop, pressures over full scale."""
     c, p = sent / scale, gauge / scale
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         return p - _characteristic(c, sides, q)
 
     return _fitted(residuals, (0.0, 1.0, 0.0, 0.005), (1e-3, 1e-2, 1e-2, 1e-2))
 
 
-def _characteristic(c: "Array", sides: "Array", q: "Array") -> "Array":
+def _characteristic(c: Array, sides: Array, q: Array) -> Array:
     offset, gain, bow, loop = q
     s = offset + gain * c - 0.5 * loop * sides
     return np.asarray(s + 4.0 * bow * s * (1.0 - s))
 
 
-def _fit_line(read: "Array", gauge: "Array", scale: float) -> Fit:
+def _fit_line(read: Array, gauge: Array, scale: float) -> Fit:
     x, y = read / scale, gauge / scale
     return _fitted(lambda q: y - (q[0] + q[1] * x), (0.0, 1.0), (1e-3, 1e-2))
 
@@ -231,7 +227,7 @@ def _setpoint_estimates(channel: str, found: Fit, scale: float) -> list[Estimate
     ]
 
 
-def _best_line(q: "Array", scale: float) -> tuple[float, float]:
+def _best_line(q: Array, scale: float) -> tuple[float, float]:
     """Return gain and offset (Pa) of the straight line that is nearest over the whole scale."""
     c = np.linspace(0.0, 1.0, 101)
     middle = _characteristic(c, np.zeros_like(c), q)
@@ -247,14 +243,12 @@ def _line_between(one: Any, other: Any) -> tuple[float, float]:
     return gain, other.pressure[0] - b * other.raw[0] - gain * (one.pressure[0] - a * one.raw[0])
 
 
-def _through(one: Any, other: Any, pressure: "Array") -> "Array":
+def _through(one: Any, other: Any, pressure: Array) -> Array:
     gain, offset = _line_between(one, other)
     return gain * pressure + offset
 
 
-def _panel(
-    title: str, x_label: str, x: "Array", y: "Array", fitted: "Array", before: "Array"
-) -> Panel:
+def _panel(title: str, x_label: str, x: Array, y: Array, fitted: Array, before: Array) -> Panel:
     """Show what is off a perfect line, since the line itself would hide it."""
     return Panel(
         title, x_label, "gauge less it (kPa)", "residual (kPa)",

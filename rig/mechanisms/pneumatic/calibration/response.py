@@ -16,21 +16,17 @@ then (Welch and Satterthwaite), and not those of two directions that scatter ali
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 REPEATS: Final = 16
 _HEIGHT: Final = 40e3
@@ -119,14 +115,14 @@ class Response(Procedure[Recording]):
         )
 
 
-def _sent(t: "Array", setpoint: "Array", before: float) -> float:
+def _sent(t: Array, setpoint: Array, before: float) -> float:
     """Return when a step of the set-point was sent, s: the mean of its parts if it has several."""
     parts = np.diff(setpoint, prepend=before)
     whole = setpoint[-1] - before
     return float(t @ parts / whole) if whole else float(t[0])
 
 
-def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Array"]:
+def _fit_step(channel: str, t: Array, pressure: Array) -> tuple[Array, Array]:
     from scipy.optimize import least_squares
 
     start, end = float(pressure[:5].mean()), float(pressure[-50:].mean())
@@ -137,7 +133,7 @@ def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Ar
         )
     scale = end - start
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         return (
             pressure - _step(t, (q[0], q[1], q[2], start + q[3] * scale, end + q[4] * scale))
         ) / scale
@@ -151,7 +147,7 @@ def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Ar
     return whole, _step(t, whole)
 
 
-def _step(t: "Array", q: Any) -> "Array":
+def _step(t: Array, q: Any) -> Array:
     """Return the response to a step at 0, Pa."""
     w, z, dead, start, end = (float(x) for x in q)
     s = np.maximum(t - dead, 0.0)
@@ -170,7 +166,7 @@ def _step(t: "Array", q: Any) -> "Array":
     return np.asarray(start + (end - start) * h)
 
 
-def _panel(title: str, t: "Array", y: "Array", fitted: "Array", before: "Array") -> Panel:
+def _panel(title: str, t: Array, y: Array, fitted: Array, before: Array) -> Panel:
     return Panel(
         title, "time (ms)", "monitor (kPa)", "residual (kPa)",
         1e3 * t, y / 1e3, fitted / 1e3, before / 1e3,

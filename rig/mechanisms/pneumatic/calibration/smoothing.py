@@ -11,14 +11,11 @@ the modulating functions.
 """
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.calibration.arrays import Array, Indices
 
 _THIN: Final = 5
 """Neighbouring samples say the same: every so many of them is used."""
@@ -40,9 +37,9 @@ class PairSignals(NamedTuple):
     """
 
     name: str
-    force: "Array"
-    position: "Array"
-    load: "Array"
+    force: Array
+    position: Array
+    load: Array
 
 
 class SmoothSignals(NamedTuple):
@@ -60,11 +57,11 @@ class SmoothSignals(NamedTuple):
         Sum of the pair's tensions, N.
     """
 
-    force: "Array"
-    position: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    load: "Array"
+    force: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    load: Array
 
 
 class Bump:
@@ -89,11 +86,11 @@ class Bump:
         self._first = 2.0 * omega * rise * np.sin(u) / weight
         self._second = 2.0 * omega**2 * (np.sin(u) ** 2 - rise * np.cos(u)) / weight
 
-    def mean(self, samples: "Array") -> "Array":
+    def mean(self, samples: Array) -> Array:
         """Return the weighed mean around each sample that has enough neighbours."""
         return np.correlate(samples, self._weights, "valid")
 
-    def rate(self, samples: "Array") -> "Array":
+    def rate(self, samples: Array) -> Array:
         """Return the derivative by time of the weighed mean."""
         return np.correlate(samples, self._first, "valid")
 
@@ -105,7 +102,7 @@ class Bump:
             np.correlate(x, self._second, "valid"), self.mean(pair.load),
         )  # fmt: skip
 
-    def sliding(self, velocity: "Array", least: float) -> "NDArray[np.int_]":
+    def sliding(self, velocity: Array, least: float) -> Indices:
         """Return where a pair slides one way during the whole bump, thinned out.
 
         Parameters
