@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rig.calibration.arrays import Array, Indices
+from rig.calibration.recording import CalibrationRefused
 
 CONFIDENCE = 0.95
 """Of every interval."""
@@ -34,6 +35,12 @@ class Estimate(NamedTuple):
     std: float
     low: float
     high: float
+
+    def inverse(self, name: str, unit: str) -> "Estimate":
+        """Return the estimate of 1 over the value; the interval need not be symmetrical."""
+        value = 1.0 / self.value
+        std = value**2 * self.std
+        return Estimate(name, value, unit, std, 1.0 / self.high, 1.0 / self.low)
 
 
 class Fit(NamedTuple):
@@ -166,6 +173,26 @@ def fit(
         blocks.append(projector[:, mine] @ part @ inverse)
     covariance = inverse @ meat @ inverse
     return Fit(found.x, covariance, float(len(names) - 1), r, blocks)
+
+
+def fit_or_refuse(
+    what: str,
+    residuals: Callable[[Array], Array],
+    start: Sequence[float],
+    scale: Sequence[float],
+    groups: Array | Indices | None = None,
+) -> Fit:
+    """Fit as `fit` does.
+
+    Raises
+    ------
+    CalibrationRefused
+        The data do not determine the parameters of `what`.
+    """
+    try:
+        return fit(residuals, start, scale, groups=groups)
+    except ValueError as error:
+        raise CalibrationRefused(f"{what}: {error}") from error
 
 
 def _inverse_root(matrix: Array) -> Array:

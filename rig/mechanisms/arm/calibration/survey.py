@@ -9,7 +9,7 @@ import numpy as np
 from controllers.arm.types import ArmCommand, ArmReference
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
-from rig.calibration.instruments import Instrument
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -101,17 +101,12 @@ def measured(
     """
     names = [name for name, _ in poses if name]
     recording.require(names)
-    for axis in "xyz":
-        shown = readings.get(f"hand {axis}", {})
-        lacking = [name for name in names if name not in shown]
-        if lacking:
-            raise CalibrationRefused(
-                f"hand {axis} was not measured in {len(lacking)} of {len(names)} poses, first in "
-                f"{lacking[0]!r}"
-            )
+    hand = [
+        shown_in(readings, f"hand {axis}", names, f"hand {axis} was not measured", "poses")
+        for axis in "xyz"
+    ]
     joints = [[recording[n].mean(f"reading.position_{j}") for j in JOINTS] for n in names]
-    hand = [[readings[f"hand {axis}"][n] for axis in "xyz"] for n in names]
-    return np.array(joints), np.array(hand)
+    return np.array(joints), np.column_stack(hand)
 
 
 def drive_findings(

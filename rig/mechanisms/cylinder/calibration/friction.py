@@ -39,8 +39,8 @@ import numpy as np
 
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
-from rig.calibration.error_sums import half_width
-from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.error_sums import estimate_of_sum
+from rig.calibration.estimates import Estimate, Fit, fit, fit_or_refuse
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -239,10 +239,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
             return found, told, []
     except ValueError:
         pass  # it is refused below if it is more than the one parameter that nothing tells
-    try:
-        found = fit(without, start, scale, groups=rows.glide)
-    except ValueError as error:
-        raise CalibrationRefused(f"the friction: {error}") from error
+    found = fit_or_refuse("the friction", without, start, scale, rows.glide)
     slowest = float(rows.velocity[rows.velocity > 0.0].min())
     note = (
         f"the pair slides down to {1e3 * slowest:.2g} mm/s without its friction turning up: its "
@@ -272,9 +269,9 @@ def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
     scatter = found.parameter(6, "friction.stribeck_velocity", "m/s")
     either = 0.5 * abs(float(above - below))
     freedom = found.freedom_of([0.0] * 6 + [1.0])
-    half, value = half_width(scatter.std, freedom, even=(either, either)), scatter.value
-    std = math.hypot(scatter.std, either, either)
-    return Estimate(scatter.name, value, "m/s", std, value - half, value + half)
+    return estimate_of_sum(
+        scatter.name, scatter.value, "m/s", scatter.std, freedom, even=(either, either)
+    )
 
 
 def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:

@@ -16,7 +16,7 @@ import numpy as np
 from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import PAIRS, SphericalJointGeometry
 from controllers.spherical_joint.poses import natural_rotation
-from rig.calibration.arrays import Array, Indices
+from rig.calibration.arrays import Array, Indices, between_rows
 from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import Stretch
 from rig.config import Profile
@@ -202,8 +202,7 @@ def axis_with(profile: Profile, stretch: Stretch, taken: Array) -> Array:
     pulled_in, pull = _rods(profile, stretch, places)
     rows = pulled_in - (pull - taken) / settings.wire_stiffness
     axis = np.array([forward.update((a, b, c, d)).axis for a, b, c, d in rows.tolist()])
-    every = np.arange(len(stretch["t"]))
-    return np.column_stack([np.interp(every, places, column) for column in axis.T])
+    return between_rows(axis, places, np.arange(len(stretch["t"])))
 
 
 def _rods(profile: Profile, stretch: Stretch, places: Indices) -> tuple[Array, Array]:
@@ -228,6 +227,4 @@ def _wound(geometry: SphericalJointGeometry, axis: Array) -> Array:
         turned = anchors @ np.array(natural_rotation((x, y, z))).T
         cosine = np.clip((turned * adjusts).sum(axis=1) / size, -1.0, 1.0)
         rows.append(np.maximum(np.arccos(cosine) - straight, 0.0))
-    found = np.array(rows)
-    every = np.arange(len(axis))
-    return np.column_stack([np.interp(every, places, column) for column in found.T])
+    return between_rows(np.array(rows), places, np.arange(len(axis)))

@@ -32,31 +32,25 @@ _FROM_VIDEO: Final = 40
 
 
 class Intrinsics(Protocol):
-    """A lens as a camera's settings have it: pinhole with distortion after Brown and Conrady."""
+    """A lens as a camera's settings have it: pinhole with distortion after Brown and Conrady.
 
-    @property
-    def fx(self) -> float:
-        """Focal length across, pixels."""
-        ...
+    Parameters
+    ----------
+    fx, fy, cx, cy : float
+        Focal lengths and principal point, pixels.
+    k1, k2, p1, p2, k3 : float
+        Distortion.
+    """
 
-    @property
-    def fy(self) -> float:
-        """Focal length down, pixels."""
-        ...
-
-    @property
-    def cx(self) -> float:
-        """Principal point across, pixels."""
-        ...
-
-    @property
-    def cy(self) -> float:
-        """Principal point down, pixels."""
-        ...
-
-    def __getattribute__(self, name: str, /) -> Any:
-        """Return k1, k2, p1, p2 or k3."""
-        ...
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    k1: float
+    k2: float
+    p1: float
+    p2: float
+    k3: float
 
 
 class Board(NamedTuple):

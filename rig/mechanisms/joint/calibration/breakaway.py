@@ -24,7 +24,7 @@ import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
 from rig.calibration.arrays import Array
-from rig.calibration.error_sums import half_width
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import Recording, Stretch
 from rig.config import Profile
@@ -176,9 +176,7 @@ class Breakaways:
         off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
         even = [self._left, *(size / math.sqrt(3.0) for bound, size in off if bound)]
         normal = math.hypot(*(size for bound, size in off if not bound))
-        half = half_width(scatter, self._freedom, normal, even)
-        std = math.hypot(scatter, normal, *even)
-        return Estimate(name, value, "N", std, value - half, value + half)
+        return estimate_of_sum(name, value, "N", scatter, self._freedom, normal, even)
 
 
 def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:

@@ -13,7 +13,7 @@ from controllers.spherical_joint.poses import natural_rotation
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.types import JointCommand, JointEstimate, JointReference
 from rig.assembly import plan_motion
-from rig.calibration.arrays import Array
+from rig.calibration.arrays import Array, between_rows
 from rig.calibration.profile_changes import profile_with, with_wider_limits
 from rig.calibration.recording import Stretch
 from rig.config import Profile, format_quantity
@@ -121,8 +121,7 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         found = []
         for number, (one, other) in enumerate(PAIRS):
             rows = np.array([(pose.first, pose.second)[number] for pose in poses])
-            every = np.arange(len(axis))
-            weights = np.column_stack([np.interp(every, places, column) for column in rows.T])
+            weights = between_rows(rows, places, np.arange(len(axis)))
             force = (weights * pull).sum(axis=1)
             position = 0.5 * (rods[:, one] - rods[:, other])
             load = pull[:, one] + pull[:, other]

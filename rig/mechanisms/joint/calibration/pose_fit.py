@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rig.calibration.arrays import Array, Flags, Indices
-from rig.calibration.error_sums import half_width
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import CalibrationRefused
 from rig.mechanisms.joint.calibration.parameters import Prior
@@ -85,13 +85,11 @@ class Posterior(NamedTuple):
     def estimate(self, name: str, shown: str | None = None, shift: float = 0.0) -> Estimate:
         """Return a parameter with its interval, under another name and shifted if wanted."""
         k = self._index(name)
-        half = half_width(
+        return estimate_of_sum(
+            shown or name, float(self.values[k]) + shift, self.priors[k].unit,
             float(np.sqrt(self.sampling[k, k])), self.freedom,
             float(np.linalg.norm(self.normal[k])), self.even[k].tolist(),
         )  # fmt: skip
-        value = float(self.values[k]) + shift
-        unit = self.priors[k].unit
-        return Estimate(shown or name, value, unit, self.std(name), value - half, value + half)
 
     def _index(self, name: str) -> int:
         return [prior.name for prior in self.priors].index(name)

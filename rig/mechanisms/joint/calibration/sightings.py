@@ -5,7 +5,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.arrays import Array
+from rig.calibration.arrays import Array, between_rows
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
@@ -56,7 +56,7 @@ class Track(NamedTuple):
 
     def at(self, t: Array, column: Array) -> Array:
         """Return some columns at other times, shape (m, 4)."""
-        return np.column_stack([np.interp(t, self.t, each) for each in column.T])
+        return between_rows(column, self.t, t)
 
 
 def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Track:

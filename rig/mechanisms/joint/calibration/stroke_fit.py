@@ -31,8 +31,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rig.calibration.arrays import Array
-from rig.calibration.error_sums import half_width
-from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.error_sums import estimate_of_sum
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import (
@@ -131,9 +131,8 @@ class StrokeFit(NamedTuple):
         even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
         stiffer = abs(float(self.stiffer.values[index]) - one.value)
         unity = np.eye(len(self.values))[index].tolist()
-        half = half_width(scatter, self.fits[0].freedom_of(unity), stiffer, even)
-        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, stiffer, *even)
-        return Estimate(name, value, unit, std, value - half, value + half)
+        value, freedom = 0.5 * (one.value + other.value), self.fits[0].freedom_of(unity)
+        return estimate_of_sum(name, value, unit, scatter, freedom, stiffer, even)
 
 
 def fit_strokes(
@@ -247,10 +246,9 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
     force = rows.force - settings.moving_mass * rows.acceleration - rows.on_ball + sign * upright
     start = [0.0, belief.coulomb, belief.viscous, belief.shared, *(0.0,) * 6]
     scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 1e5, 10.0, 1e3]
-    try:
-        return fit(lambda q: force - regressors @ q, start, scale, groups=rows.stroke)
-    except ValueError as error:
-        raise CalibrationRefused(f"the friction of {rows.name}: {error}") from error
+    return fit_or_refuse(
+        f"the friction of {rows.name}", lambda q: force - regressors @ q, start, scale, rows.stroke
+    )
 
 
 def _found(belief: Belief, values: Sequence[Array], seals: float) -> Belief:

@@ -24,9 +24,9 @@ from typing import Final
 import numpy as np
 
 from rig.calibration.arrays import Array
-from rig.calibration.error_sums import half_width
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate, Fit, fit, welch
-from rig.calibration.instruments import Instrument
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -157,17 +157,17 @@ def _axes(readings: Readings, sides: Mapping[str, int]) -> Array | None:
     CalibrationRefused
         It was not read everywhere, or the ring does not stand upright.
     """
-    shown = [readings.get(f"inclinometer {axis}", {}) for axis in _AXES]
-    if not any(shown):
+    if not any(readings.get(f"inclinometer {axis}") for axis in _AXES):
         return None
-    for axis, told in zip(_AXES, shown, strict=True):
-        lacking = [name for name in sides if name not in told]
-        if lacking:
-            raise CalibrationRefused(
-                f"the inclinometer along {axis} was not read in {len(lacking)} of {len(sides)} "
-                f"stretches, first in {lacking[0]!r}"
+    leaning = np.column_stack(
+        [
+            shown_in(
+                readings, f"inclinometer {axis}", tuple(sides),
+                f"the inclinometer along {axis} was not read",
             )
-    leaning = np.array([[told[name] for told in shown] for name in sides])
+            for axis in _AXES
+        ]
+    )  # fmt: skip
     if float(np.hypot(*leaning.T).max()) > _MOST:
         raise CalibrationRefused(
             f"the ring leans by {math.degrees(float(np.hypot(*leaning.T).max())):.3g} deg: put it "
@@ -192,9 +192,7 @@ def _sum(
         Standard deviation of what each tolerance leaves, in `unit`.
     """
     std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
-    half = half_width(std, freedom, even=made.tolist())
-    whole = float(np.hypot(std, np.linalg.norm(made)))
-    return Estimate(name, value, unit, whole, value - half, value + half)
+    return estimate_of_sum(name, value, unit, std, freedom, even=made.tolist())
 
 
 def _believed(profile: Profile) -> dict[str, float]:

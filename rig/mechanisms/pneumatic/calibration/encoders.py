@@ -13,8 +13,8 @@ import numpy as np
 
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
-from rig.calibration.estimates import Fit, fit
-from rig.calibration.instruments import Instrument
+from rig.calibration.estimates import fit_or_refuse
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -79,14 +79,8 @@ class Encoders(Procedure[Recording]):
         data.require(names)
         findings = []
         for device, channel in zip(pneumatics.encoders, pneumatics.channels, strict=True):
-            shown = readings.get(f"caliper {channel}", {})
-            lacking = [name for name in names if name not in shown]
-            if lacking:
-                raise CalibrationRefused(
-                    f"the caliper of {channel} was not read in {len(lacking)} of {len(names)} "
-                    f"stretches, first in {lacking[0]!r}"
-                )
-            extension = np.array([shown[name] for name in names])
+            lack = f"the caliper of {channel} was not read"
+            extension = np.array(shown_in(readings, f"caliper {channel}", names, lack))
             read = np.array([pneumatics.extension(data[n], channel).mean() for n in names])
             settings, nominal = (
                 profile.devices[device].settings,
@@ -128,12 +122,9 @@ def _line(
         )
     middle = float(counted.mean())
     x = counted - middle
-    try:
-        found: Fit = fit(
-            lambda q: 1e3 * (extension - q[0] - q[1] * x), (extension.mean(), 1.0), (1e-3, 1.0)
-        )
-    except ValueError as error:
-        raise CalibrationRefused(f"{device}: {error}") from error
+    found = fit_or_refuse(
+        device, lambda q: 1e3 * (extension - q[0] - q[1] * x), (extension.mean(), 1.0), (1e-3, 1.0)
+    )
     slope = float(found.values[1])
     zero = float(found.values[0]) - slope * middle
     sign = 1.0 if slope > 0.0 else -1.0

@@ -39,7 +39,7 @@ import numpy as np
 
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
-from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
 from rig.config import Profile
@@ -266,10 +266,7 @@ def _fit_rates(channel: str, waits: _Waits) -> Fit:
         rate, begin = np.where(inside, q[0], q[1]), np.where(inside, q[2], q[3])
         return np.asarray(waits.left - begin + rate * waits.time)
 
-    try:
-        return fit(residuals, (0.005, 0.005, 0.0, 0.0), (0.01, 0.01, 0.1, 0.1))
-    except ValueError as error:
-        raise CalibrationRefused(f"{channel}: {error}") from error
+    return fit_or_refuse(channel, residuals, (0.005, 0.005, 0.0, 0.0), (0.01, 0.01, 0.1, 0.1))
 
 
 def _conductance(channel: str, waits: _Waits, found: Fit) -> Estimate | None:
@@ -284,11 +281,7 @@ def _conductance(channel: str, waits: _Waits, found: Fit) -> Estimate | None:
     inverse = found.estimate("", "", gradient, per * (1.0 / other - 1.0 / one))
     if inverse.low <= 0.0:
         return None
-    value = 1.0 / inverse.value
-    return Estimate(
-        f"leak.{channel}.conductance", value, "m^3/(s Pa)", value**2 * inverse.std,
-        1.0 / inverse.high, 1.0 / inverse.low,
-    )  # fmt: skip
+    return inverse.inverse(f"leak.{channel}.conductance", "m^3/(s Pa)")
 
 
 def _panel(channel: str, waits: _Waits, found: Fit) -> Panel:

@@ -16,8 +16,8 @@ from typing import Any, Final
 import numpy as np
 
 from rig.calibration.arrays import Array
-from rig.calibration.estimates import Estimate, Fit, fit
-from rig.calibration.instruments import Instrument
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -30,6 +30,7 @@ LEVELS: Final = 9
 GAUGE_ACCURACY: Final = 100.0
 """Standard uncertainty of a reading of the gauge, Pa: a class 0.05 instrument of 600 kPa."""
 
+_WHAT: Final = "the regulators' characteristic"
 _BOUND: Final = 1.5e3
 """rms above which a fit is not to be used, Pa: 0.3 % of full scale."""
 
@@ -86,28 +87,23 @@ class Regulators(Procedure[Recording]):
         """Fit both characteristics of every channel."""
         pneumatics = self._of(profile)
         steps = [step for sweep in range(SWEEPS) for step in _sweep(pneumatics, sweep)]
-        data.require(name for name, _, _ in steps)
+        names, levels, ways = zip(*steps, strict=True)
+        data.require(names)
+        sides = np.array(ways, float)
         entry = profile.devices[pneumatics.regulators]
         values: dict[str, Any] = {}
         estimates: list[Estimate] = []
         residuals: list[Array] = []
         panels: list[Panel] = []
         for channel in pneumatics.channels:
-            shown = readings.get(f"gauge {channel}", {})
-            lacking = [name for name, _, _ in steps if name not in shown]
-            if lacking:
-                raise CalibrationRefused(
-                    f"the gauge of {channel} was not read in {len(lacking)} of {len(steps)} "
-                    f"stretches, first in {lacking[0]!r}"
-                )
             wired, nominal = entry.settings.channels[channel], entry.nominal.channels[channel]
-            gauge = np.array([shown[name] for name, _, _ in steps])
-            sent = np.array([data[name].mean(f"applied.{channel}") for name, _, _ in steps])
-            read = np.array(
-                [data[name].mean(f"reading.pressure_{channel}") for name, _, _ in steps]
+            lack = f"the gauge of {channel} was not read"
+            gauge = np.array(shown_in(readings, f"gauge {channel}", names, lack))
+            sent, read = (
+                np.array([data[name].mean(column) for name in names])
+                for column in (f"applied.{channel}", f"reading.pressure_{channel}")
             )
-            sides = np.array([side for _, _, side in steps], float)
-            _check(channel, np.array([p for _, p, _ in steps]), sent, gauge)
+            _check(channel, np.array(levels), sent, gauge)
             # In the maker's terms, whatever calibration was in force while it was recorded.
             sent = _through(wired.setpoint, nominal.setpoint, sent)
             read = _through(wired.monitor, nominal.monitor, read)
@@ -195,7 +191,7 @@ def _fit_setpoint(sent: Array, gauge: Array, sides: Array, scale: float) -> Fit:
     def residuals(q: Array) -> Array:
         return p - _characteristic(c, sides, q)
 
-    return _fitted(residuals, (0.0, 1.0, 0.0, 0.005), (1e-3, 1e-2, 1e-2, 1e-2))
+    return fit_or_refuse(_WHAT, residuals, (0.0, 1.0, 0.0, 0.005), (1e-3, 1e-2, 1e-2, 1e-2))
 
 
 def _characteristic(c: Array, sides: Array, q: Array) -> Array:
@@ -206,14 +202,7 @@ def _characteristic(c: Array, sides: Array, q: Array) -> Array:
 
 def _fit_line(read: Array, gauge: Array, scale: float) -> Fit:
     x, y = read / scale, gauge / scale
-    return _fitted(lambda q: y - (q[0] + q[1] * x), (0.0, 1.0), (1e-3, 1e-2))
-
-
-def _fitted(residuals: Any, start: Sequence[float], scale: Sequence[float]) -> Fit:
-    try:
-        return fit(residuals, start, scale)
-    except ValueError as error:
-        raise CalibrationRefused(f"the regulators' characteristic: {error}") from error
+    return fit_or_refuse(_WHAT, lambda q: y - (q[0] + q[1] * x), (0.0, 1.0), (1e-3, 1e-2))
 
 
 def _setpoint_estimates(channel: str, found: Fit, scale: float) -> list[Estimate]:

@@ -181,12 +181,9 @@ def ends_of_sweeps() -> dict[str, int]:
 
 def _stiffness(give: Estimate, base_pull: float) -> tuple[Estimate, Estimate]:
     """Return the stiffness of a wire, and its stretch under the pull at base pressure (N)."""
-    stiffness = Estimate(
-        "wire.stiffness", 1.0 / give.value, "N/m", give.std / give.value**2,
-        1.0 / give.high, 1.0 / give.low,
-    )  # fmt: skip
     spread = (base_pull * x for x in (give.std, give.low, give.high))
-    return stiffness, Estimate("wire.stretch", give.value * base_pull, "m", *spread)
+    stretch = Estimate("wire.stretch", give.value * base_pull, "m", *spread)
+    return give.inverse("wire.stiffness", "N/m"), stretch
 
 
 def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) -> list[Level]:
