@@ -11,7 +11,7 @@ from rig.assembly.buses import is_can
 from rig.assembly.frame_recording import FORMATS, FRAMES
 from rig.assembly.on_interfaces import Interfaces
 from rig.config import Profile
-from rig.hal import CanBus, ConfigurationError, ConnectionFailed
+from rig.hal import ConfigurationError, ConnectionFailed, FastCanBus
 
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
@@ -71,17 +71,15 @@ class Listener:
 
     Parameters
     ----------
-    buses : mapping of str to CanBus
+    buses : mapping of str to FastCanBus
         By name.
     """
 
-    def __init__(self, buses: Mapping[str, CanBus]) -> None:
+    def __init__(self, buses: Mapping[str, FastCanBus]) -> None:
         from drivers.can.candump import LoggedFrame
-        from drivers.can.fast_path import drain_of, drops_of
 
         self._logged = LoggedFrame
-        self._drains = [(name, drain_of(bus)) for name, bus in buses.items()]
-        self._drops = [drops_of(bus) for bus in buses.values()]
+        self._buses = buses
 
     def look(self) -> list[Any]:
         """Return the frames that have come; none after a moment in which there were none.
@@ -92,9 +90,9 @@ class Listener:
             An interface went down.
         """
         frames = []
-        for name, drain in self._drains:
+        for name, bus in self._buses.items():
             try:
-                found = drain(256)
+                found = bus.drain(256)
             except Exception as error:  # each interface has errors of its own
                 raise ConnectionFailed(name, f"the interface failed: {error}") from error
             now = time.time()
@@ -105,7 +103,7 @@ class Listener:
 
     def count_dropped(self) -> int:
         """Return how many frames came faster than they were looked at, and are lost."""
-        return sum(count() for count in self._drops)
+        return sum(bus.count_dropped() for bus in self._buses.values())
 
 
 @contextlib.contextmanager

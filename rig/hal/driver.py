@@ -87,8 +87,12 @@ class Endpoint(NamedTuple):
 class BusSettings(Protocol):
     """The settings of a bus, whatever is spoken on it."""
 
-    max_load: float
-    """Share of its time that a rig may take."""
+    __slots__ = ()
+
+    @property
+    def max_load(self) -> float:
+        """Share of its time that a rig may take."""
+        ...
 
     def endpoint(self) -> Endpoint:
         """Return what it runs on."""

@@ -4,7 +4,6 @@ import math
 from dataclasses import fields
 from types import SimpleNamespace
 
-from drivers.can.frame import CanFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.device import Cia402Servos
@@ -16,6 +15,7 @@ from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
+from rig.hal import FastCanBus
 
 PERIOD = 0.005
 _AXIS_FIELDS = [field.name for field in fields(OdriveAxisSettings)]
@@ -74,38 +74,32 @@ class LaggedJoints:
         return 0.5 if self.powered[channel] else 0.0
 
 
-class Wire:
+class End(FastCanBus):
+    """One end of a wire."""
+
+    def __init__(self, incoming, outgoing):
+        self.incoming, self.outgoing = incoming, outgoing
+
+    def send_data(self, can_id, data):
+        self.outgoing.append((can_id, bytes(data)))
+
+    def drain(self, limit):
+        frames, self.incoming[:] = self.incoming[:limit], self.incoming[limit:]
+        return frames
+
+    def shutdown(self):
+        pass
+
+
+class Wire(End):
     """Both ends of a bus, as lists: what the master sends waits for the nodes, and back."""
 
     def __init__(self):
         self.to_nodes = []
         self.to_master = []
         self.log = []
-        self.nodes_end = SimpleNamespace(recv=self.recv, send=self.send)
-
-    # the master's interface
-    def send_data(self, can_id, data):
-        remote = bool(can_id & 0x4000_0000)
-        self.to_nodes.append(CanFrame(can_id & 0x7FF, bytes(data), is_remote_frame=remote))
-
-    def drain(self, limit=256):
-        frames, self.to_master[:] = self.to_master[:limit], self.to_master[limit:]
-        return frames
-
-    def shutdown(self):
-        pass
-
-    # the nodes' side
-    def recv(self, timeout=None):
-        return self.to_nodes.pop(0) if self.to_nodes else None
-
-    def send(self, message, timeout=None):
-        can_id = message.arbitration_id
-        if message.is_remote_frame:
-            can_id |= 0x4000_0000
-        if message.is_extended_id:
-            can_id |= 0x8000_0000
-        self.to_master.append((can_id, bytes(message.data)))
+        super().__init__(self.to_master, self.to_nodes)
+        self.nodes_end = End(self.to_nodes, self.to_master)
 
 
 class ServoRig:
