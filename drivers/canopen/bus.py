@@ -61,7 +61,7 @@ class CanopenBus(CyclicCanBus):
         if self._network is None:
             from drivers.canopen.network import ThreadlessNetwork
 
-            self._network = ThreadlessNetwork(self)
+            self._network = ThreadlessNetwork(self, self.settings.sdo_timeout)
         return self._network
 
     def open(self) -> None:

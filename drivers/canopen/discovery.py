@@ -17,9 +17,9 @@ from collections import defaultdict
 from collections.abc import Collection
 from typing import Final
 
-from drivers.can.found import Found
 from drivers.canopen.heartbeat import NmtState, describe_state
 from rig.hal import Clock, FastCanBus
+from rig.hal.frames import Found
 
 _NMT_ID: Final = 0x000
 _ENTER_PRE_OPERATIONAL: Final = 0x80

@@ -9,7 +9,6 @@ from collections import defaultdict
 from collections.abc import Collection
 from typing import Final
 
-from drivers.can.found import Found
 from drivers.can.frame import REMOTE_FLAG, STANDARD_MASK
 from drivers.odrive.codec import (
     Command,
@@ -20,6 +19,7 @@ from drivers.odrive.codec import (
     describe_axis_state,
 )
 from rig.hal import Clock, FastCanBus
+from rig.hal.frames import Found
 
 _EVERYBODY: Final = 0x3F
 _PAUSE: Final = 2e-3  # s

@@ -12,7 +12,7 @@ PROTOCOL = ProtocolParts(
     settings="drivers.odrive.settings:OdriveBusSettings",
     bus="drivers.odrive.bus:OdriveBus",
     open="drivers.can:open_bus",
-    load="drivers.canopen.load:check_bus_load",
+    load="drivers.can.load:check_bus_load",
     decoder="drivers.odrive.decoder:make_decoder",
     discovery="drivers.odrive.discovery:survey_odrives",
 )

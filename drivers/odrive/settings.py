@@ -7,14 +7,16 @@ from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.can.device_settings import CanDeviceSettings
 from drivers.servos.axis_settings import AxisSettings
+from rig.hal import Address, BusSettings, Endpoint
 
 _FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
 _I16: Final = 0x7FFF
 
 
 @dataclass(frozen=True, slots=True)
-class OdriveBusSettings:
+class OdriveBusSettings(BusSettings):
     """One CAN interface with nothing but CANSimple devices on it.
 
     Parameters
@@ -48,6 +50,10 @@ class OdriveBusSettings:
     max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
     receive_limit: Annotated[int, Ge(1)] = 256
     max_refused: Annotated[int, Ge(0)] = 3
+
+    def endpoint(self) -> Endpoint:
+        """Return the interface."""
+        return Endpoint(self.interface, self.channel, self.bitrate)
 
     @property
     def sync(self) -> bool:
@@ -120,7 +126,7 @@ class OdriveEndpoints:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OdriveSettings:
+class OdriveSettings(CanDeviceSettings):
     """Joints on ODrives (firmware 0.6 and later), one axis each, by CANSimple.
 
     Every axis must have its watchdog enabled: setpoints feed it, and it takes the torque away
@@ -183,10 +189,18 @@ class OdriveSettings:
                     "feedforward_scale, or set feedforward to false."
                 )
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """The joints' names, in order."""
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the joints' names, in order."""
         return tuple(self.joints)
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return each joint's axis."""
+        return tuple(
+            Address(
+                f"{device}.{joint}", its.axis, serial=serial if its.serial is None else its.serial
+            )
+            for joint, its in self.joints.items()
+        )
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what the master sends each cycle: names and bytes."""

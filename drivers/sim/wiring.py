@@ -7,7 +7,8 @@ emulated device makes of them is its own, so that a mistake in a driver's codec 
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, Protocol
 
-from drivers.cia401.settings import AnalogueSignal, Cia401Settings
+from drivers.cia401.channels import AnalogueSignal
+from drivers.cia401.settings import Cia401Settings
 from drivers.cia406.settings import Cia406Settings
 from drivers.sim.camera.wiring import (
     emulate_marker_camera,

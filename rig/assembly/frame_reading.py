@@ -37,7 +37,7 @@ def frames_of_run(folder: Path) -> Path:
 
 
 def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
-    """Yield the `drivers.can.candump.LoggedFrame` of a file.
+    """Yield the `rig.hal.frames.LoggedFrame` of a file.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Listener:
     """
 
     def __init__(self, buses: Mapping[str, FastCanBus]) -> None:
-        from drivers.can.candump import LoggedFrame
+        from rig.hal.frames import LoggedFrame
 
         self._logged = LoggedFrame
         self._buses = buses
@@ -162,8 +162,8 @@ def _read_candump(path: str | Path) -> Iterator[Any]:
 def _read_vector(path: Path) -> Iterator[Any]:
     import can
 
-    from drivers.can.candump import LoggedFrame
     from drivers.can.fast_path import flagged_id
+    from rig.hal.frames import LoggedFrame
 
     is_binary = path.suffix.lower() == ".blf"
     with path.open("rb" if is_binary else "r") as content:

@@ -5,7 +5,7 @@ What is not written here may not be relied on. `parts` is what a package offers,
 `plant` what is simulated.
 """
 
-from rig.hal.bus import Buses, CanBus, CyclicBus, FastCanBus, Frame
+from rig.hal.bus import Buses, BusLoad, CanBus, CyclicBus, FastCanBus, Frame, FrameLoad
 from rig.hal.clock import Clock, MonotonicClock
 from rig.hal.columns import Column
 from rig.hal.controller import Controller
@@ -40,6 +40,7 @@ from rig.hal.reading import Reading
 
 __all__ = [
     "Address",
+    "BusLoad",
     "BusSettings",
     "Buses",
     "CanBus",
@@ -60,6 +61,7 @@ __all__ = [
     "Fact",
     "FastCanBus",
     "Frame",
+    "FrameLoad",
     "LimitExceeded",
     "LinearEncoder",
     "LoopStalled",

@@ -15,13 +15,9 @@ from durand.scheduler import VirtualScheduler, get_scheduler, set_scheduler  # n
 
 from drivers.canopen.bus import CanopenBus  # noqa: E402
 from drivers.canopen.settings import CanBusSettings  # noqa: E402
+from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal  # noqa: E402
 from drivers.cia401.device import Cia401Regulators  # noqa: E402
-from drivers.cia401.settings import (  # noqa: E402
-    Cia401Settings,
-    MonitorSignal,
-    RegulatorChannel,
-    SetpointSignal,
-)
+from drivers.cia401.settings import Cia401Settings  # noqa: E402
 from drivers.cia406.device import Cia406Encoder  # noqa: E402
 from drivers.cia406.settings import Cia406Settings  # noqa: E402
 from rig.hal import ConnectionFailed, DeviceFault, FastCanBus  # noqa: E402
@@ -317,5 +313,4 @@ def test_what_durand_packs_is_what_struct_packs(world):
     world.to_master.clear()
     bus.synchronise()
     world.deliver()
-    frame = next(f for f in world.to_master if f.arbitration_id == 0x190)
-    assert frame.data == struct.pack("<hhB", 0x1234, 0x0056, 0)
+    assert dict(world.to_master)[0x190] == struct.pack("<hhB", 0x1234, 0x0056, 0)

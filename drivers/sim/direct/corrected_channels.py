@@ -6,7 +6,8 @@ a bus the two meet in counts; here they meet in straight lines between pressures
 
 from typing import Any
 
-from drivers.cia401.settings import AnalogueSignal, Cia401Settings
+from drivers.cia401.channels import AnalogueSignal
+from drivers.cia401.settings import Cia401Settings
 from drivers.cia406.settings import Cia406Settings
 
 Line = tuple[float, float]
