@@ -1,19 +1,10 @@
 """Decoders of a profile's CAN buses: frames in the profile's names and in SI."""
 
 from collections.abc import Mapping
-from typing import Protocol
 
 from rig.assembly.registry import REGISTRY, load
 from rig.config import Profile
-from rig.hal.frames import UNKNOWN, Decoded, LoggedFrame
-
-
-class Decoder(Protocol):
-    """What reads the frames of one bus, in their order."""
-
-    def decode(self, can_id: int, data: bytes) -> Decoded:
-        """Return what a frame says."""
-        ...
+from rig.hal.frames import UNKNOWN, Decoded, Decoder, LoggedFrame
 
 
 def make_decoders(profile: Profile) -> dict[str, Decoder]:

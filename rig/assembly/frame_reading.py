@@ -12,6 +12,7 @@ from rig.assembly.frame_recording import FORMATS, FRAMES
 from rig.assembly.on_interfaces import Interfaces
 from rig.config import Profile
 from rig.hal import ConfigurationError, ConnectionFailed, FastCanBus
+from rig.hal.frames import LoggedFrame
 
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
@@ -36,8 +37,8 @@ def frames_of_run(folder: Path) -> Path:
     )
 
 
-def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
-    """Yield the `rig.hal.frames.LoggedFrame` of a file.
+def read_frames(path: str | Path, profile: Profile) -> Iterator[LoggedFrame]:
+    """Yield the frames of a file.
 
     Parameters
     ----------
@@ -76,12 +77,10 @@ class Listener:
     """
 
     def __init__(self, buses: Mapping[str, FastCanBus]) -> None:
-        from rig.hal.frames import LoggedFrame
 
-        self._logged = LoggedFrame
         self._buses = buses
 
-    def look(self) -> list[Any]:
+    def look(self) -> list[LoggedFrame]:
         """Return the frames that have come; none after a moment in which there were none.
 
         Raises
@@ -96,7 +95,7 @@ class Listener:
             except Exception as error:  # each interface has errors of its own
                 raise ConnectionFailed(name, f"the interface failed: {error}") from error
             now = time.time()
-            frames += [self._logged(now, name, can_id, data) for can_id, data in found]
+            frames += [LoggedFrame(now, name, can_id, data) for can_id, data in found]
         if not frames:
             time.sleep(_LOOK_EVERY)
         return frames
@@ -149,7 +148,7 @@ class _Buses:
         return self._only or self._names.get(channel, channel)
 
 
-def _read_candump(path: str | Path) -> Iterator[Any]:
+def _read_candump(path: str | Path) -> Iterator[LoggedFrame]:
     from drivers.can.candump import parse_lines
 
     if str(path) == STDIN:
@@ -159,11 +158,10 @@ def _read_candump(path: str | Path) -> Iterator[Any]:
         yield from parse_lines(lines, str(path))
 
 
-def _read_vector(path: Path) -> Iterator[Any]:
+def _read_vector(path: Path) -> Iterator[LoggedFrame]:
     import can
 
     from drivers.can.fast_path import flagged_id
-    from rig.hal.frames import LoggedFrame
 
     is_binary = path.suffix.lower() == ".blf"
     with path.open("rb" if is_binary else "r") as content:

@@ -24,9 +24,9 @@ from rig.cli.names import (
 from rig.cli.tables import abandon_stdout
 
 if TYPE_CHECKING:
-    from rig.assembly.decoding import Decoder
     from rig.config import Profile
     from rig.hal import DriverSettings
+    from rig.hal.frames import Decoder
 
 _LIVE = ""  # what `--frames` without a source means
 

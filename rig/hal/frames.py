@@ -1,6 +1,6 @@
 """What decoders and surveys of a bus return, in the words of a profile."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 
 class Value(NamedTuple):
@@ -50,6 +50,14 @@ class Decoded(NamedTuple):
 
 UNKNOWN = Decoded("", "unknown", known=False)
 """A frame that nothing in the profile explains."""
+
+
+class Decoder(Protocol):
+    """What reads the frames of one bus, in their order."""
+
+    def decode(self, can_id: int, data: bytes) -> Decoded:
+        """Return what a frame says."""
+        ...
 
 
 class LoggedFrame(NamedTuple):
