@@ -10,7 +10,7 @@ from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings
 from rig.hal import Address
 from rig.hal.driver import Keys
 
@@ -32,7 +32,7 @@ _FEEDBACK: Final[dict[str, Entry]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveSettings(AxisSettings):
+class DriveSettings(FollowingAxisSettings):
     """One joint with its drive.
 
     Parameters
@@ -46,10 +46,6 @@ class DriveSettings(AxisSettings):
         Velocity units for one turn per second of the shaft. None: position units per second.
     acceleration_units : float, optional
         Acceleration units for one turn per second squared. None: position units.
-    deceleration : float
-        Of a quick stop and of every other ramp to standstill, rad/s².
-    following_window, following_time : float
-        How far (rad) and for how long (s) the joint may be from its reference.
     serial : int, optional
         The serial number that the drive must report.
     """
@@ -58,14 +54,11 @@ class DriveSettings(AxisSettings):
     counts_per_turn: Annotated[float, Unit("1"), Gt(0)]
     velocity_units: Annotated[float, Unit("1"), Gt(0)] | None = None
     acceleration_units: Annotated[float, Unit("1"), Gt(0)] | None = None
-    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
-    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
-    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
     serial: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
 
     def __post_init__(self) -> None:
         # A dataclass with slots is a new class, which a bare super() would not find.
-        AxisSettings.__post_init__(self)
+        FollowingAxisSettings.__post_init__(self)
         low, high = RANGES["i32"]
         for angle in self.limits:
             counts = (angle - self.offset) * self.counts_per_radian

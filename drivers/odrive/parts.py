@@ -5,7 +5,7 @@ from rig.hal.parts import DriverParts, ProtocolParts
 PARTS = DriverParts(
     settings="drivers.odrive.settings:OdriveSettings",
     device="drivers.odrive.device:OdriveServos",
-    simulation="drivers.sim.wiring:ODRIVE",
+    simulation="drivers.sim.nodes.odrive_wiring:WIRING",
 )
 
 PROTOCOL = ProtocolParts(

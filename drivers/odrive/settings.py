@@ -8,7 +8,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
 from drivers.can.device_settings import CanDeviceSettings
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings
 from rig.hal import Address, BusSettings, Endpoint
 
 _FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
@@ -67,7 +67,7 @@ class OdriveBusSettings(BusSettings):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OdriveAxisSettings(AxisSettings):
+class OdriveAxisSettings(FollowingAxisSettings):
     """One joint with its ODrive axis.
 
     Parameters
@@ -80,19 +80,12 @@ class OdriveAxisSettings(AxisSettings):
         Where the ODrive itself limits its motor, turn/s. None: a quarter above `max_speed`.
     current_limit : float
         Greatest motor current, A.
-    deceleration : float
-        With which the joint is brought to a standstill, rad/s².
-    following_window, following_time : float
-        How far (rad) and for how long (s) the joint may be from its reference.
     """
 
     axis: Annotated[int, Interval(ge=0, le=0x3E)]
     serial: Annotated[int, Interval(ge=0, lt=1 << 48)] | None = None
     speed_limit: Annotated[float, Unit("1/s"), Gt(0)] | None = None
     current_limit: Annotated[float, Unit("A"), Gt(0)] = 10.0
-    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
-    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
-    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
 
     @property
     def motor_speed_limit(self) -> float:

@@ -35,7 +35,7 @@ from rig.hal.errors import (
 )
 from rig.hal.mechanism import Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
-from rig.hal.plant import Plant
+from rig.hal.plant import PhysicsSettings, Plant
 from rig.hal.reading import Reading
 
 __all__ = [
@@ -72,6 +72,7 @@ __all__ = [
     "MonotonicClock",
     "Motion",
     "MotionRefused",
+    "PhysicsSettings",
     "Plant",
     "PressureRegulator",
     "Reading",

@@ -14,7 +14,9 @@ from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, Odriv
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulated_rig import EmulatedRig
-from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
+from drivers.sim.nodes.cia402_wiring import emulate_cia402, simulate_cia402
+from drivers.sim.nodes.odrive_wiring import emulate_odrive
+from drivers.sim.wiring import Installed
 from rig.hal import FastCanBus
 
 PERIOD = 0.005
@@ -191,7 +193,7 @@ def cia402_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
     """Return a rig of emulated CiA 402 drives under the production driver."""
     settings = cia402_settings(joints, **changes)
     plant = plant or LaggedJoints(joints)
-    nodes = emulate_cia402("arm", settings, plant, tuple(range(joints)), 0)
+    nodes = emulate_cia402(Installed("arm", settings, plant, tuple(range(joints))))
     can = CanBusSettings("virtual", "can0", **(bus_settings or {}))
     return ServoRig(
         plant,
@@ -229,7 +231,7 @@ def odrive_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
     """Return a rig of emulated ODrives under the production driver."""
     settings = odrive_settings(joints, **changes)
     plant = plant or LaggedJoints(joints, lag=0.05)  # the maker's gain: 20 (turn/s)/turn
-    nodes = emulate_odrive("arm", settings, plant, tuple(range(joints)), 0x1234)
+    nodes = emulate_odrive(Installed("arm", settings, plant, tuple(range(joints)), serial=0x1234))
     can = OdriveBusSettings("virtual", "can0", **(bus_settings or {}))
     return ServoRig(
         plant,
@@ -249,7 +251,7 @@ class SimRig(ServoRig):
         self.clock = SimClock(plant)
         self.bus = NoBus()
         self.driver = simulate_cia402(
-            "arm", settings, plant, tuple(range(len(plant.angles))), self.clock
+            Installed("arm", settings, plant, tuple(range(len(plant.angles)))), self.clock
         )
 
     def inject(self, device, fault, value=None):
