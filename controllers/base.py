@@ -1,23 +1,76 @@
-"""What every controller is: a pure function of its state, reference and own memory."""
+"""What every law is: a pure function of its state, reference and own memory.
 
-from typing import Protocol, TypeVar
+A profile names a `Law`, which is made from settings and a model; a law that plans a whole motion
+before it starts is a `PlanningLaw`. Their methods have defaults, so that nobody has to look for
+what a law may lack.
+"""
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, Generic, TypeVar
 
 State = TypeVar("State", contravariant=True)
 Reference = TypeVar("Reference", contravariant=True)
 Command = TypeVar("Command", covariant=True)
+Motion = TypeVar("Motion", contravariant=True)
+Plan = TypeVar("Plan", covariant=True)
+Chosen = TypeVar("Chosen")
+Model = TypeVar("Model")
 
 
-class Controller(Protocol[Reference, State, Command]):
-    """A discrete controller with a fixed period.
+class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
+    """A controller with a fixed period, that a profile may name.
 
     No I/O, no clock, no log, no randomness: the same sequence of states and references
     gives the same sequence of commands.
+
+    Parameters
+    ----------
+    settings : dataclass
+        An instance of `Settings`.
+    model : object
+        What the mechanism tells its laws of the mechanics.
+    period : float
+        The loop's period, s.
+
+    Attributes
+    ----------
+    Settings : type
+        Dataclass of the law's entries in a profile.
+    settings, model, period
+        As given.
     """
 
+    Settings: ClassVar[type]
+
+    def __init__(self, settings: Chosen, model: Model, period: float) -> None:
+        self.settings = settings
+        self.model = model
+        self.period = period
+
+    def compile(self) -> None:
+        """Compile what is slow in Python; called once, by who puts the law into a loop."""
+
+    @abstractmethod
     def reset(self, state: State) -> None:
         """Forget the past and start bumplessly from the measured `state`."""
-        ...
 
+    @abstractmethod
     def update(self, state: State, reference: Reference) -> Command:
         """Return the command for this period."""
-        ...
+
+
+class PlanningLaw(
+    Law[Chosen, Model, Reference, State, Command],
+    Generic[Chosen, Model, Reference, State, Command, Motion, Plan],
+):
+    """A law that works out a whole motion before it starts, and follows it online."""
+
+    @abstractmethod
+    def prepare(self, motion: Motion) -> Plan:
+        """Return the plan of a motion, which `update` then follows.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It cannot be done; nothing has moved.
+        """

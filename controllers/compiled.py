@@ -5,20 +5,22 @@ Numba is imported by what compiles, not here, because of what it takes to start.
 
 import zlib
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Concatenate, Generic, ParamSpec, TypeVar, cast
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Function = TypeVar("Function", bound=Callable[..., Any])
+    Value = bool | float | tuple["Value", ...]
 
-_SHARED = Path(__file__).parent / "singularity"
-"""What kernels of several rigs call."""
+Function = TypeVar("Function", bound=Callable[..., object])
 
-_WAITING: list[Callable[..., Any]] = []
+_SHARED = (Path(__file__).parent, Path(__file__).parent / "singularity")
+"""Folders of what kernels of several rigs call."""
+
+_WAITING: list[Callable[..., object]] = []
 
 
 def inlined(function: Function) -> Function:
@@ -32,101 +34,109 @@ def inlined(function: Function) -> Function:
     return function
 
 
-@cache
-def kernel_of(function: Function) -> Function:
-    """Return an `inlined` function compiled, once in a process; see `compile_kernel`.
+class PlainNumbers:
+    """An object of numbers alone, which `KernelMemory` lays out for kernels.
 
-    The cache is that of the function's folder: what it calls has to be there, or in what is
-    shared.
+    Its attributes are numbers, booleans, tuples or lists of numbers, or objects like it. What a
+    kernel changes is a number or a list.
     """
 
-    def build(digest: int) -> Function:
-        def kernel(*arguments: Any) -> Any:
-            _ = digest
-            return function(*arguments)
 
-        return cast(Function, kernel)
-
-    return compile_kernel(build, Path(function.__code__.co_filename).parent)
+Numbers = TypeVar("Numbers", bound=PlainNumbers)
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
 
-def compile_kernel(build: Callable[[int], Function], *folders: Path) -> Function:
-    """Compile the kernel that `build` makes, from the cache if the sources did not change.
+class KernelMemory(Generic[Numbers]):
+    """An object's numbers laid out in memory, where kernels read and write them by their names.
+
+    An `inlined` function or method that takes the object takes a record of this memory as well: so
+    one source serves Python, tests and kernels. The record is handed over as plain bytes, because
+    numba takes longer to recognise a structured array than many a law to run.
 
     Parameters
     ----------
-    build : callable
-        Takes the digest of the sources and returns a function that closes over it. Numba's cache
-        watches only the kernel's own file, but what a function closes over is part of its key.
-    folders : Path
-        Of the sources; that of `build` itself if none is given.
-
-    Returns
-    -------
-    callable
-        The compiled kernel. Where no cache can be written it is compiled in each process.
+    numbers : PlainNumbers
+        It is copied, and stays as it is whatever kernels do.
     """
-    from numba.extending import register_jitable
 
-    while _WAITING:
-        register_jitable(error_model="numpy")(_WAITING.pop())
-    return _compile(build(_digest(*folders or (Path(build.__code__.co_filename).parent,))))
+    def __init__(self, numbers: Numbers) -> None:
+        self._kind = record_type(numbers)
+        self._bytes = _bytes_of(numbers, self._kind)
 
+    def lay(self, numbers: Numbers) -> None:
+        """Copy the numbers of an object of the same kind anew."""
+        self._bytes[:] = _bytes_of(numbers, self._kind)
 
-def memory_of(thing: object, kind: "np.dtype[np.void]") -> "NDArray[np.uint8]":
-    """Lay an object's numbers out in memory, where kernels read and write them by their names.
-
-    A method that is `inlined` and works on numbers alone takes a record for its ``self`` as well,
-    ``memory.view(kind)[0]``: so one source serves Python, tests and kernels. It is
-    handed over as plain bytes, because numba takes longer to recognise a structured array than
-    many a law to run.
-
-    Parameters
-    ----------
-    thing : object
-        Its attributes are numbers, booleans or objects like it.
-    kind : dtype
-        Its `record_type`, which takes ten times as long to find.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Bytes of the record; it starts with the attributes' values.
-    """
-    import numpy as np
-
-    return np.array([_values(thing)], kind).view(np.uint8)
+    def bind(
+        self, function: Callable[Concatenate[Numbers, Arguments], Result]
+    ) -> Callable[Arguments, Result]:
+        """Return an `inlined` function compiled, with this memory for its first argument."""
+        return partial(kernel_of(function, self._kind), self._bytes)
 
 
-def record_type(thing: object) -> "np.dtype[np.void]":
-    """Return the structured type of `memory_of`: its fields are the object's attributes.
+def record_type(numbers: PlainNumbers) -> "np.dtype[np.void]":
+    """Return the structured type of `KernelMemory`: its fields are the object's attributes.
 
     Whole numbers are floating-point there, so that the type does not depend on what they are now.
 
     Raises
     ------
     TypeError
-        An attribute is neither a number nor an object like it.
+        An attribute is neither a number, nor numbers, nor an object like it.
     """
     import numpy as np
 
-    fields: list[Any] = []
-    for name, value in vars(thing).items():
-        if isinstance(value, bool):
-            fields.append((name, np.bool_))
-        elif isinstance(value, float | int):
-            fields.append((name, np.float64))
-        elif hasattr(value, "__dict__"):
-            fields.append((name, record_type(value)))
+    fields: list[tuple[str, np.dtype[np.void] | type, tuple[int, ...]]] = []
+    for name, value in vars(numbers).items():
+        if isinstance(value, PlainNumbers):
+            fields.append((name, record_type(value), ()))
+        elif isinstance(value, bool):
+            fields.append((name, np.bool_, ()))
+        elif np.asarray(value).dtype.kind in "fi":
+            fields.append((name, np.float64, np.shape(value)))
         else:
-            raise TypeError(f"{type(thing).__name__}.{name} is {value!r}, which is no number")
+            raise TypeError(f"{type(numbers).__name__}.{name} is {value!r}, which is no number")
     return np.dtype(fields, align=True)
 
 
-def _values(thing: object) -> tuple[Any, ...]:
+def _bytes_of(numbers: PlainNumbers, kind: "np.dtype[np.void]") -> "NDArray[np.uint8]":
+    import numpy as np
+
+    return np.array([_values(numbers)], kind).view(np.uint8)
+
+
+def _values(numbers: PlainNumbers) -> "tuple[Value, ...]":
     return tuple(
-        _values(value) if hasattr(value, "__dict__") else value for value in vars(thing).values()
+        _values(value) if isinstance(value, PlainNumbers) else value
+        for value in vars(numbers).values()
     )
+
+
+@cache
+def kernel_of(function: Function, kind: "np.dtype[np.void]") -> Function:
+    """Return an `inlined` function compiled for memory, once in a process, or from the cache.
+
+    Parameters
+    ----------
+    function : callable
+        What it calls has to be in its folder or in what is shared: numba's own cache watches no
+        file but the kernel's, so a digest of these sources is part of the kernel's key. Where no
+        cache can be written it is compiled in each process.
+    kind : dtype
+        The `record_type` of the memory that the kernel takes for its first argument.
+    """
+    from numba.extending import register_jitable
+
+    while _WAITING:
+        register_jitable(error_model="numpy")(_WAITING.pop())
+    digest = _digest(Path(function.__code__.co_filename).parent)
+
+    def kernel(memory: "NDArray[np.uint8]", *arguments: object) -> object:
+        _ = digest
+        return function(memory.view(kind)[0], *arguments)
+
+    return cast(Function, _compile(kernel))
 
 
 def _compile(function: Function) -> Function:
@@ -138,9 +148,9 @@ def _compile(function: Function) -> Function:
         return cast(Function, numba.njit(error_model="numpy")(function))
 
 
-def _digest(*folders: Path) -> int:
+def _digest(folder: Path) -> int:
     digest = 0
-    for folder in (*folders, _SHARED):
-        for path in sorted(folder.glob("*.py")):
+    for shared in (folder, *_SHARED):
+        for path in sorted(shared.glob("*.py")):
             digest = zlib.crc32(path.read_bytes(), digest)
     return digest

@@ -12,6 +12,8 @@ import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+from controllers.compiled import PlainNumbers
+
 _MOST_STEPS = 5000
 """Of a filter before it has to have settled; the encoders here take some hundred."""
 
@@ -250,7 +252,7 @@ class MotionEstimator:
         return self.position + ahead * (self.velocity + 0.5 * gained), self.velocity + gained
 
 
-class ForceObserver:
+class ForceObserver(PlainNumbers):
     """Position, velocity and disturbance of a mass that a measured force drives.
 
     ``M x'' = F + d``: everything that the force does not explain, friction above all, is d.
@@ -307,8 +309,8 @@ class ForceObserver:
         return self.position + ahead * (self.velocity + 0.5 * gained), self.velocity + gained
 
 
-class StandstillDetector:
-    """Whether something stands still: it has moved less than a distance within a time.
+class StandstillDetector(PlainNumbers):
+    """A detector of standstill: less than a distance has been moved within a time.
 
     Parameters
     ----------

@@ -7,8 +7,10 @@ rounded over a band of velocities, and one with memory, whose force changes over
 
 import math
 
+from controllers.compiled import PlainNumbers
 
-class SmoothFriction:
+
+class SmoothFriction(PlainNumbers):
     """Static friction of a pair against its velocity, rounded at zero.
 
     ``F(v) = (Fc + (Fs - Fc) exp(-(v / vs)²)) tanh(v / w) + B v``, an odd function.
@@ -51,7 +53,7 @@ class SmoothFriction:
         return level * math.tanh(velocity * self._per_rounding) + self._viscous * velocity
 
 
-class PreslidingFriction:
+class PreslidingFriction(PlainNumbers):
     """Friction that turns round over a distance, driven by the desired motion.
 
     Between two surfaces stands a spring that yields (Dahl). Driven by the *desired* velocity it

@@ -17,22 +17,6 @@ from controllers.arm.kinematics import Dimensions
 from controllers.arm.types import Joints, Vector
 
 
-def elbow_sine(arm: Dimensions, r1: float, r2: float, gamma: float, q3: float) -> float:
-    """Return S3 on a circle that touches the boundary at ``gamma = 0``, up to the elbow's side.
-
-    Notes
-    -----
-    The paper prints ``2 r1 r2 / (a2 a3)``; from ``a2 a3 sin^2(q3/2) = r1 r2 sin^2(gamma/2)``
-    follows its square root.
-
-    References
-    ----------
-    Miyata et al., eq. (8), corrected.
-    """
-    root = math.sqrt(r1 * r2 / (arm.a2 * arm.a3))
-    return 2.0 * root * math.sin(0.5 * gamma) * math.cos(0.5 * (q3 + arm.elbow_angle))
-
-
 def elbow_rate(
     arm: Dimensions, r1: float, r2: float, gamma: float, gamma_rate: float, q3: float, side: float
 ) -> float:
@@ -58,33 +42,6 @@ def elbow_rate(
     root = math.sqrt(r1 * r2 / (arm.a2 * arm.a3))
     half = 0.5 * (q3 + arm.elbow_angle)
     return side * gamma_rate * root * math.cos(0.5 * gamma) / math.cos(half)
-
-
-def radial_velocity(r1: float, r2: float, gamma: float, gamma_rate: float) -> float:
-    """Return the wrist centre's velocity away from the shoulder on such a circle, m/s.
-
-    References
-    ----------
-    Miyata et al., eq. (7), corrected: ``- gamma' (2 r1 r2 / r_s) sin(gamma/2) cos(gamma/2)``.
-    """
-    half = 0.5 * gamma
-    radius = math.sqrt(r1 * r1 + r2 * r2 + 2.0 * r1 * r2 * math.cos(gamma))
-    return -gamma_rate * 2.0 * r1 * r2 / radius * math.sin(half) * math.cos(half)
-
-
-def shoulder_distance(r1: float, gamma: float) -> float:
-    """Return c (m) on a horizontal circle through the axis of q1: signed, by eq. (10)."""
-    return 2.0 * r1 * math.sin(0.5 * gamma)
-
-
-def sideways_velocity(r1: float, gamma: float, gamma_rate: float) -> float:
-    """Return the wrist centre's velocity across the arm's plane on such a circle, m/s.
-
-    References
-    ----------
-    Miyata et al., eq. (9), which lacks ``r1``.
-    """
-    return r1 * gamma_rate * math.sin(0.5 * gamma)
 
 
 def elbow_circle_rates(

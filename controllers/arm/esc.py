@@ -3,8 +3,9 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
+from controllers.arm.axis_path import axis_path_of_line
 from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
 from controllers.arm.decomposition import Scale, joint_rates, wrist_turning
 from controllers.arm.dwell import (
@@ -15,10 +16,9 @@ from controllers.arm.dwell import (
     switch_of,
 )
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints
-from controllers.arm.joint_path import joint_path_of_line
-from controllers.arm.kinematics import forward, singularity_indices
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.integration import advance_joints, bisect_period
+from controllers.arm.kinematics import Dimensions, forward, singularity_indices
+from controllers.arm.law import AnyArmLaw, ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import (
     elbow_scale,
@@ -27,8 +27,9 @@ from controllers.arm.region import (
     region_for_speed,
     region_for_twist,
 )
-from controllers.arm.retiming import follow_joint_path, retime
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory, Trajectory
+from controllers.arm.retiming import follow_axis_path, retime
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import (
     check_turn_back,
     dwelling,
@@ -36,10 +37,8 @@ from controllers.arm.turn_back import (
     time_at_depth,
     turn_back,
 )
-from controllers.arm.types import Joints
+from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
-
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ class EscPaperSettings:
     dwell_slope: Literal["zero", "natural"] = "zero"
 
 
-class EscPaper(ArmLaw):
+class EscPaper(ArmLaw[EscPaperSettings]):
     """The law of the paper.
 
     Promises: the hand stays on its path; q3 stays within its rate limit at the elbow's
@@ -81,7 +80,8 @@ class EscPaper(ArmLaw):
         """Yield a sample per period."""
         if isinstance(trajectory, CircularTrajectory):
             return _circle(self, trajectory, end)
-        assert isinstance(trajectory, StraightTrajectory)
+        if not isinstance(trajectory, StraightTrajectory):
+            raise _unknown(self.name, trajectory)
         if trajectory.depth is not None:
             settings = self.settings
             return _dwell(
@@ -132,7 +132,7 @@ class EscPaper(ArmLaw):
         The arm's own joints count at no more than their limits: near the shoulder's singularity
         they are slowed by its region.
         """
-        path = joint_path_of_line(self.arm, trajectory)
+        path = axis_path_of_line(self.arm, trajectory)
         greatest = 0.0
         limits = self.geometry.rate_limits
         for q, rate in path.samples(200):
@@ -144,7 +144,7 @@ class EscPaper(ArmLaw):
 
 @dataclass(frozen=True, slots=True)
 class EscSettings:
-    """What the law may be asked to leave out.
+    """Parts of the law that may be left out.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ class EscSettings:
     limit_acceleration: bool = True
 
 
-class Esc(ArmLaw):
+class Esc(ArmLaw[EscSettings]):
     """The paper's law with what it lacks.
 
     Promises: the hand stays on its path; no joint exceeds its rate limit, at the elbow also while
@@ -187,13 +187,14 @@ class Esc(ArmLaw):
         """Yield a sample per period."""
         if isinstance(trajectory, CircularTrajectory):
             return _circle(self, trajectory, end)
-        assert isinstance(trajectory, StraightTrajectory)
+        if not isinstance(trajectory, StraightTrajectory):
+            raise _unknown(self.name, trajectory)
         if trajectory.depth is not None:
             return _dwell(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
-            path = joint_path_of_line(self.arm, trajectory)
+            path = axis_path_of_line(self.arm, trajectory)
             timing = retime(path, self.geometry.rate_limits, None)
-            return follow_joint_path(trajectory, path, timing, self.period, end)
+            return follow_axis_path(trajectory, path, timing, self.period, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
         side = 1.0 if math.sin(trajectory.start[2] + self.arm.elbow_angle) > 0.0 else -1.0
@@ -217,7 +218,7 @@ def _as_it_is(_: Joints) -> float:
 
 
 def _dwell(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: StraightTrajectory,
     end: MotionEnd,
     integral: Literal["taylor", "exact"],
@@ -245,14 +246,14 @@ def _dwell(
     return dwelling(arm, trajectory, q_s, b, law.period, end)
 
 
-def forward_along(trajectory: StraightTrajectory, arm: Any, t: float) -> Joints:
+def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:
     """Return the joints at a nominal time on the way out, on the branch of the start."""
     from controllers.arm.inverse import branch_of, inverse
 
     return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
 
 
-def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
+def _circle(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
     """Yield a circle through a singularity, at full speed throughout.
 
     References
@@ -275,7 +276,7 @@ def _circle(law: ArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Moti
 
 
 def _integrated(
-    law: ArmLaw,
+    law: AnyArmLaw,
     trajectory: Trajectory,
     rates: Callable[[float, Joints], Joints],
     scale_at: Callable[[Joints], Scale],
@@ -294,19 +295,21 @@ def _integrated(
         return length - straight.distance(forward(arm, q).position)
 
     while t < longest:
-        scale = scale_at(q)
+        scale, now = scale_at(q), rates(t, q)
         command = trajectory.twist(t)
-        yield Sample(q, rates(t, q), scale.linear, scale.angular, command)
-        after = advance_joints(rates, t, q, period)
+        yield Sample(q, now, scale.linear, scale.angular, command)
+        after = advance_joints(rates, t, q, period, now)
         if left(t + period, after) <= 0.0:
-            low, high = 0.0, period
-            for _ in range(44):
-                middle = 0.5 * (low + high)
-                there = advance_joints(rates, t, q, middle)
-                low, high = (middle, high) if left(t + middle, there) > 0.0 else (low, middle)
-            q = advance_joints(rates, t, q, low)
-            yield Sample(q, _AT_REST, 0.0, 0.0, command)
-            end.duration = t + low
+            last, _ = bisect_period(rates, t, q, period, lambda at, there: left(at, there) > 0.0)
+            yield Sample(advance_joints(rates, t, q, last), AT_REST, 0.0, 0.0, command)
+            end.duration = t + last
             return
         q, t = after, t + period
     end.duration, end.outcome = t, "stalls"
+
+
+def _unknown(law: str, trajectory: Trajectory) -> InfeasibleMotion:
+    return InfeasibleMotion(
+        f"{law} plans lines and circles, not a {type(trajectory).__name__}; "
+        "inverse, dls and servo-halt follow any path."
+    )

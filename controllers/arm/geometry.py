@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Unit
 
-JOINT_NAMES = ("q1", "q2", "q3", "q4", "q5", "q6")
+AXIS_NAMES = ("q1", "q2", "q3", "q4", "q5", "q6")
 """Base, shoulder, elbow, and the wrist's three, from the base outwards."""
 
 Angle = Annotated[float, Unit("rad")]
@@ -77,7 +77,7 @@ class ArmGeometry:
     ] = (10.0, 10.0, 10.0, 20.0, 20.0, 20.0)
 
     def __post_init__(self) -> None:
-        ranges = zip(JOINT_NAMES, self.position_min, self.position_max, strict=True)
+        ranges = zip(AXIS_NAMES, self.position_min, self.position_max, strict=True)
         for name, lower, upper in ranges:
             if not lower < upper:
                 raise ValueError(

@@ -4,18 +4,22 @@ import math
 from collections.abc import Callable
 
 from controllers.arm.types import Joints
+from controllers.bisection import bisect
+
+_ROUNDS = 44
+"""Halvings of a period, down to the rounding of its end."""
+
+Rates = Callable[[float, Joints], Joints]
 
 LONGEST_STEP = 5e-3
 """s. With it the hand leaves its path by less than 1e-9 m in ten seconds."""
 
 
-def step_joints(rates: Callable[[float, Joints], Joints], t: float, q: Joints, h: float) -> Joints:
-    """Return the joints (rad) after `h` seconds of ``q' = rates(t, q)``."""
+def _step_joints(rates: Rates, t: float, q: Joints, h: float, k1: Joints) -> Joints:
     half = 0.5 * h
-    k1 = rates(t, q)
-    k2 = rates(t + half, _moved(q, k1, half))
-    k3 = rates(t + half, _moved(q, k2, half))
-    k4 = rates(t + h, _moved(q, k3, h))
+    k2 = rates(t + half, moved(q, k1, half))
+    k3 = rates(t + half, moved(q, k2, half))
+    k4 = rates(t + h, moved(q, k3, h))
     sixth = h / 6.0
     q1, q2, q3, q4, q5, q6 = (
         x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(q, k1, k2, k3, k4, strict=True)
@@ -23,18 +27,52 @@ def step_joints(rates: Callable[[float, Joints], Joints], t: float, q: Joints, h
     return q1, q2, q3, q4, q5, q6
 
 
+def bisect_period(
+    rates: Rates, t: float, q: Joints, period: float, holds: Callable[[float, Joints], bool]
+) -> tuple[float, float]:
+    """Return between which times into a period (s) a condition stops to hold.
+
+    Parameters
+    ----------
+    rates, t, q, period
+        As for `advance_joints`.
+    holds : callable
+        Takes the time (s) and the joints (rad) there.
+    """
+
+    def holds_after(into: float) -> bool:
+        return holds(t + into, advance_joints(rates, t, q, into))
+
+    return bisect(holds_after, 0.0, period, _ROUNDS)
+
+
 def advance_joints(
-    rates: Callable[[float, Joints], Joints], t: float, q: Joints, period: float
+    rates: Rates, t: float, q: Joints, period: float, now: Joints | None = None
 ) -> Joints:
-    """Return the joints after a period, in equal steps no longer than `LONGEST_STEP`."""
+    """Return the joints (rad) after a period of ``q' = rates(t, q)``.
+
+    Parameters
+    ----------
+    rates : callable
+        Takes time (s) and joints (rad), returns rad/s.
+    t, q : float, tuple of float
+        Where it begins, s and rad.
+    period : float
+        s, done in equal steps no longer than `LONGEST_STEP`.
+    now : tuple of float, optional
+        ``rates(t, q)`` if it is known: a fifth of the work of a period of one step.
+    """
     steps = max(1, math.ceil(period / LONGEST_STEP - 1e-9))
     h = period / steps
-    for k in range(steps):
-        q = step_joints(rates, t + k * h, q, h)
+    q = _step_joints(rates, t, q, h, rates(t, q) if now is None else now)
+    for k in range(1, steps):
+        at = t + k * h
+        q = _step_joints(rates, at, q, h, rates(at, q))
     return q
 
 
-def _moved(q: Joints, rate: Joints, h: float) -> Joints:
+def moved(q: Joints, rate: Joints, h: float) -> Joints:
+    """Return the joints (rad) after `h` seconds at constant rates (rad/s)."""
     return (
         q[0] + h * rate[0],
         q[1] + h * rate[1],

@@ -11,7 +11,7 @@ _TURN = 2.0 * math.pi
 
 
 class Branch(NamedTuple):
-    """Which of the eight solutions: the sign of c (shoulder), of S3 (elbow) and of S5 (wrist)."""
+    """One of the eight solutions: the signs of c (shoulder), of S3 (elbow) and of S5 (wrist)."""
 
     shoulder: int
     elbow: int
@@ -131,19 +131,6 @@ def wrist_joints(
     q4 = math.atan2(side * y[2], side * x[2])
     q6 = math.atan2(side * z[1], -side * z[0])
     return q4, q5, q6
-
-
-def all_solutions(
-    arm: Dimensions, pose: Pose, near: Joints | None = None
-) -> tuple[tuple[Branch, Joints], ...]:
-    """Return the joints on every branch, eight of them.
-
-    Raises
-    ------
-    OutOfReach
-        There are none.
-    """
-    return tuple((branch, inverse(arm, pose, branch, near)) for branch in BRANCHES)
 
 
 def nearest_turns(q: Joints, near: Joints) -> Joints:

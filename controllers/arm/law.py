@@ -1,20 +1,20 @@
 """What the laws of the arm have in common: one motion, planned and then repeated online."""
 
+from abc import abstractmethod
 from collections.abc import Generator
-from typing import Any
+from typing import Any, ClassVar
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan, Sample, make_plan
-from controllers.arm.trajectories import Trajectory, make_trajectory
-from controllers.arm.types import ArmCommand, ArmReference, ArmState, Joints
-
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+from controllers.arm.trajectories import ArmPathSettings, make_trajectory
+from controllers.arm.trajectory import Trajectory
+from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
+from controllers.base import Chosen, PlanningLaw
 
 
 class MotionEnd:
-    """How a law's motion ended; a law fills it in.
+    """The end of a motion, which its law fills in.
 
     Attributes
     ----------
@@ -35,35 +35,27 @@ class MotionEnd:
 Motion = Generator[Sample, None, None]
 
 
-class ArmLaw:
+class ArmLaw(
+    PlanningLaw[Chosen, ArmGeometry, ArmReference, ArmState, ArmCommand, ArmPathSettings, ArmPlan]
+):
     """A law that moves the arm along one path.
 
     `prepare` runs the law through the whole motion and keeps nothing but the path; `update` runs
     it again, one period per call whatever the clock says: a late cycle is a cycle later, not a
     jump. The law moves the commanded joints; that the measured ones follow is for the drives.
-
-    Parameters
-    ----------
-    settings : object
-        Of the law.
-    model : ArmGeometry
-        Dimensions and limits.
-    period : float
-        The loop's period, s.
     """
 
-    Settings: type = type(None)
-    name = ""
+    name: ClassVar[str]
 
-    def __init__(self, settings: Any, model: ArmGeometry, period: float) -> None:
-        self.settings = settings
+    def __init__(self, settings: Chosen, model: ArmGeometry, period: float) -> None:
+        super().__init__(settings, model, period)
         self.geometry = model
         self.arm = dimensions_of(model)
-        self.period = period
         self._trajectory: Trajectory | None = None
         self._motion: Motion | None = None
         self._last: Sample | None = None
 
+    @abstractmethod
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period, the first at the start; say in `end` how it ended.
 
@@ -72,7 +64,6 @@ class ArmLaw:
         InfeasibleMotion
             The law cannot do the path.
         """
-        raise NotImplementedError
 
     def prepare(self, path: ArmPathSettings) -> ArmPlan:
         """Return the whole motion along a path, which `update` then follows.
@@ -99,9 +90,6 @@ class ArmLaw:
         self._motion = None
         return plan
 
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
-
     def reset(self, state: ArmState) -> None:
         """Go back to the beginning of the path."""
         del state  # the motion starts where the path does; the approach leads there
@@ -117,6 +105,10 @@ class ArmLaw:
         sample = next(self._motion, None)
         if sample is None:
             end = reference.positions if self._last is None else self._last.positions
-            return ArmCommand(end, _AT_REST)
+            return ArmCommand(end, AT_REST)
         self._last = sample
         return ArmCommand(sample.positions, sample.velocities)
+
+
+AnyArmLaw = ArmLaw[Any]
+"""A law of the arm, whatever its settings."""

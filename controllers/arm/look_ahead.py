@@ -6,11 +6,12 @@ from typing import Annotated
 
 from annotated_types import Gt, Le
 
+from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
-from controllers.arm.joint_path import JointPath, joint_path_of_line
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
-from controllers.arm.retiming import Timing, follow_joint_path, retime
-from controllers.arm.trajectories import StraightTrajectory, Trajectory
+from controllers.arm.retiming import Timing, follow_axis_path, retime
+from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.motion import InfeasibleMotion
 
 _FINE = 2e-3
@@ -19,7 +20,7 @@ _FINE = 2e-3
 
 @dataclass(frozen=True, slots=True)
 class LookAheadSettings:
-    """How much of the limits is used.
+    """Shares of the limits that are used.
 
     Parameters
     ----------
@@ -31,7 +32,7 @@ class LookAheadSettings:
     acceleration_share: Annotated[float, Gt(0), Le(1)] = 1.0
 
 
-class LookAhead(ArmLaw):
+class LookAhead(ArmLaw[LookAheadSettings]):
     """The time-optimal way along the same path, from rest to rest.
 
     Promises: the hand stays on its path; no joint exceeds its rate or acceleration limit, nor the
@@ -56,30 +57,30 @@ class LookAhead(ArmLaw):
                 f"look-ahead is as fast as it can be and cannot dwell {trajectory.dwell:g} s; "
                 f"take esc or esc-paper."
             )
-        path = self.joint_path(trajectory)
+        path = self.axis_path(trajectory)
         timing = self.timing(path)
-        return follow_joint_path(trajectory, path, timing, self.period, end)
+        return follow_axis_path(trajectory, path, timing, self.period, end)
 
-    def timing(self, path: JointPath) -> Timing:
+    def timing(self, path: AxisPath) -> Timing:
         """Return when the joint path is where."""
         rates = [self.settings.rate_share * limit for limit in self.geometry.rate_limits]
         share = self.settings.acceleration_share
         accelerations = [share * limit for limit in self.geometry.acceleration_limits]
         return retime(path, rates, accelerations)
 
-    def joint_path(self, trajectory: Trajectory) -> JointPath:
+    def axis_path(self, trajectory: Trajectory) -> AxisPath:
         """Return the joints along the path, whatever the time."""
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
-            return joint_path_of_line(self.arm, trajectory)
+            return axis_path_of_line(self.arm, trajectory)
         esc = Esc(EscSettings(), self.geometry, _FINE)
-        return joint_path_of_motion(esc.move(trajectory, MotionEnd()), _FINE)
+        return axis_path_of_motion(esc.move(trajectory, MotionEnd()), _FINE)
 
 
-def joint_path_of_motion(motion: Motion, period: float) -> JointPath:
+def axis_path_of_motion(motion: Motion, period: float) -> AxisPath:
     """Return the joint path of a motion that may turn back, with the scales that it has."""
     samples = list(motion)[:-1]
     gone, turned = [0.0], [0.0]
     for a, b in pairwise(samples):
         gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))
         turned.append(turned[-1] + 0.5 * period * (a.angular + b.angular))
-    return JointPath([sample.positions for sample in samples], gone, turned)
+    return AxisPath([sample.positions for sample in samples], gone, turned)

@@ -4,9 +4,8 @@ from controllers.arm.dwell import elbow_at_depth
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.retiming import velocity_limited_time
-from controllers.arm.trajectories import StraightTrajectory, make_trajectory
+from controllers.arm.trajectories import ArmPathSettings, StraightTrajectory, make_trajectory
 from controllers.arm.turn_back import time_at_depth
 
 
@@ -27,4 +26,4 @@ def least_time(geometry: ArmGeometry, path: ArmPathSettings) -> float:
         outside = time_at_depth(arm, trajectory, elbow_at_depth(arm, trajectory.depth))
         return 2.0 * outside + trajectory.dwell
     law = LookAhead(LookAheadSettings(), geometry, 0.0)
-    return velocity_limited_time(law.joint_path(trajectory), geometry.rate_limits)
+    return velocity_limited_time(law.axis_path(trajectory), geometry.rate_limits)

@@ -168,6 +168,3 @@ class Line:
     speed: Speed = 0.1
     axis: Direction = (0.0, 0.0, 1.0)
     turn_rate: Annotated[float, Unit("rad/s")] = 0.0
-
-
-ArmPathSettings = TurnBack | DwellLine | Circle | Line

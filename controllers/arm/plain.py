@@ -5,22 +5,23 @@ commanded joints' pose error, and step the joints once a period.
 """
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, TypeVar
 
 import numpy as np
 from annotated_types import Ge, Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.arm.decomposition import full_scale, joint_rates
+from controllers.arm.integration import moved
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
-from controllers.arm.trajectories import Trajectory
-from controllers.arm.types import Joints, Twist
+from controllers.arm.trajectory import Trajectory
+from controllers.arm.types import AT_REST, Joints, Twist
 from controllers.arm.vectors import along, minus, rotation_error
 
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _HALTED = 1e-2
 
 
@@ -37,12 +38,15 @@ class InverseSettings:
     feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
 
 
-class _PoseLaw(ArmLaw):
+Following = TypeVar("Following", bound=InverseSettings)
+
+
+class _PoseLaw(ArmLaw[Following]):
     """Follows poses over time: what the three laws share."""
 
+    @abstractmethod
     def rates(self, q: Joints, twist: Twist) -> Joints:
         """Return the joint rates for a twist, rad/s."""
-        raise NotImplementedError
 
     def share(self, q: Joints) -> float:
         """Return by how much time passes more slowly along the path here, 0 … 1."""
@@ -56,15 +60,15 @@ class _PoseLaw(ArmLaw):
             share = self.share(q)
             command = trajectory.twist(tau)
             if share < _HALTED:
-                yield Sample(q, _AT_REST, 0.0, 0.0, command)
+                yield Sample(q, AT_REST, 0.0, 0.0, command)
                 end.duration, end.outcome = t, "halts"
                 return
             rates = self.rates(q, self._wanted(q, trajectory, tau, share))
             yield Sample(q, rates, share, share, command)
             step = min(self.period, (trajectory.duration - tau) / share)
-            q = _moved(q, rates, step)
+            q = moved(q, rates, step)
             t, tau = t + step, tau + share * step
-        yield Sample(q, _AT_REST, 0.0, 0.0, trajectory.twist(tau))
+        yield Sample(q, AT_REST, 0.0, 0.0, trajectory.twist(tau))
         end.duration = t
 
     def _wanted(self, q: Joints, trajectory: Trajectory, tau: float, share: float) -> Twist:
@@ -78,7 +82,17 @@ class _PoseLaw(ArmLaw):
         return Twist(along(ahead, away, gain), along(turning, turn, gain))
 
 
-class Inverse(_PoseLaw):
+class _InverseLaw(_PoseLaw[Following]):
+    """Follows poses by the plain velocity inverse."""
+
+    def rates(self, q: Joints, twist: Twist) -> Joints:
+        """Return ``J^-1`` times the twist; at the singularity itself the arm waits."""
+        if math.sin(q[2] + self.arm.elbow_angle) == 0.0:
+            return AT_REST
+        return joint_rates(self.arm, q, twist.linear, twist.angular, full_scale(self.arm, q))
+
+
+class Inverse(_InverseLaw[InverseSettings]):
     """The plain velocity inverse.
 
     Promises nothing near a singularity: rates grow without bound, and the elbow comes back on
@@ -89,24 +103,16 @@ class Inverse(_PoseLaw):
     Miyata et al., eq. (2)-(4) with b = 1.
     """
 
-    Settings: type[Any] = InverseSettings
+    Settings = InverseSettings
     name = "inverse"
-
-    def rates(self, q: Joints, twist: Twist) -> Joints:
-        """Return ``J^-1`` times the twist; at the singularity itself the arm waits."""
-        if math.sin(q[2] + self.arm.elbow_angle) == 0.0:
-            return _AT_REST
-        return joint_rates(self.arm, q, twist.linear, twist.angular, full_scale(self.arm, q))
 
 
 @dataclass(frozen=True, slots=True)
-class DampedSettings:
+class DampedSettings(InverseSettings):
     """Damping that grows as the arm loses manipulability.
 
     Parameters
     ----------
-    feedback : float
-        Velocity asked for over the pose error, 1/s.
     manipulability : float
         |det J| below which the inverse is damped, m³.
     damping : float, optional
@@ -114,12 +120,11 @@ class DampedSettings:
         the rate limits, in a region two or four times as wide if it has to be.
     """
 
-    feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
     manipulability: Annotated[float, Gt(0)] = 0.02
     damping: Annotated[float, Ge(0)] | None = None
 
 
-class DampedLeastSquares(_PoseLaw):
+class DampedLeastSquares(_PoseLaw[DampedSettings]):
     """Damped least squares, tuned to the joints' rate limits.
 
     Promises rates within the limits. Does not keep the path near a singularity, and the elbow
@@ -145,7 +150,9 @@ class DampedLeastSquares(_PoseLaw):
         """Return ``J^T (J J^T + lambda^2)^-1`` times the twist."""
         J = np.array(jacobian_columns(self.arm, q)).T
         share = 1.0 - abs(np.linalg.det(J)) / self.settings.manipulability
-        square = (self.settings.damping * max(share, 0.0)) ** 2
+        damping = self.settings.damping
+        assert damping is not None, "move() has tuned it"
+        square = (damping * max(share, 0.0)) ** 2
         wanted = np.array((*twist.linear, *twist.angular))
         solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
         return tuple((J.T @ solved).tolist())
@@ -160,7 +167,7 @@ class DampedLeastSquares(_PoseLaw):
         for width in (1.0, 2.0, 4.0):
             damping = 0.005
             while damping < 1.0:
-                settings: DampedSettings = replace(
+                settings = replace(
                     self.settings,
                     damping=damping,
                     manipulability=width * self.settings.manipulability,
@@ -183,18 +190,15 @@ class DampedLeastSquares(_PoseLaw):
 
 
 @dataclass(frozen=True, slots=True)
-class ServoHaltSettings:
-    """Where the hand is slowed and where it halts.
+class ServoHaltSettings(InverseSettings):
+    """Conditions of J at which the hand is slowed and halts.
 
     Parameters
     ----------
-    feedback : float
-        Velocity asked for over the pose error, 1/s.
     slow, halt : float
         Condition numbers of J between which the speed goes to zero.
     """
 
-    feedback: Annotated[float, Unit("1/s"), Ge(0)] = 10.0
     slow: Annotated[float, Gt(1)] = 17.0
     halt: Annotated[float, Gt(1)] = 30.0
 
@@ -203,7 +207,7 @@ class ServoHaltSettings:
             raise ValueError(f"slow ({self.slow:g}) must be below halt ({self.halt:g}).")
 
 
-class ServoHalt(Inverse):
+class ServoHalt(_InverseLaw[ServoHaltSettings]):
     """The plain inverse, with the hand's speed scaled to a halt before a singularity.
 
     The rule and its thresholds are those of MoveIt Servo. Promises moderate rates by stopping: a
@@ -221,8 +225,3 @@ class ServoHalt(Inverse):
         settings = self.settings
         share: float = (settings.halt - condition) / (settings.halt - settings.slow)
         return min(max(share, 0.0), 1.0)
-
-
-def _moved(q: Joints, rates: Joints, h: float) -> Joints:
-    q1, q2, q3, q4, q5, q6 = (a + h * b for a, b in zip(q, rates, strict=True))
-    return q1, q2, q3, q4, q5, q6

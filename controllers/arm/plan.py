@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
     Dimensions,
     dimensions_of,
@@ -17,7 +17,7 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_in_plane,
 )
-from controllers.arm.trajectories import Trajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import ArmReference, Joints, Twist
 from controllers.motion import InfeasibleMotion
 
@@ -217,7 +217,7 @@ def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> Non
     k = int(np.flatnonzero(outside.any(axis=1))[0])
     j = int(np.flatnonzero(outside[k])[0])
     raise InfeasibleMotion(
-        f"after {t[k]:.3f} s {JOINT_NAMES[j]} would be at {positions[k, j]:.4f} rad, outside its "
+        f"after {t[k]:.3f} s {AXIS_NAMES[j]} would be at {positions[k, j]:.4f} rad, outside its "
         f"range of {lower[j]:.4f} to {upper[j]:.4f} rad."
     )
 

@@ -17,10 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.joint_path import JointPath
+from controllers.arm.axis_path import AxisPath
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
-from controllers.arm.trajectories import Trajectory
+from controllers.arm.trajectory import Trajectory
+from controllers.arm.types import AT_REST
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ _ACCELERATION_SHARE = 0.98
 
 
 class Timing(NamedTuple):
-    """When the joint path is where.
+    """The timing of an axis path.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ class Timing(NamedTuple):
 
 
 def retime(
-    path: JointPath,
+    path: AxisPath,
     rate_limits: Sequence[float],
     acceleration_limits: Sequence[float] | None,
 ) -> Timing:
@@ -74,7 +75,7 @@ def retime(
 
     Parameters
     ----------
-    path : JointPath
+    path : AxisPath
         The hand goes and turns along it no faster than commanded.
     rate_limits : sequence of float
         rad/s.
@@ -99,7 +100,7 @@ def retime(
     return Timing(s, t, speed)
 
 
-def velocity_limited_time(path: JointPath, rate_limits: Sequence[float]) -> float:
+def velocity_limited_time(path: AxisPath, rate_limits: Sequence[float]) -> float:
     """Return the least time under the rate limits alone, s: what others are compared with."""
     return retime(path, rate_limits, None).duration
 
@@ -152,9 +153,9 @@ def _greatest_curved(tangent: Array, bend: Array, allowed: Array) -> Array:
     return greatest
 
 
-def follow_joint_path(
+def follow_axis_path(
     trajectory: Trajectory,
-    path: JointPath,
+    path: AxisPath,
     timing: Timing,
     period: float,
     end: MotionEnd,
@@ -170,5 +171,5 @@ def follow_joint_path(
     for q, rate, (linear, angular), tau in zip(joints, rates, scales, gone, strict=True):
         yield Sample(tuple(q), tuple(rate), linear, angular, trajectory.command_at(tau))
     last = tuple(path.joints(np.array([path.length]))[0].tolist())
-    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.command_at(gone[-1]))
+    yield Sample(last, AT_REST, 0.0, 0.0, trajectory.command_at(gone[-1]))
     end.duration = timing.duration

@@ -1,7 +1,6 @@
 """The poses of a path: what its settings mean for an arm of given dimensions."""
 
 import math
-from typing import Protocol
 
 from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, wrist_of_pose
 from controllers.arm.kinematics import (
@@ -11,48 +10,18 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_centre,
 )
-from controllers.arm.paths import ArmPathSettings, Circle, DwellLine, Line, TurnBack
+from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
+from controllers.arm.trajectory import ArmPath, Trajectory
 from controllers.arm.types import Joints, Pose, Rotation, Twist, Vector
 from controllers.arm.vectors import along, dot, minus, scaled, turned, unit
+from controllers.bisection import bisect
 from controllers.motion import InfeasibleMotion
+
+ArmPathSettings = TurnBack | DwellLine | Circle | Line | ArmPath
+"""Everything that an arm may be asked to do."""
 
 _ON_SINGULARITY = 1e-9
 """A point with a smaller c (m) or S5 is on the singularity: the line may come from either side."""
-
-
-class Trajectory(Protocol):
-    """A path with its nominal time: where the hand would be if it always kept its speed.
-
-    Attributes
-    ----------
-    start : tuple of float
-        Joints at its beginning, rad.
-    duration : float
-        Nominal, s.
-    speed, turn_rate : float
-        Of the hand, m/s and rad/s.
-    """
-
-    start: Joints
-    duration: float
-    speed: float
-    turn_rate: float
-
-    def pose(self, t: float) -> Pose:
-        """Return the pose at a nominal time, s."""
-        ...
-
-    def twist(self, t: float) -> Twist:
-        """Return the twist at a nominal time, s."""
-        ...
-
-    def command_at(self, gone: float) -> Twist:
-        """Return the twist that a singularity-consistent law scales, where its sign turns back."""
-        ...
-
-    def foot(self, position: Vector) -> Vector:
-        """Return the place of the path that is nearest to a tool point, base axes, m."""
-        ...
 
 
 class StraightTrajectory:
@@ -168,10 +137,7 @@ class StraightTrajectory:
                     f"{arm.a2 + arm.a3:g} m from the shoulder, within {travel:g} m: "
                     f"there is no singularity to turn back at."
                 )
-        low, high = t, t + step
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if margin(middle)[0] > 0.0 else (low, middle)
+        low, high = bisect(lambda middle: margin(middle)[0] > 0.0, t, t + step)
         return 0.5 * (low + high)
 
 
@@ -283,6 +249,8 @@ def make_trajectory(arm: Dimensions, settings: ArmPathSettings) -> Trajectory:
     InfeasibleMotion
         The path leaves the workspace, or a line that is to turn back does not meet its boundary.
     """
+    if isinstance(settings, ArmPath):
+        return settings.trajectory(arm)
     if isinstance(settings, Circle):
         return CircularTrajectory(arm, settings)
     if isinstance(settings, DwellLine):

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
 from controllers.arm.dwell import QuinticDwell, RampDwell
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints
+from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.kinematics import Dimensions, forward, wrist_centre
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
-from controllers.arm.types import Joints, Twist, Vector
+from controllers.arm.types import AT_REST, Joints, Twist, Vector
 from controllers.motion import InfeasibleMotion
 
 _TOUCHING = 1e-6
@@ -103,11 +103,6 @@ def turn_back(
     linear, angular = trajectory.command
     offset = arm.elbow_angle
 
-    def rates(_: float, q: Joints) -> Joints:
-        plain = joint_rates(arm, q, linear, angular, elbow_scale(q[2] + offset, sin_qs, side))
-        share = slow(plain)
-        return plain if share == 1.0 else _times(plain, share)
-
     def sample(q: Joints) -> Sample:
         scale = elbow_scale(q[2] + offset, sin_qs, side)
         plain = joint_rates(arm, q, linear, angular, scale)
@@ -120,33 +115,40 @@ def turn_back(
             trajectory.command,
         )
 
+    def rates(_: float, q: Joints) -> Joints:
+        return sample(q).velocities
+
     def inside(q: Joints) -> bool:
         return math.cos(q[2] + offset) > 0.0 and abs(math.sin(q[2] + offset)) <= sin_qs
+
+    def distance(q: Joints) -> float:
+        return trajectory.distance(forward(arm, q).position)
+
+    def instant(holds: Callable[[Joints], bool]) -> float:
+        """Return when a condition stops to hold within the period that begins now."""
+        low, high = bisect_period(rates, t, q, period, lambda _, there: holds(there))
+        return t + 0.5 * (low + high)
 
     q, t = trajectory.start, 0.0
     borders: list[float] = []
     longest = 20.0 * trajectory.duration
-    yield sample(q)
+    now, was_inside = sample(q), inside(q)
+    yield now
     while t < longest:
-        after = advance_joints(rates, t, q, period)
-        if inside(q) != inside(after):
-            borders.append(_instant(rates, q, t, period, lambda x: 1.0 if inside(x) else -1.0))
-        gone = trajectory.distance(forward(arm, after).position)
-        if gone <= 0.0:
-            left = _instant(
-                rates,
-                q,
-                t,
-                period,
-                lambda x: trajectory.distance(forward(arm, x).position),
-            )
+        after = advance_joints(rates, t, q, period, now.velocities)
+        is_inside = inside(after)
+        if is_inside != was_inside:
+            borders.append(instant(inside if was_inside else lambda there: not inside(there)))
+        if distance(after) <= 0.0:
+            left = instant(lambda there: distance(there) > 0.0)
             last = sample(advance_joints(rates, t, q, left - t))
-            yield last._replace(velocities=(0.0,) * 6, linear=0.0, angular=0.0)
+            yield last._replace(velocities=AT_REST, linear=0.0, angular=0.0)
             end.duration = left
             end.marks = {"region": tuple(borders)}
             return
-        q, t = after, t + period
-        yield sample(q)
+        q, t, was_inside = after, t + period, is_inside
+        now = sample(q)
+        yield now
     end.duration, end.outcome = t, "stalls"
 
 
@@ -184,23 +186,25 @@ def dwelling(
     def rates(t: float, q: Joints) -> Joints:
         return joint_rates(arm, q, linear, still, scale_at(t, q))
 
-    def moved(q: Joints, t: float, until: float) -> Joints:
+    def moved(now: Joints, q: Joints, t: float, until: float) -> Joints:
         """Go on, without a step across an instant at which b has a corner."""
+        known: Joints | None = now
         for border in (enter, leave):
             if t < border < until:
                 inner = border - 1e-12 if border == enter else border
-                q = advance_joints(rates, t, q, inner - t)
-                t = border + (1e-12 if border == leave else 0.0)
-        return advance_joints(rates, t, q, until - t)
+                q = advance_joints(rates, t, q, inner - t, known)
+                t, known = border + (1e-12 if border == leave else 0.0), None
+        return advance_joints(rates, t, q, until - t, known)
 
     finish = leave + way_back
     q, t = trajectory.start, 0.0
     command = Twist(linear, still)
     while t < finish:
         scale = scale_at(t, q)
-        yield Sample(q, joint_rates(arm, q, linear, still, scale), scale.linear, 1.0, command)
-        q, t = moved(q, t, min(t + period, finish)), t + period
-    yield Sample(q, (0.0,) * 6, 0.0, 0.0, command)
+        now = joint_rates(arm, q, linear, still, scale)
+        yield Sample(q, now, scale.linear, 1.0, command)
+        q, t = moved(now, q, t, min(t + period, finish)), t + period
+    yield Sample(q, AT_REST, 0.0, 0.0, command)
     end.duration = finish
     end.marks = {"region": (enter, leave)}
 
@@ -258,23 +262,6 @@ def time_at_depth(arm: Dimensions, trajectory: StraightTrajectory, q_s: float) -
         )
     way: float = -along + math.sqrt(along * along + square - here)
     return way / trajectory.speed
-
-
-def _instant(
-    rates: Callable[[float, Joints], Joints],
-    q: Joints,
-    t: float,
-    period: float,
-    value: Callable[[Joints], float],
-) -> float:
-    """Return when a value changes its sign within a period, s."""
-    low, high = 0.0, period
-    positive = value(q) > 0.0
-    for _ in range(44):
-        middle = 0.5 * (low + high)
-        moved = advance_joints(rates, t, q, middle)
-        low, high = (middle, high) if (value(moved) > 0.0) == positive else (low, middle)
-    return t + 0.5 * (low + high)
 
 
 def _times(q: Joints, share: float) -> Joints:

@@ -3,7 +3,6 @@
 import math
 
 from controllers.arm.types import Rotation, Vector
-from controllers.compiled import inlined
 
 
 def dot(a: Vector, b: Vector) -> float:
@@ -59,7 +58,6 @@ def turned(axis: Vector, angle: float, rotation: Rotation) -> Rotation:
     return a, b, c3  # type: ignore[return-value]
 
 
-@inlined
 def rotation_error(wanted: Rotation, actual: Rotation) -> Vector:
     """Return the rotation vector (rad, small angles) that turns `actual` into `wanted`."""
     (a00, a01, a02), (a10, a11, a12), (a20, a21, a22) = actual

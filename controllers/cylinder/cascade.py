@@ -1,23 +1,15 @@
 """Cascade of position and velocity loops on an observer that is fed with measured pressures."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.compiled import memory_of, record_type
-from controllers.cylinder.cascade_law import CascadeLaw, Output, compiled_step
+from controllers.compiled import KernelMemory
+from controllers.cylinder.cascade_law import CascadeLaw
 from controllers.cylinder.feedforward import FeedforwardSettings
-from controllers.cylinder.types import (
-    PairCommand,
-    PairEstimate,
-    PairModel,
-    PairReference,
-    PairState,
-)
-
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
+from controllers.cylinder.law import PairLaw
+from controllers.cylinder.types import PairModel
 
 _REST = (0.0,) * 6
 
@@ -35,10 +27,11 @@ class CascadeSettings:
     velocity_rate : float
         Acceleration asked for over the velocity error, rad/s.
     tuned_viscous : float, optional
-        Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. A pair that has
-        more of it is damped better and bears more, so the rate grows with the fourth root of what
-        a calibration finds, from half to twice as much: on the simulated joint other powers track
-        less well with 0.7 or with 1.3 times the friction. None: the rate is the same for any.
+        Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. Friction damps the
+        pair, so with more of it the loop stays stable at a higher rate. The rate is multiplied by
+        the fourth root of the calibrated friction over this one, a ratio that is kept between 0.5
+        and 2. With 0.7 and with 1.3 times the friction, other powers track less well on the
+        simulated joint. None: the rate does not depend on the friction.
     integral : float
         N/(m s), while the reference moves.
     hold_integral : float
@@ -98,19 +91,10 @@ class CascadeSettings:
     )
 
 
-class Cascade:
+class Cascade(PairLaw[CascadeSettings]):
     """Position over velocity over force, with an observer, feedforward, integral and lead.
 
     The law itself is `CascadeLaw`: numbers, which run as Python until `compile` is called.
-
-    Parameters
-    ----------
-    settings : CascadeSettings
-        Bandwidths and gains.
-    model : PairModel
-        Pressures, area, mass, friction, regulators.
-    period : float
-        The loop's period, s.
 
     Notes
     -----
@@ -121,46 +105,19 @@ class Cascade:
     Settings = CascadeSettings
 
     def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
-        self._settings = settings
-        self._area = model.area
+        super().__init__(settings, model, period)
         self._law = CascadeLaw(settings, model, period)
-        self._step: Callable[..., Output] = CascadeLaw.step
-        self._memory: Any = self._law
-        self._kind: Any = None
-        self.estimate = PairEstimate(0.0, 0.0)
-        """Velocity at the time of use, and the disturbance of the observer."""
-        self.correction = 0.0
-        """Force of the last update that came from errors and not from the reference, N."""
+        self._step = self._law.step
+        self._memory: KernelMemory[CascadeLaw] | None = None
 
     def compile(self) -> None:
         """Run compiled from now on, for a loop: in a third of the time, after seconds once."""
-        self._kind = record_type(self._law)
-        self._step = compiled_step(self._kind)
-        self._memory = memory_of(self._law, self._kind)
-        self._step(self._memory.copy(), *_REST)  # the first call is what compiles
+        self._memory = KernelMemory(self._law)
+        self._step = self._memory.bind(CascadeLaw.step)
+        self._step(*_REST)  # the first call is what compiles
+        self._memory.lay(self._law)
 
-    def reset(self, state: PairState) -> None:
-        """Start bumplessly: the first command is the measured differential."""
-        difference = state.agonist - state.antagonist
-        self._law.reset(state.position, difference)
-        if self._kind is not None:
-            self._memory = memory_of(self._law, self._kind)
-        self.estimate = PairEstimate(0.0, -self._area * difference)
-
-    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
-        """Return the setpoints for this period.
-
-        Parameters
-        ----------
-        state, reference : PairState, PairReference
-            What is, and what should be.
-        load : float
-            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
-        """
-        _, position, agonist, antagonist = state
-        wanted, velocity, acceleration = reference
-        first, second, speed, disturbance, self.correction = self._step(
-            self._memory, position, agonist - antagonist, wanted, velocity, acceleration, load
-        )
-        self.estimate = _new(PairEstimate, (speed, disturbance))
-        return _new(PairCommand, (first, second))
+    def _begin(self, position: float, difference: float) -> None:
+        self._law.reset(position, difference)
+        if self._memory is not None:
+            self._memory.lay(self._law)

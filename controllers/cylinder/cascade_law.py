@@ -1,22 +1,17 @@
 """The cascade's law as numbers: one source for Python and for the loop, where it is compiled."""
 
 import math
-from collections.abc import Callable
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from controllers.compiled import compile_kernel, inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward
+from controllers.cylinder.law import Integral, Output
 from controllers.cylinder.types import PairModel
 from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
 
 if TYPE_CHECKING:
     from controllers.cylinder.cascade import CascadeSettings
-
-Output = tuple[float, float, float, float, float]
-"""Setpoints (Pa), velocity (m/s), disturbance (N), force because of errors (N)."""
 
 _REST_SPEED, _REST_TIME = 5e-5, 0.1
 """A reference rests if it is slower than this (m/s) and stays so for this time (s): a sine that
@@ -29,8 +24,8 @@ _CREEP_SPEED = 3e-3
 it needs no push, and would overshoot with one."""
 
 _DAMPED, _DAMPED_LEAST, _DAMPED_MOST = 0.25, 0.5, 2.0
-"""Power of the viscous friction with which the gain grows that a pair bears, and between which
-shares of what it was tuned with: beyond them nobody has tried it."""
+"""The velocity gain grows with this power of the viscous friction over that of the tuning. The
+ratio is kept between these two: beyond them it has not been tried."""
 
 # What the law calls of its parts. They take a record for their `self` as they take an object.
 _sticks = inlined(StandstillDetector.update)
@@ -39,11 +34,13 @@ _predict = inlined(ForceObserver.predict)
 _feed_forward = inlined(Feedforward.update)
 _learn = inlined(Feedforward.learn)
 _lead = inlined(RegulatorLead.update)
+_wish = inlined(Integral.wish)
+_grow = inlined(Integral.grow)
 _share = inlined(DifferentialRange.share)
 
 
-class CascadeLaw:
-    """What `Cascade` computes each period, and what it remembers. Numbers only, see `memory_of`.
+class CascadeLaw(PlainNumbers):
+    """The numbers of a `Cascade`: its gains, what it remembers, and its step of one period.
 
     Parameters
     ----------
@@ -77,10 +74,9 @@ class CascadeLaw:
         gains = observer_gains(settings.observer_bandwidth, model.mass, period)
         self._observer = ForceObserver(gains, model.mass, period)
         self._standstill = StandstillDetector(_STILL_DISTANCE, _STILL_TIME, period)
-        self._integral = 0.0
+        self._integral = Integral()
         self._residual = 0.0
         self._trim = 0.0
-        self._started = False
 
     def reset(self, position: float, difference: float) -> None:
         """Start at a measured position (m) and difference of the pressures (Pa)."""
@@ -89,9 +85,8 @@ class CascadeLaw:
         self._observer.reset(position, self._force_trust * self._area * difference)
         self._lead.reset(differential)
         self._feedforward.reset()
-        self._integral = self._area * differential
+        self._integral.reset(self._area * differential)
         self._residual = self._trim = 0.0
-        self._started = False
 
     def step(
         self,
@@ -114,6 +109,7 @@ class CascadeLaw:
             Force that the motion is known to take beyond the pair's own, N.
         """
         lead, observer, feedforward = self._lead, self._observer, self._feedforward
+        integral = self._integral
         force = self._area * difference
         trusted = self._force_trust * force
         sticks = _sticks(self._standstill, measured)
@@ -129,21 +125,17 @@ class CascadeLaw:
         direct = known + self._velocity_gain * (
             wanted_velocity - velocity + self._position_rate * error
         )
-        integral = self._integral
         if self._disturbance_gain > 0.0:
             # What the feedforward and the integral do not explain of the observed disturbance.
-            missing = -disturbance - known - integral
+            missing = -disturbance - known - integral.value
             self._residual += self._disturbance_share * (missing - self._residual)
             direct += self._disturbance_gain * self._residual
-        if not self._started:
-            self._started = True
-            integral -= direct
-        wish = direct + integral
+        wish = _wish(integral, direct)
         trim = self._trim
         setpoint = _lead(lead, self._per_area * wish) + trim
-        if lead.saturation * error <= 0.0:
-            integral += (self._holding_step if sticks and rests else self._moving_step) * error
-        self._integral = integral - _learn(feedforward, integral)
+        step = self._holding_step if sticks and rests else self._moving_step
+        _grow(integral, step, error, lead.saturation)
+        integral.value -= _learn(feedforward, integral.value)
         # What the regulators are off, seen by their own monitors, needs no position error.
         trim += self._trim_step * (lead.pressure - difference)
         most = self._trim_limit
@@ -152,31 +144,4 @@ class CascadeLaw:
         return first, second, velocity, disturbance, wish - known
 
 
-_step = inlined(CascadeLaw.step)
-
-
-@cache
-def compiled_step(kind: Any) -> Callable[..., Output]:
-    """Return `CascadeLaw.step` compiled; it takes the law's memory (see `memory_of`) first.
-
-    Parameters
-    ----------
-    kind : dtype
-        The law's `record_type`.
-    """
-
-    def build(digest: int) -> Callable[..., Output]:
-        def kernel(
-            memory: Any, measured: float, difference: float, wanted: float, wanted_velocity: float,
-            wanted_acceleration: float, load: float,
-        ) -> Output:  # fmt: skip
-            _ = digest
-            law = memory.view(kind)[0]
-            return _step(
-                law, measured, difference, wanted, wanted_velocity, wanted_acceleration, load
-            )
-
-        return kernel
-
-    here = Path(__file__).parent
-    return compile_kernel(build, here, here.parent)
+inlined(CascadeLaw.step)

@@ -8,13 +8,12 @@ regulators' dynamics.
 
 import math
 
-from controllers.cylinder.types import PairCommand, PairModel
+from controllers.compiled import PlainNumbers
+from controllers.cylinder.types import PairModel
 
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
-
-class DifferentialRange:
-    """What differential both chambers can take around the base pressure, and its split.
+class DifferentialRange(PlainNumbers):
+    """The differential that both chambers can take around the base pressure, and its split.
 
     Parameters
     ----------
@@ -63,12 +62,8 @@ class DifferentialRange:
         mean = lifted if lifted > base else base
         return mean + half, mean - half
 
-    def split(self, differential: float) -> PairCommand:
-        """Return `share` as a command."""
-        return _new(PairCommand, self.share(differential))
 
-
-class RegulatorLead:
+class RegulatorLead(PlainNumbers):
     """Inverse of the regulators' dynamics behind a faster low-pass, with head-room.
 
     The wish ``u`` goes through a critically damped low-pass of bandwidth ``wl`` that gives it two

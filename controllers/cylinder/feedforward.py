@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.compiled import inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.cylinder.types import PairModel
 from controllers.friction import PreslidingFriction, SmoothFriction
 
@@ -23,7 +23,7 @@ _LEAST_SCALE, _MOST_SCALE = 0.25, 3.0
 
 @dataclass(frozen=True, slots=True)
 class FeedforwardSettings:
-    """What share of the modelled friction is fed forward, and how it turns round.
+    """Share of the modelled friction that is fed forward, and the way it turns round.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class FeedforwardSettings:
     error_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(100)] = 0.0
 
 
-class Feedforward:
+class Feedforward(PlainNumbers):
     """Inertia and friction of the desired motion.
 
     Parameters

@@ -7,13 +7,8 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Unit
 
 from controllers.cylinder.differential import DifferentialRange
-from controllers.cylinder.types import (
-    PairCommand,
-    PairEstimate,
-    PairModel,
-    PairReference,
-    PairState,
-)
+from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.types import PairModel
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,17 +36,8 @@ class PidSettings:
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
 
 
-class Pid:
+class Pid(PairLaw[PidSettings]):
     """PID with a filtered derivative and clamped anti-windup.
-
-    Parameters
-    ----------
-    settings : PidSettings
-        Gains.
-    model : PairModel
-        Pressures and area.
-    period : float
-        The loop's period, s.
 
     References
     ----------
@@ -62,61 +48,45 @@ class Pid:
     Settings = PidSettings
 
     def __init__(self, settings: PidSettings, model: PairModel, period: float) -> None:
-        self._settings = settings
-        self._area = model.area
-        self._per_area = 1.0 / model.area
+        super().__init__(settings, model, period)
         self._range = DifferentialRange(model, settings.pressure_floor)
+        self._integral = Integral()
         self._integral_step = settings.integral * period
         self._per_period = 1.0 / period
         self._share = 1.0 - math.exp(-period / settings.derivative_time)
-        self._integral = 0.0
         self._position = 0.0
         self._velocity = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, 0.0)
-        """Filtered velocity, and the force that the integral holds against."""
-        self.correction = 0.0
-        """Force of the last update that came from errors and not from the reference, N."""
 
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
-
-    def reset(self, state: PairState) -> None:
-        """Start bumplessly: the first command is the measured differential."""
-        self._integral = state.agonist - state.antagonist
-        self._position = state.position
+    def _begin(self, position: float, difference: float) -> None:
+        self._integral.reset(self._range.clip(difference))
+        self._position = position
         self._velocity = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, -self._area * self._integral)
 
-    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
-        """Return the setpoints for this period.
-
-        Parameters
-        ----------
-        state, reference : PairState, PairReference
-            What is, and what should be.
-        load : float
-            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
-        """
-        settings = self._settings
-        slope = (state.position - self._position) * self._per_period
-        self._position = state.position
+    def _step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        settings, integral = self.settings, self._integral
+        slope = (measured - self._position) * self._per_period
+        self._position = measured
         self._velocity += self._share * (slope - self._velocity)
-        error = reference.position - state.position
+        error = wanted - measured
         feedforward = self._per_area * load
-        direct = (
+        wish = integral.wish(
             settings.proportional * error
-            + settings.derivative * (reference.velocity - self._velocity)
+            + settings.derivative * (wanted_velocity - self._velocity)
             + feedforward
         )
-        if not self._started:
-            self._started = True
-            self._integral = self._range.clip(self._integral) - direct
-        differential = direct + self._integral
-        self.correction = self._area * (differential - feedforward)
-        applied = self._range.clip(differential)
-        if (differential - applied) * error <= 0.0:
-            self._integral += self._integral_step * error
-        self.estimate = PairEstimate(self._velocity, -self._area * self._integral)
-        return self._range.split(applied)
+        applied = self._range.clip(wish)
+        integral.grow(self._integral_step, error, wish - applied)
+        return (
+            *self._range.share(applied),
+            self._velocity,
+            -self._area * integral.value,
+            self._area * (wish - feedforward),
+        )

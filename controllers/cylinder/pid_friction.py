@@ -8,13 +8,8 @@ from annotated_types import Ge, Gt, Le, Unit
 
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
-from controllers.cylinder.types import (
-    PairCommand,
-    PairEstimate,
-    PairModel,
-    PairReference,
-    PairState,
-)
+from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.types import PairModel
 from controllers.estimators import MotionEstimator, motion_gains
 
 
@@ -66,87 +61,61 @@ class PidFrictionSettings:
     )
 
 
-class PidFriction:
-    """PID on an estimated velocity, with friction feedforward, regulator lead and dither.
-
-    Parameters
-    ----------
-    settings : PidFrictionSettings
-        Gains.
-    model : PairModel
-        Pressures, area, friction, regulators.
-    period : float
-        The loop's period, s.
-    """
+class PidFriction(PairLaw[PidFrictionSettings]):
+    """PID on an estimated velocity, with friction feedforward, regulator lead and dither."""
 
     Settings = PidFrictionSettings
 
     def __init__(self, settings: PidFrictionSettings, model: PairModel, period: float) -> None:
-        self._settings = settings
-        self._area = model.area
-        self._per_area = 1.0 / model.area
-        self._period = period
+        super().__init__(settings, model, period)
         self._range = DifferentialRange(model, settings.pressure_floor)
         self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
         self._feedforward = Feedforward(settings.feedforward, model, period)
         gains = motion_gains(period, settings.resolution, settings.acceleration_step)
         self._motion = MotionEstimator(gains, period)
+        self._integral = Integral()
         self._integral_step = settings.integral * period
         self._dither_step = 2.0 * math.pi * settings.dither_frequency * period
         self._dither_phase = 0.0
-        self._integral = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, 0.0)
-        """Velocity, and the force that the integral holds against."""
-        self.correction = 0.0
-        """Force of the last update that came from errors and not from the reference, N."""
 
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
-
-    def reset(self, state: PairState) -> None:
-        """Start bumplessly: the first command is the measured differential."""
-        self._integral = self._range.clip(state.agonist - state.antagonist)
-        self._lead.reset(self._integral)
+    def _begin(self, position: float, difference: float) -> None:
+        differential = self._range.clip(difference)
+        self._integral.reset(differential)
+        self._lead.reset(differential)
         self._feedforward.reset()
-        self._motion.reset(state.position)
+        self._motion.reset(position)
         self._dither_phase = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, -self._area * self._integral)
 
-    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
-        """Return the setpoints for this period.
-
-        Parameters
-        ----------
-        state, reference : PairState, PairReference
-            What is, and what should be.
-        load : float
-            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
-        """
-        settings, lead = self._settings, self._lead
-        self._motion.update(state.position)
-        position, velocity = self._motion.predict(self._period)
-        error = reference.position - position
+    def _step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        settings, lead, integral = self.settings, self._lead, self._integral
+        self._motion.update(measured)
+        position, velocity = self._motion.predict(self.period)
+        error = wanted - position
         feedforward = self._per_area * (
-            self._feedforward.update(reference.velocity, reference.acceleration, error) + load
+            self._feedforward.update(wanted_velocity, wanted_acceleration, error) + load
         )
-        direct = (
+        wish = integral.wish(
             settings.proportional * error
-            + settings.derivative * (reference.velocity - velocity)
+            + settings.derivative * (wanted_velocity - velocity)
             + feedforward
         )
-        if not self._started:
-            self._started = True
-            self._integral -= direct
-        wish = direct + self._integral
-        self.correction = self._area * (wish - feedforward)
         setpoint = lead.update(wish)
-        if lead.saturation * error <= 0.0:
-            self._integral += self._integral_step * error
-        self._integral -= self._per_area * self._feedforward.learn(self._area * self._integral)
+        integral.grow(self._integral_step, error, lead.saturation)
+        integral.value -= self._per_area * self._feedforward.learn(self._area * integral.value)
         if settings.dither_amplitude > 0.0:
             setpoint += settings.dither_amplitude * math.sin(self._dither_phase)
             self._dither_phase = (self._dither_phase + self._dither_step) % math.tau
-        self.estimate = PairEstimate(velocity, -self._area * self._integral)
-        return self._range.split(setpoint)
+        return (
+            *self._range.share(setpoint),
+            velocity,
+            -self._area * integral.value,
+            self._area * (wish - feedforward),
+        )

@@ -7,13 +7,8 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Le, Unit
 
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
-from controllers.cylinder.types import (
-    PairCommand,
-    PairEstimate,
-    PairModel,
-    PairReference,
-    PairState,
-)
+from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.types import PairModel
 from controllers.estimators import ForceObserver, disturbance_gains
 
 
@@ -61,17 +56,8 @@ class SuperTwistingSettings:
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
 
 
-class SuperTwisting:
+class SuperTwisting(PairLaw[SuperTwistingSettings]):
     """Second-order sliding mode on ``s = v_ref - v + lambda (x_ref - x)``.
-
-    Parameters
-    ----------
-    settings : SuperTwistingSettings
-        Surface and gains.
-    model : PairModel
-        Pressures, area, mass, regulators.
-    period : float
-        The loop's period, s.
 
     References
     ----------
@@ -82,12 +68,9 @@ class SuperTwisting:
     Settings = SuperTwistingSettings
 
     def __init__(self, settings: SuperTwistingSettings, model: PairModel, period: float) -> None:
-        self._settings = settings
-        self._area = model.area
-        self._per_area = 1.0 / model.area
+        super().__init__(settings, model, period)
         self._mass = model.mass
         self._viscous = model.viscous
-        self._period = period
         self._range = DifferentialRange(model, settings.pressure_floor)
         self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
         gains = disturbance_gains(
@@ -96,63 +79,53 @@ class SuperTwisting:
         self._observer = ForceObserver(gains, model.mass, period)
         rate = settings.disturbance_rate
         self._root_gain = settings.proportional_factor * math.sqrt(rate * model.mass)
+        self._integral = Integral()
         self._integral_step = settings.integral_factor * rate * period
         self._root_boundary = 1.0 / math.sqrt(settings.boundary)
         self._per_boundary = 1.0 / settings.boundary
-        self._integral = 0.0
-        self._started = False
-        self.estimate = PairEstimate(0.0, 0.0)
-        """Velocity at the time of use, and the disturbance of the estimator."""
-        self.correction = 0.0
-        """Force of the last update that came from errors and not from the reference, N."""
 
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
-
-    def reset(self, state: PairState) -> None:
-        """Start bumplessly: the first command is the measured differential."""
-        differential = self._range.clip(state.agonist - state.antagonist)
-        force = self._area * (state.agonist - state.antagonist)
-        self._observer.reset(state.position, force)
+    def _begin(self, position: float, difference: float) -> None:
+        differential = self._range.clip(difference)
+        self._observer.reset(position, self._area * difference)
         self._lead.reset(differential)
-        self._integral = self._area * differential
-        self._started = False
-        self.estimate = PairEstimate(0.0, -force)
+        self._integral.reset(self._area * differential)
 
-    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
-        """Return the setpoints for this period.
-
-        Parameters
-        ----------
-        state, reference : PairState, PairReference
-            What is, and what should be.
-        load : float
-            Force that the motion is known to take beyond the pair's own, N: what hangs on it.
-        """
-        settings, lead, observer = self._settings, self._lead, self._observer
-        observer.update(state.position, self._area * (state.agonist - state.antagonist))
-        position, velocity = observer.predict(self._period)
-        slip = reference.velocity - velocity
-        surface = slip + settings.surface_rate * (reference.position - position)
+    def _step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        settings, lead, observer, integral = (
+            self.settings,
+            self._lead,
+            self._observer,
+            self._integral,
+        )
+        observer.update(measured, self._area * difference)
+        position, velocity = observer.predict(self.period)
+        slip = wanted_velocity - velocity
+        surface = slip + settings.surface_rate * (wanted - position)
         if abs(surface) < settings.boundary:
             root = surface * self._root_boundary
             sign = surface * self._per_boundary
         else:
             sign = math.copysign(1.0, surface)
             root = sign * math.sqrt(abs(surface))
-        direct = (
-            self._mass * (reference.acceleration + settings.surface_rate * slip)
-            + self._viscous * reference.velocity
+        wish = integral.wish(
+            self._mass * (wanted_acceleration + settings.surface_rate * slip)
+            + self._viscous * wanted_velocity
             + self._root_gain * root
             + load
         )
-        if not self._started:
-            self._started = True
-            self._integral -= direct
-        wish = direct + self._integral
-        self.correction = wish - load - self._viscous * reference.velocity
         setpoint = lead.update(self._per_area * wish)
-        if lead.saturation * sign <= 0.0:
-            self._integral += self._integral_step * sign
-        self.estimate = PairEstimate(velocity, observer.disturbance)
-        return self._range.split(setpoint)
+        integral.grow(self._integral_step, sign, lead.saturation)
+        return (
+            *self._range.share(setpoint),
+            velocity,
+            observer.disturbance,
+            wish - load - self._viscous * wanted_velocity,
+        )

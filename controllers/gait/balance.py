@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controllers.gait.geometry import LegGeometry
-from controllers.gait.postures import leg_posture
+from controllers.gait.leg_postures import leg_posture
 
 Array = NDArray[np.float64]
 
@@ -17,7 +17,7 @@ _LINKS_PER_LEG = 5
 
 
 class LinkCentres(NamedTuple):
-    """Where the masses are.
+    """Centres of mass.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll
 LEGS = ("right", "left")
 """In the order of the paper's eq. (3)."""
 
-JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
+AXIS_NAMES = tuple(f"{leg}_{joint}" for leg in LEGS for joint in JOINTS)
 """All twelve, in the order of every vector of joints."""
 
 KNEES = (3, 9)
@@ -133,8 +133,8 @@ class LegGeometry:
         -1 where the right leg's limits are the left's with the sign changed.
     max_rate : float
         Of any joint, rad/s.
-    torque_average, torque_peak : tuple of float
-        What a joint's servo can hold, and for a moment, N m.
+    torque_peak : tuple of float
+        What a joint's servo can hold for a moment, N m.
     masses : LegMasses
         Of the links.
 
@@ -163,14 +163,6 @@ class LegGeometry:
     )
     mirror: tuple[Sign, Sign, Sign, Sign, Sign, Sign] = (-1, -1, 1, 1, 1, -1)
     max_rate: Annotated[float, Unit("rad/s"), Gt(0)] = 4.76
-    torque_average: tuple[Torque, Torque, Torque, Torque, Torque, Torque] = (
-        1.5,
-        2.0,
-        1.5,
-        2.0,
-        2.0,
-        1.5,
-    )
     torque_peak: tuple[Torque, Torque, Torque, Torque, Torque, Torque] = (
         3.0,
         4.5,
@@ -214,7 +206,7 @@ class LegGeometry:
 
     @property
     def limits(self) -> tuple[tuple[float, float], ...]:
-        """Lowest and highest angle of all twelve joints, in the order of `JOINT_NAMES`, rad."""
+        """Lowest and highest angle of all twelve joints, in the order of `AXIS_NAMES`, rad."""
         left = tuple(zip(self.min_angle, self.max_angle, strict=True))
         right = tuple(
             (low, high) if sign > 0 else (-high, -low)

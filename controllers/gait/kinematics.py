@@ -6,7 +6,6 @@ floats: on the cycle small arrays cost ten times as much.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,38 +26,6 @@ _TOUCH = 1e-12
 
 _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 """Of x, y and z the next axis, and the one after it."""
-
-
-class DeterminantFactors(NamedTuple):
-    """What the determinant of a leg's Jacobian is the product of.
-
-    Parameters
-    ----------
-    knee : float
-        ``l1 l2 sin(q4)``, m²; zero when the knee is straight.
-    height : float
-        ``rz``, of the hip centre above the ankle's roll axis, m; zero when they meet.
-    gimbal : float
-        ``cos(q2)``; zero when hip roll has turned the yaw axis onto the pitch axis.
-    """
-
-    knee: float
-    height: float
-    gimbal: float
-
-    @property
-    def determinant(self) -> float:
-        """Of the Jacobian, m³."""
-        return self.knee * self.height * self.gimbal
-
-
-def determinant_factors(geometry: LegGeometry, q: LegAngles) -> DeterminantFactors:
-    """Return the three factors of ``det J``."""
-    return DeterminantFactors(
-        geometry.thigh * geometry.shank * math.sin(q[3]),
-        geometry.shank * math.cos(q[4]) + geometry.thigh * math.cos(q[3] + q[4]),
-        math.cos(q[1]),
-    )
 
 
 def hip_from_ankle(geometry: LegGeometry, q: LegAngles) -> Vector:
@@ -127,8 +94,7 @@ def jacobian(geometry: LegGeometry, leg: int, q: LegAngles) -> NDArray[np.float6
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 4: J_R and J_L of eq. (3).
+    Kameta et al., section 4: J_R and J_L of eq. (3).
     """
     (x, y, z), rotation = waist_from_foot(geometry, leg, q)
     s5, c5 = math.sin(q[4]), math.cos(q[4])

@@ -5,22 +5,22 @@ the same.
 """
 
 import math
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from controllers.gait.arcs import Arcs, measure
-from controllers.gait.curve import PhaseCurve
+from controllers.base import Chosen, PlanningLaw
+from controllers.gait.arc_lengths import Arcs, measure
 from controllers.gait.fastest import fastest
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import LegsMotion, WalkSettings
-from controllers.gait.paces import Pace
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import Phase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
+from controllers.gait.time_laws import Pace
 from controllers.gait.types import (
-    GaitEstimate,
     GaitModel,
     Joints,
     LegsCommand,
@@ -28,8 +28,6 @@ from controllers.gait.types import (
     LegsState,
 )
 from controllers.motion import InfeasibleMotion
-
-Chosen = TypeVar("Chosen")
 
 _REST: Joints = (0.0,) * 12
 _ROUNDING = 1e-9
@@ -70,38 +68,23 @@ PaceMaker = Callable[[TimedPhase], Pace]
 """Gives each phase its time law; raises `InfeasibleMotion` with the reason."""
 
 
-class GaitLaw(ABC, Generic[Chosen]):
-    """What the laws have in common: phases in their order, one period per update.
+class GaitLaw(
+    PlanningLaw[Chosen, GaitModel, LegsReference, LegsState, LegsCommand, LegsMotion, GaitPlan]
+):
+    """A law of the legs: phases in their order, one period per update.
 
     The path parameter belongs to the law, not to the clock: an update moves on by exactly one
     period, so a late cycle holds the motion and loses no distance.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the law.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
     """
 
     name: ClassVar[str]
 
     def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
-        self.settings = settings
-        self.model = model
-        self.period = period
+        super().__init__(settings, model, period)
         self._schedule: tuple[_Stretch, ...] = ()
         self._number = 0
         self._cycle = 0
         self._started = False
-
-    @property
-    def estimate(self) -> GaitEstimate:
-        """Phase and path parameter of the last command."""
-        path = self._schedule[self._number].curve.path if self._schedule else 0.0
-        return GaitEstimate(self._number, path)
 
     @abstractmethod
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
@@ -142,9 +125,6 @@ class GaitLaw(ABC, Generic[Chosen]):
         self._check(plan)
         self._restart()
         return plan
-
-    def compile(self) -> None:
-        """Do nothing: there is nothing to compile."""
 
     def reset(self, state: LegsState) -> None:
         """Go back to the start of the prepared motion."""
@@ -240,11 +220,11 @@ class GaitLaw(ABC, Generic[Chosen]):
     def _check(self, plan: GaitPlan) -> None:
         limits = np.array(plan.geometry.limits)
         beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1])
-        worst, joint = divmod(int(np.argmax(beyond)), len(JOINT_NAMES))
+        worst, joint = divmod(int(np.argmax(beyond)), len(AXIS_NAMES))
         if beyond[worst, joint] > _ROUNDING:
             low, high = np.degrees(limits[joint]).tolist()
             raise InfeasibleMotion(
-                f"at {plan.t[worst]:.3f} s {JOINT_NAMES[joint]} would be at "
+                f"at {plan.t[worst]:.3f} s {AXIS_NAMES[joint]} would be at "
                 f"{math.degrees(plan.q[worst, joint]):.3f} deg, outside {low:g} … {high:g} deg."
             )
         bound = self.model.balance.min_margin

@@ -8,9 +8,9 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 import numpy as np
 from annotated_types import Gt
 
-from controllers.gait.curve import PhaseCurve
-from controllers.gait.geometry import JOINT_NAMES, JOINTS, LEGS, LegGeometry
-from controllers.gait.rivals import RivalLaw
+from controllers.gait.clamped_and_damped import RivalLaw
+from controllers.gait.geometry import AXIS_NAMES, JOINTS, LEGS, LegGeometry
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.types import GaitModel, Joints
 from controllers.motion import InfeasibleMotion
 
@@ -39,15 +39,6 @@ class MinkSettings:
 class MinkLaw(RivalLaw[MinkSettings]):
     """Both soles as tasks under a fixed waist, every joint's rate bounded, one step per period.
 
-    Parameters
-    ----------
-    settings : MinkSettings
-        Costs and solver.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-
     Raises
     ------
     InfeasibleMotion
@@ -71,7 +62,7 @@ class MinkLaw(RivalLaw[MinkSettings]):
             self._mink.FrameTask(f"{leg}_sole", "site", 1.0, settings.orientation_cost)
             for leg in LEGS
         ]
-        rates = dict.fromkeys(JOINT_NAMES, model.geometry.max_rate)
+        rates = dict.fromkeys(AXIS_NAMES, model.geometry.max_rate)
         self._limits = [self._mink.VelocityLimit(robot, rates)]
 
     def _restart(self) -> None:

@@ -1,13 +1,16 @@
 """One phase of a motion: what waist and feet do while the path parameter grows from 0 to 1."""
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
+from controllers.compiled import PlainNumbers
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import Vector
 
 
-class LegPath(NamedTuple):
+@dataclass(frozen=True)
+class LegPath(PlainNumbers):
     """The hip centre seen from the ankle, as a curve.
 
     A straight line, minus a half-sine lift of the foot, plus a bob of the waist.
@@ -30,11 +33,6 @@ class LegPath(NamedTuple):
     bob: float
     share: float
 
-    @property
-    def moves(self) -> bool:
-        """Whether there is any demand on this leg."""
-        return any(self.travel) or self.lift != 0.0 or self.bob != 0.0
-
     def at(self, xi: float) -> Vector:
         """Return the hip centre from the ankle, m."""
         (x, y, z), (dx, dy, dz) = self.start, self.travel
@@ -55,7 +53,7 @@ class LegPath(NamedTuple):
 
 
 class Phase(NamedTuple):
-    """What waist and feet do, in the ground's frame: x ahead, y to the left.
+    """The motion of waist and feet, in the ground's frame: x ahead, y to the left.
 
     Parameters
     ----------

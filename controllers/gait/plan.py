@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
 from controllers.gait.geometry import KNEES, LegGeometry
-from controllers.gait.paces import PaceSummary
+from controllers.gait.leg_postures import leg_posture, mismatch, quantised, waist_from_foot
 from controllers.gait.phases import Phase
-from controllers.gait.postures import leg_posture, mismatch, quantised, waist_from_foot
+from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import BalanceSettings, LegsReference
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ class PlanSegment(NamedTuple):
 
 
 class PlannedPhase(NamedTuple):
-    """What became of a phase.
+    """A phase as it was planned.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class PlannedPhase(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """How safely the robot stands at each sample.
+    """Margins of the robot's balance at each sample.
 
     Parameters
     ----------

@@ -8,65 +8,17 @@ pair turns round while the ring moves on.
 import math
 
 from controllers.compiled import inlined
-
-Pair = tuple[float, float]
-"""One value per pair, (1, 3) and (4, 2)."""
-
-
-class BallFriction:
-    """Forces that the desired motion takes on the ball, with pre-sliding.
-
-    Between the surfaces stands a spring that yields (Dahl), for the ring with two dimensions that
-    share one limit. Driven by the desired velocities, it says which force the contact will show.
-
-    Parameters
-    ----------
-    ring : float
-        Friction of the ring at the wires' radius over the sum of the four tensions.
-    wire : float
-        Friction of a pair's wires over the sum of its two tensions.
-    distance : float
-        Motion of a wire over which friction turns round, m.
-    period : float
-        The loop's period, s.
-
-    References
-    ----------
-    P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
-    """
-
-    def __init__(self, ring: float, wire: float, distance: float, period: float) -> None:
-        self._ring = ring
-        self._wire = wire
-        self._step = period / distance
-        self._seat: Pair = (0.0, 0.0)
-        self._wires: Pair = (0.0, 0.0)
-
-    def reset(self) -> None:
-        """Forget the past: no deflection."""
-        self._seat = self._wires = (0.0, 0.0)
-
-    def update(self, velocity: Pair, tension: Pair) -> Pair:
-        """Step by one period and return the force for each pair, N.
-
-        Parameters
-        ----------
-        velocity : tuple of float
-            Desired, of each pair, m/s.
-        tension : tuple of float
-            Sum of each pair's two tensions, N.
-        """
-        force, self._seat, self._wires = slide(
-            self._ring, self._wire, self._step, self._seat, self._wires, velocity, tension
-        )
-        return force
+from controllers.spherical_joint.geometry import Pair
 
 
 @inlined
 def slide(
     ring: float, wire: float, step: float, seat: Pair, wires: Pair, velocity: Pair, tension: Pair
 ) -> tuple[Pair, Pair, Pair]:
-    """Return the force for each pair, N, and the deflections after a period; see `BallFriction`.
+    """Return the force for each pair, N, and the deflections after a period.
+
+    Between the surfaces stands a spring that yields (Dahl), for the ring with two dimensions that
+    share one limit. Driven by the desired velocities, it says which force the contact will show.
 
     Parameters
     ----------
@@ -76,8 +28,14 @@ def slide(
         Period over the distance in which friction turns round, s/m.
     seat, wires : tuple of float
         Deflection of the seat and of the wires before, over what they bear.
-    velocity, tension : tuple of float
-        As for `BallFriction.update`.
+    velocity : tuple of float
+        Desired, of each pair, m/s.
+    tension : tuple of float
+        Sum of each pair's two tensions, N.
+
+    References
+    ----------
+    P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
     """
     first, second = step * velocity[0], step * velocity[1]
     # Implicit, so that any velocity is stable and no share exceeds 1.

@@ -12,20 +12,53 @@ which meet with equal slopes: r_c sin(psi) b / l at psi_w, where |A - B| = t_b, 
 """
 
 import math
+from dataclasses import dataclass
 
-from controllers.compiled import inlined
-from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
+from controllers.compiled import PlainNumbers, inlined
+from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry, Vectors
 from controllers.spherical_joint.poses import Rotation, Vector, rotate
-
-Vectors = tuple[Vector, Vector, Vector, Vector]
 
 _LEAST = 1e-18
 """Sine squared of the least angle between anchor and adjust point, over ratios near 1."""
 
+_VANISHING = 5e-8
+"""Over the ball's radius cubed. Nearer to a pose in which no wire spins the ring, rounding would be
+more than what the limit of the shares is off."""
 
-WireConstants = tuple[float, float, float, float, Vectors, Vectors]
-"""What lengths and Jacobian are computed with: r_c, m; psi_w, rad; t_b - r_c psi_w, m;
-r_c² + b², m²; anchors at home and adjust points, m."""
+
+@dataclass(frozen=True)
+class WireConstants(PlainNumbers):
+    """The numbers of the wires, for Python and for kernels.
+
+    Parameters
+    ----------
+    radius : float
+        r_c, m.
+    wound_from : float
+        psi_w, rad.
+    straight : float
+        t_b - r_c psi_w, m.
+    squares : float
+        r_c² + b², m².
+    vanishing : float
+        Below which the wires hardly spin the ring together, m³.
+    anchors, adjusts : tuple of tuple of float
+        Anchors at home and adjust points, m.
+    """
+
+    radius: float
+    wound_from: float
+    straight: float
+    squares: float
+    vanishing: float
+    anchors: Vectors
+    adjusts: Vectors
+
+
+@inlined
+def _vector(vectors: Vectors, wire: int) -> Vector:
+    x, y, z = vectors[wire][0], vectors[wire][1], vectors[wire][2]
+    return x, y, z
 
 
 @inlined
@@ -41,15 +74,14 @@ def wire_lengths(wires: WireConstants, rotation: Rotation) -> Quadruple:
 
 @inlined
 def _length(wires: WireConstants, rotation: Rotation, wire: int) -> float:
-    radius, wound_from, straight, _, anchors, adjusts = wires
-    x, y, z = rotate(rotation, anchors[wire])
-    a, b, c = adjusts[wire]
+    x, y, z = rotate(rotation, _vector(wires.anchors, wire))
+    a, b, c = _vector(wires.adjusts, wire)
     n_x = y * c - z * b
     n_y = z * a - x * c
     n_z = x * b - y * a
     angle = math.atan2(math.sqrt(n_x * n_x + n_y * n_y + n_z * n_z), x * a + y * b + z * c)
-    if angle > wound_from:
-        return straight + radius * angle
+    if angle > wires.wound_from:
+        return wires.straight + wires.radius * angle
     x -= a
     y -= b
     z -= c
@@ -72,9 +104,9 @@ def wire_jacobian(wires: WireConstants, rotation: Rotation) -> Vectors:
 
 @inlined
 def _row(wires: WireConstants, rotation: Rotation, wire: int) -> Vector:
-    radius, _, _, squares, anchors, adjusts = wires
-    x, y, z = rotate(rotation, anchors[wire])
-    a, b, c = adjusts[wire]
+    radius = wires.radius
+    x, y, z = rotate(rotation, _vector(wires.anchors, wire))
+    a, b, c = _vector(wires.adjusts, wire)
     n_x = y * c - z * b
     n_y = z * a - x * c
     n_z = x * b - y * a
@@ -84,7 +116,9 @@ def _row(wires: WireConstants, rotation: Rotation, wire: int) -> Vector:
         return (math.nan, math.nan, math.nan)
     # Wound where the angle is beyond psi_w, whose cosine is r_c / |B|.
     along = x * a + y * b + z * c
-    share = -radius / math.sqrt(size) if along < edge else -1.0 / math.sqrt(squares - 2.0 * along)
+    share = (
+        -radius / math.sqrt(size) if along < edge else -1.0 / math.sqrt(wires.squares - 2.0 * along)
+    )
     return (share * n_x, share * n_y, share * n_z)
 
 
@@ -103,11 +137,12 @@ class ExactWires:
         # By acos(r/|B|) the angle would be noise of 1e-8 rad where B is close to the ball.
         self.wound_from = wound_from = math.atan2(tangent, radius)
         """psi_w, the angle at the centre beyond which a wire is wound, rad."""
-        self.constants: WireConstants = (
+        self.constants = WireConstants(
             radius,
             wound_from,
             tangent - radius * wound_from,
             radius * radius + distance * distance,
+            _VANISHING * radius**3,
             geometry.anchors,
             geometry.adjust_points,
         )

@@ -4,7 +4,7 @@ Each check gives a `Finding` with the number, its bound and the pose; `refuse` r
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal, NamedTuple
 
@@ -57,7 +57,7 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class JointBounds:
-    """What a profile allows the joint.
+    """Bounds that a profile sets to the joint.
 
     Parameters
     ----------
@@ -231,14 +231,6 @@ class FeasibilityCheck:
                         )
                     )
         return findings + self._check_tension(axis)
-
-    def check_path(self, axes: Iterable[Vector]) -> list[Finding]:
-        """Return the first finding of each kind along a path."""
-        first: dict[str, Finding] = {}
-        for axis in axes:
-            for finding in self.check_pose(axis):
-                first.setdefault(finding.check, finding)
-        return list(first.values())
 
     def _check_stroke(self, axis: Vector) -> list[Finding]:
         bounds = self._bounds

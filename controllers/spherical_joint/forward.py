@@ -9,13 +9,19 @@ degrees elsewhere it would be 40 times less certain than the tilt. It is zero he
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
 
-from controllers.compiled import inlined, kernel_of
-from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
+from controllers.compiled import KernelMemory, PlainNumbers, inlined
+from controllers.named_tuples import new_tuple
+from controllers.spherical_joint.geometry import (
+    Quadruple,
+    SphericalJointGeometry,
+    Vectors,
+    of_each_wire,
+)
 from controllers.spherical_joint.poses import Vector
-
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
 _MOST_ITERATIONS = 20
 _MOST_STEP = 0.15
@@ -25,15 +31,43 @@ _MOST_AHEAD = 0.01
 _SETTLED = 1e-5
 """A step below this leaves an error of its square."""
 
+Plane = tuple[float, float]
+Found = tuple[bool, Plane, Vector, Quadruple]
+"""Whether the search has settled, p, the axis and the residuals (m); see `search`."""
 
-_Wire = tuple[float, float, float, float, float]
-Wires = tuple[tuple[float, float, float, float, float, float], tuple[_Wire, _Wire, _Wire, _Wire]]
-"""What the search computes with: r_c, t_b - r_c psi_w, r_c² + b², r_c b, L and b_z; of each wire
-a_h, b_h and the part of A.b that does not change with p."""
+
+@dataclass(frozen=True)
+class SearchConstants(PlainNumbers):
+    """The numbers that a search for the pose computes with.
+
+    Parameters
+    ----------
+    radius, straight, squares, product : float
+        r_c, m; t_b - r_c psi_w, m; r_c² + b², m²; r_c b, m².
+    height, depth : float
+        L and b_z, m.
+    anchors, adjusts : tuple of tuple of float
+        a at home and b of each wire, m.
+    fixed : tuple of float
+        Of each wire the part of A.b that does not change with p, m².
+    homes : tuple of float
+        Length of each wire at home, m, with the sign of a shortening.
+    """
+
+    radius: float
+    straight: float
+    squares: float
+    product: float
+    height: float
+    depth: float
+    anchors: Vectors
+    adjusts: Vectors
+    fixed: Quadruple
+    homes: Quadruple
 
 
 class ForwardPose(NamedTuple):
-    """Where the ring points, and how far the wires are from saying the same.
+    """The ring's axis, and by how much the four wires disagree about it.
 
     Parameters
     ----------
@@ -74,28 +108,23 @@ class ForwardKinematics:
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         radius, distance = geometry.ball_radius, geometry.adjust_distance
         tangent = math.sqrt((distance - radius) * (distance + radius))
-        first, second, third, fourth = (
-            (a[0], a[1], b[0], b[1], a[0] * b[0] + a[1] * b[1] - a[2] * b[2])
-            for a, b in zip(geometry.anchors, geometry.adjust_points, strict=True)
+        anchors, adjusts = geometry.anchors, geometry.adjust_points
+        constants = SearchConstants(
+            radius,
+            tangent - radius * math.atan2(tangent, radius),
+            radius * radius + distance * distance,
+            radius * distance,
+            geometry.ring_height,
+            -geometry.adjust_depth,
+            anchors,
+            adjusts,
+            of_each_wire(lambda wire: _fixed_part(anchors[wire], adjusts[wire])),
+            (0.0, 0.0, 0.0, 0.0),
         )
-        self._wires: Wires = (
-            (
-                radius,
-                tangent - radius * math.atan2(tangent, radius),
-                radius * radius + distance * distance,
-                radius * distance,
-                geometry.ring_height,
-                -geometry.adjust_depth,
-            ),
-            (first, second, third, fourth),
-        )
-        one, two, three, four = (
-            _linearise(self._wires, wire, 0.0, 0.0, 2.0, 0.0)[0] for wire in range(4)
-        )
-        self._homes: Quadruple = (one, two, three, four)
-        self.constants = (self._wires, self._homes)
+        homes = of_each_wire(lambda wire: _linearise(constants, wire, 0.0, 0.0, 2.0, 0.0)[0])
+        self.constants = replace(constants, homes=homes)
         """For `search`."""
-        self._search: Callable[..., Any] = search
+        self._search: Callable[[Plane, Quadruple], Found] = partial(search, self.constants)
         self._p = self._ahead = (0.0, 0.0)
 
     def reset(self) -> None:
@@ -104,7 +133,7 @@ class ForwardKinematics:
 
     def compile(self) -> None:
         """Have the search compiled, for what is called in every cycle."""
-        self._search = kernel_of(search)
+        self._search = KernelMemory(self.constants).bind(search)
 
     def update(self, shortening: Quadruple) -> ForwardPose:
         """Return the pose that explains four shortenings (m) best.
@@ -117,14 +146,18 @@ class ForwardKinematics:
         last_x, last_y = self._p
         ahead_x, ahead_y = self._ahead
         settled, (p_x, p_y), axis, residuals = self._search(
-            self._wires, self._homes, (last_x + ahead_x, last_y + ahead_y), shortening
+            (last_x + ahead_x, last_y + ahead_y), shortening
         )
         if not settled:
             self.reset()
             raise unexplained(shortening)
         self._p = (p_x, p_y)
         self._ahead = step_ahead((last_x, last_y), self._p)
-        return _new(ForwardPose, (axis, residuals))
+        return new_tuple(ForwardPose, (axis, residuals))
+
+
+def _fixed_part(anchor: Vector, adjust: Vector) -> float:
+    return anchor[0] * adjust[0] + anchor[1] * adjust[1] - anchor[2] * adjust[2]
 
 
 def unexplained(shortening: Quadruple) -> ValueError:
@@ -134,7 +167,7 @@ def unexplained(shortening: Quadruple) -> ValueError:
 
 
 @inlined
-def step_ahead(before: tuple[float, float], p: tuple[float, float]) -> tuple[float, float]:
+def step_ahead(before: Plane, p: Plane) -> Plane:
     """Return how p goes on: a ring that goes on as it did is found in one iteration."""
     x, y = p[0] - before[0], p[1] - before[1]
     if abs(x) + abs(y) > _MOST_AHEAD:
@@ -143,9 +176,7 @@ def step_ahead(before: tuple[float, float], p: tuple[float, float]) -> tuple[flo
 
 
 @inlined
-def search(
-    wires: Wires, homes: Quadruple, start: tuple[float, float], shortening: Quadruple
-) -> tuple[bool, tuple[float, float], Vector, Quadruple]:
+def search(constants: SearchConstants, start: Plane, shortening: Quadruple) -> Found:
     """Search for the pose from a first guess of p; see `ForwardKinematics`.
 
     Returns
@@ -160,15 +191,16 @@ def search(
         Measured less computed shortening of each wire, m.
     """
     p_x, p_y = start
+    homes = constants.homes
     step_x = step_y = 0.0
     first = second = third = fourth = (0.0, 0.0, 0.0)
     settled = False
     for _ in range(_MOST_ITERATIONS):
         share = 2.0 / (1.0 + p_x * p_x + p_y * p_y)
-        first = _linearise(wires, 0, p_x, p_y, share, shortening[0] - homes[0])
-        second = _linearise(wires, 1, p_x, p_y, share, shortening[1] - homes[1])
-        third = _linearise(wires, 2, p_x, p_y, share, shortening[2] - homes[2])
-        fourth = _linearise(wires, 3, p_x, p_y, share, shortening[3] - homes[3])
+        first = _linearise(constants, 0, p_x, p_y, share, shortening[0] - homes[0])
+        second = _linearise(constants, 1, p_x, p_y, share, shortening[1] - homes[1])
+        third = _linearise(constants, 2, p_x, p_y, share, shortening[2] - homes[2])
+        fourth = _linearise(constants, 3, p_x, p_y, share, shortening[3] - homes[3])
         xx = xy = yy = x = y = 0.0
         for residual, slope_x, slope_y in (first, second, third, fourth):
             xx += slope_x * slope_x
@@ -204,23 +236,24 @@ def search(
 
 @inlined
 def _linearise(
-    wires: Wires, wire: int, p_x: float, p_y: float, share: float, measured: float
+    constants: SearchConstants, wire: int, p_x: float, p_y: float, share: float, measured: float
 ) -> tuple[float, float, float]:
     """Return residual (m) and slopes (m) of a wire's shortening at p.
 
     `measured` is the shortening less the length at home, m.
     """
-    radius, straight, squares, product, height, depth = wires[0]
-    a_x, a_y, b_x, b_y, constant = wires[1][wire]
-    alpha = a_x * p_x + a_y * p_y - height
-    beta = b_x * p_x + b_y * p_y + depth
+    radius, product = constants.radius, constants.product
+    a_x, a_y = constants.anchors[wire][0], constants.anchors[wire][1]
+    b_x, b_y = constants.adjusts[wire][0], constants.adjusts[wire][1]
+    alpha = a_x * p_x + a_y * p_y - constants.height
+    beta = b_x * p_x + b_y * p_y + constants.depth
     bend = alpha * beta
-    along = constant - share * bend
+    along = constants.fixed[wire] - share * bend
     if along < radius * radius:
-        length = straight + radius * math.acos(along / product)
+        length = constants.straight + radius * math.acos(along / product)
         slope = radius / math.sqrt(product * product - along * along)
     else:
-        length = math.sqrt(squares - 2.0 * along)
+        length = math.sqrt(constants.squares - 2.0 * along)
         slope = 1.0 / length
     bent = share * share * bend
     return (

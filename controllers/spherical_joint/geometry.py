@@ -1,8 +1,9 @@
 """What the joint's dimensions are, as a profile gives them."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from annotated_types import Gt, Unit
 
@@ -10,6 +11,11 @@ from controllers.spherical_joint.poses import Vector
 
 Quadruple = tuple[float, float, float, float]
 """One value per wire, in the order of the channels."""
+Pair = tuple[float, float]
+"""One value per pair, (1, 3) and (4, 2)."""
+Vectors = tuple[Vector, Vector, Vector, Vector]
+"""One vector per wire."""
+Value = TypeVar("Value")
 
 PAIRS = ((0, 2), (3, 1))
 """Agonist and antagonist of each pair: the first tips the ring towards the first anchor (+Y in
@@ -17,6 +23,11 @@ the paper's arrangement), the second towards the fourth (+X)."""
 
 _MOST_SKEW = math.radians(10.0)
 """By how much two anchors of a pair may miss being opposite, rad: a calibration's correction."""
+
+
+def of_each_wire(value: Callable[[int], Value]) -> tuple[Value, Value, Value, Value]:
+    """Return a value for each wire, 0 to 3."""
+    return value(0), value(1), value(2), value(3)
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,27 +125,19 @@ class SphericalJointGeometry:
         return math.hypot(self.adjust_radius, self.adjust_depth)
 
     @property
-    def anchors(self) -> tuple[Vector, Vector, Vector, Vector]:
+    def anchors(self) -> Vectors:
         """p_r at home, m; eq. (1), with a third row that makes z = L (printed: L/r_r)."""
-        radius, height = self.ring_radius, self.ring_height
-        first, second, third, fourth = self.anchor_angles
-        return (
-            (radius * math.cos(first), radius * math.sin(first), height),
-            (radius * math.cos(second), radius * math.sin(second), height),
-            (radius * math.cos(third), radius * math.sin(third), height),
-            (radius * math.cos(fourth), radius * math.sin(fourth), height),
-        )
+        return self._circle(self.ring_radius, self.ring_height)
 
     @property
-    def adjust_points(self) -> tuple[Vector, Vector, Vector, Vector]:
+    def adjust_points(self) -> Vectors:
         """p_c, where the wires leave the joint, m; eq. (2)."""
-        radius, height = self.adjust_radius, -self.adjust_depth
-        first, second, third, fourth = self.anchor_angles
-        return (
-            (radius * math.cos(first), radius * math.sin(first), height),
-            (radius * math.cos(second), radius * math.sin(second), height),
-            (radius * math.cos(third), radius * math.sin(third), height),
-            (radius * math.cos(fourth), radius * math.sin(fourth), height),
+        return self._circle(self.adjust_radius, -self.adjust_depth)
+
+    def _circle(self, radius: float, height: float) -> Vectors:
+        angles = self.anchor_angles
+        return of_each_wire(
+            lambda wire: (radius * math.cos(angles[wire]), radius * math.sin(angles[wire]), height)
         )
 
     def marker(self, axis: Vector) -> Vector:

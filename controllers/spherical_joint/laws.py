@@ -10,6 +10,7 @@ from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.pid import Pid, PidSettings
 from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings
 from controllers.cylinder.super_twisting import SuperTwisting, SuperTwistingSettings
+from controllers.cylinder.types import PairModel
 from controllers.spherical_joint.dither import DitherSettings
 from controllers.spherical_joint.pose_control import PoseController, PoseControlSettings
 
@@ -90,29 +91,37 @@ class JointSuperTwistingSettings(PoseControlSettings):
     pair: SuperTwistingSettings = field(default_factory=SuperTwistingSettings)
 
 
-class JointPid(PoseController):
+class JointPid(PoseController[JointPidSettings]):
     """Pose control over a PID per pair: ``joint-pid``."""
 
     Settings = JointPidSettings
-    law = Pid
+
+    def _pair_law(self, pair: PairModel) -> Pid:
+        return Pid(self.settings.pair, pair, self.period)
 
 
-class JointPidFriction(PoseController):
+class JointPidFriction(PoseController[JointPidFrictionSettings]):
     """Pose control over a PID with friction feedforward and dither: ``joint-pid-friction``."""
 
     Settings = JointPidFrictionSettings
-    law = PidFriction
+
+    def _pair_law(self, pair: PairModel) -> PidFriction:
+        return PidFriction(self.settings.pair, pair, self.period)
 
 
-class JointCascade(PoseController):
+class JointCascade(PoseController[JointCascadeSettings]):
     """Pose control over cascades with observers on the pressures: ``joint-cascade``."""
 
     Settings = JointCascadeSettings
-    law = Cascade
+
+    def _pair_law(self, pair: PairModel) -> Cascade:
+        return Cascade(self.settings.pair, pair, self.period)
 
 
-class JointSuperTwisting(PoseController):
+class JointSuperTwisting(PoseController[JointSuperTwistingSettings]):
     """Pose control over a sliding mode per pair: ``joint-super-twisting``."""
 
     Settings = JointSuperTwistingSettings
-    law = SuperTwisting
+
+    def _pair_law(self, pair: PairModel) -> SuperTwisting:
+        return SuperTwisting(self.settings.pair, pair, self.period)

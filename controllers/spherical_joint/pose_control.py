@@ -11,18 +11,16 @@ changes by 1.3 mm, so that a position loop on each would make the two fight.
 """
 
 import math
+from abc import abstractmethod
 from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import Annotated, TypeVar
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.cylinder.types import (
-    PairCommand,
-    PairEstimate,
-    PairModel,
-    PairReference,
-    PairState,
-)
+from controllers.base import Law
+from controllers.cylinder.law import AnyPairLaw
+from controllers.cylinder.types import PairModel, PairReference, PairState
+from controllers.named_tuples import new_tuple
 from controllers.spherical_joint.camera_loop import CameraLoop, CameraLoopSettings
 from controllers.spherical_joint.dither import (
     DitherSettings,
@@ -41,7 +39,8 @@ from controllers.spherical_joint.marker_estimate import (
     MarkerEstimateSettings,
     MarkerEstimator,
 )
-from controllers.spherical_joint.pose_step import PoseStep, StepSettings
+from controllers.spherical_joint.pose_kernel import StepSettings
+from controllers.spherical_joint.pose_step import PoseStep
 from controllers.spherical_joint.poses import PoseConvention, Vector
 from controllers.spherical_joint.types import (
     JointCommand,
@@ -51,8 +50,6 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from controllers.spherical_joint.wires import InverseKinematics, WireKind
-
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
 _NOTHING = (0.0, 0.0)
 _ZERO = (0.0, 0.0, 0.0)
@@ -66,27 +63,9 @@ _POSE_EVERY = 4
 degrees changes them by some 0.5 %."""
 
 
-class PairLaw(Protocol):
-    """A law for one antagonistic pair."""
-
-    estimate: PairEstimate
-    correction: float
-
-    def compile(self) -> None:
-        """Do nothing: what it works out is compiled when it is made."""
-
-    def reset(self, state: PairState) -> None:
-        """Start bumplessly from a measured state."""
-        ...
-
-    def update(self, state: PairState, reference: PairReference, load: float = 0.0) -> PairCommand:
-        """Return the setpoints of the pair."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class JointLearningSettings:
-    """What is learnt over the laps of a repeated motion.
+    """Signals that are learnt over the laps of a repeated motion.
 
     Parameters
     ----------
@@ -105,7 +84,7 @@ class JointLearningSettings:
 
 @dataclass(frozen=True, slots=True)
 class PoseControlSettings:
-    """What all pose controllers have in common.
+    """Settings of every pose controller.
 
     Parameters
     ----------
@@ -148,30 +127,19 @@ class PoseControlSettings:
     learning: JointLearningSettings | None = None
 
 
-class PoseController:
-    """Inverse kinematics, two pair laws, two mean pressures.
+Posed = TypeVar("Posed", bound=PoseControlSettings)
 
-    Parameters
-    ----------
-    settings : PoseControlSettings
-        With the settings of the pair's law as `pair`.
-    model : JointModel
-        Geometry, cylinders, friction, tension limits.
-    period : float
-        The loop's period, s.
+
+class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCommand]):
+    """Inverse kinematics, two pair laws, two mean pressures.
 
     References
     ----------
     Kobayashi and Saito, "Postural control of the wide angle spherical joint", sections 3 and 6.
     """
 
-    law: ClassVar[type[Any]]
-    """Makes the law of a pair from its settings."""
-
-    def __init__(self, settings: Any, model: JointModel, period: float) -> None:
-        self.settings: PoseControlSettings = settings
-        """As the profile gives them."""
-        self._period = period
+    def __init__(self, settings: Posed, model: JointModel, period: float) -> None:
+        super().__init__(settings, model, period)
         self._area = model.area
         self._height = model.geometry.marker_height
         self._marker = MarkerEstimator(settings.estimate, model.geometry, period)
@@ -200,13 +168,9 @@ class PoseController:
             stribeck_velocity=model.stribeck_velocity,
             viscous=model.viscous,
         )
-        self._laws: tuple[PairLaw, PairLaw] = (
-            self.law(settings.pair, pair, period),
-            self.law(settings.pair, pair, period),
-        )
+        self._laws = (self._pair_law(pair), self._pair_law(pair))
         for law in self._laws:
-            if hasattr(law, "compile"):
-                law.compile()
+            law.compile()
         wound = 0.5 * math.pi - model.geometry.ring_half_angle
         friction = settings.ball_friction
         self._steps = PoseStep(
@@ -249,6 +213,10 @@ class PoseController:
         self.marker = MarkerEstimate(_ZERO, _ZERO, _ZERO, _ZERO, 0.0, math.inf, ())
         """The estimate of the marker with its bias and its alarms."""
 
+    @abstractmethod
+    def _pair_law(self, pair: PairModel) -> AnyPairLaw:
+        """Return the law of a pair, made from the settings."""
+
     def reset(self, state: JointState) -> None:
         """Start bumplessly: the first command is what was measured."""
         self._marker.reset()
@@ -285,7 +253,7 @@ class PoseController:
         residual = math.sqrt(0.5 * (a * a + b * b + c * c + d * d))
         self.marker = marker = self._marker.take(t, seen, residual, camera)
         self._camera.update(marker)
-        self.estimate = _new(JointEstimate, (marker[0], marker[1], residual, wanted, hold))
+        self.estimate = new_tuple(JointEstimate, (marker[0], marker[1], residual, wanted, hold))
         if push is not None:
             self._pushed = True
             return JointCommand(*steps.pushed(hold, *push))
@@ -295,13 +263,13 @@ class PoseController:
         if lap is not None and self._force_memory is not None:
             learnt = self._force_memory.at(lap.tick)
         laws = self._laws
-        one = _new(PairState, (t, *measured[0]))
-        other = _new(PairState, (t, *measured[1]))
+        one = new_tuple(PairState, (t, *measured[0]))
+        other = new_tuple(PairState, (t, *measured[1]))
         if starts:
             self._started = True
             laws[0].reset(one)
             laws[1].reset(other)
-        goal, other_goal = _new(PairReference, goals[0]), _new(PairReference, goals[1])
+        goal, other_goal = new_tuple(PairReference, goals[0]), new_tuple(PairReference, goals[1])
         along, other_along = self._path_dither.update(goal[1], other_goal[1])
         force, back = laws[0].update(one, goal, friction[0] + learnt[0] + along)
         other_force, other_back = laws[1].update(
@@ -313,14 +281,14 @@ class PoseController:
             self._learn(lap.tick, reference, off * off + other_off * other_off)
         area = self._area
         shake = self._dither.update(math.hypot(goal[1], other_goal[1]))
-        return _new(
+        return new_tuple(
             JointCommand,
             steps.after(area * (force - back), area * (other_force - other_back), shake),
         )
 
     def _off(self, goal: PairReference, measured: PairState) -> float:
         """Return how far a pair is from where it should be at its readings, m."""
-        return goal.position - self._period * goal.velocity - measured.position
+        return goal.position - self.period * goal.velocity - measured.position
 
     def _corrected(self, reference: JointReference) -> tuple[Vector, Vector]:
         """Return the axis to go for and its rate: camera and learning change the reference."""

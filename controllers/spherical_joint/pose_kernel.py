@@ -1,49 +1,119 @@
 """What a pose controller works out around its laws: the functions that are compiled.
 
-They work on two flat arrays of numbers: constants, and what is remembered from cycle to cycle.
-Arrays cross from Python to compiled code at once, nested tuples number by number.
+They take the numbers of a `PoseNumbers`: the object itself in Python, its `KernelMemory` compiled.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
-from controllers.compiled import inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.spherical_joint.ball_friction import slide
-from controllers.spherical_joint.exact_wire import Vectors, WireConstants
-from controllers.spherical_joint.forward import Wires, search, step_ahead
-from controllers.spherical_joint.geometry import Quadruple
+from controllers.spherical_joint.exact_wire import WireConstants
+from controllers.spherical_joint.forward import SearchConstants, search, step_ahead
+from controllers.spherical_joint.geometry import Pair, Quadruple
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
-from controllers.spherical_joint.taut import kept_taut, lifted
+from controllers.spherical_joint.taut import kept_taut, lifted, pair_forces
 from controllers.spherical_joint.tension import pose_shares, pose_tensions, without_tilt
 from controllers.spherical_joint.wires import natural_motion
 
-Pair = tuple[float, float]
 Motion = tuple[Quadruple, Quadruple, Quadruple]
-Numbers = Any
-"""A flat array of numbers; for static types each of them would be one of numpy's."""
+Triple = tuple[float, float, float]
+Cycle = tuple[
+    tuple[Triple, Triple], tuple[Triple, Triple], Pair, Quadruple, Quadruple, Vector, Quadruple
+]
+"""The fields of a `pose_step.Step`."""
+Remembered = tuple[Quadruple, Quadruple, Quadruple, Quadruple]
+"""See `remembered`."""
 
 FOUND, NO_POSE, NO_TENSIONS = range(3)
-"""How a step went."""
+"""Outcomes of a step."""
 
-# Where the constants stand …
-(
-    _AREA, _COMPLIANCE, _LEAST, _LOWEST, _MOST, _MIDDLE, _DECAY, AHEAD, _VANISHING, _RING, _WIRE,
-    _SLIDE, _IRREGULAR, _WIRES,
-) = range(14)  # fmt: skip
-_WIRE_COUNT, _SEARCH_COUNT = 28, 26
-_REGULAR = _WIRES + _WIRE_COUNT
-_SEARCH = _REGULAR + _WIRE_COUNT
-_SEARCH_HOME = _SEARCH + _SEARCH_COUNT
-_HOME = _SEARCH_HOME + 4
-# … and what is remembered from cycle to cycle.
-_GUESS, _ONWARD, _SEAT, _SLIP = range(0, 8, 2)
-SHARES, FIRST, SECOND, LATER, _START, _HOLD = range(8, 32, 4)
-REMEMBERED = 32
+
+@dataclass(frozen=True)
+class StepSettings(PlainNumbers):
+    """The constants of the steps beside the geometry.
+
+    Parameters
+    ----------
+    area : float
+        Of a cylinder, m².
+    compliance : float
+        Stretch of a wire that the rods make up for, m/N.
+    least, lowest, most : float
+        Tension that control leaves in a wire, and what setpoints may ask for, N.
+    middle : float
+        Pressure about which the laws see the force of a pair, Pa.
+    decay : float
+        By which what the chambers held at the start fades in a cycle.
+    ahead : float
+        By which the tensions that hold the ring go out early, s.
+    ring, wire, slide : float
+        Of the friction on the ball, see `ball_friction.slide`.
+    """
+
+    area: float
+    compliance: float
+    least: float
+    lowest: float
+    most: float
+    middle: float
+    decay: float
+    ahead: float
+    ring: float
+    wire: float
+    slide: float
+
+
+class PoseNumbers(PlainNumbers):
+    """The constants of the steps, and what they remember from cycle to cycle.
+
+    Parameters
+    ----------
+    settings : StepSettings
+        See there.
+    wires, regular : WireConstants
+        Of the joint, and of one with its anchors exactly across each other if this one's are not.
+    searched : SearchConstants
+        Of the forward kinematics.
+    home : tuple of float
+        Lengths of the wires at home, m.
+    """
+
+    def __init__(
+        self,
+        settings: StepSettings,
+        wires: WireConstants,
+        regular: WireConstants | None,
+        searched: SearchConstants,
+        home: Quadruple,
+    ) -> None:
+        self.settings = settings
+        self.wires = wires
+        self.is_regular = regular is None
+        self.regular = regular or wires
+        self.searched = searched
+        self.home = home
+        # Of the search: tan(tilt / 2) of the last pose, and how it goes on.
+        self.guess, self.onward = [0.0] * 2, [0.0] * 2
+        # Deflections of the friction on the ball: of the ring's seat and of the pairs' wires.
+        self.seat, self.slip = [0.0] * 2, [0.0] * 2
+        # The `PoseTensions` of the last pose that was worked out, and the shares of the one ahead.
+        self.shares, self.first, self.second = [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.shares_ahead = [0.0] * 4
+        # Tensions, N: what holds the pose ahead, and what the chambers held at the start.
+        self.hold_ahead, self.start = [0.0] * 4, [0.0] * 4
+
+    def reset(self) -> None:
+        """Forget the past."""
+        for pair in (self.guess, self.onward, self.seat, self.slip):
+            pair[:] = [0.0] * 2
+        for four in (self.shares, self.first, self.second, self.shares_ahead):
+            four[:] = [0.0] * 4
+        self.hold_ahead[:] = self.start[:] = [0.0] * 4
 
 
 @inlined
 def before_natural(
-    constants: Numbers,
-    memory: Numbers,
+    numbers: PoseNumbers,
     axis: Vector,
     velocity: Vector,
     acceleration: Vector,
@@ -52,20 +122,17 @@ def before_natural(
     base: float,
     anew: bool,
     starts: bool,
-) -> tuple[int, Any]:
+) -> tuple[int, Cycle]:
     """Do what `before` does, for exact wires under the natural pose."""
-    motion = natural_motion(
-        _wires(constants, _WIRES), four(constants, _HOME), axis, velocity, acceleration
-    )
+    motion = natural_motion(numbers.wires, four(numbers.home), axis, velocity, acceleration)
     return before(
-        constants, memory, motion, axis, velocity, acceleration, rods, pressures, base, anew, starts
+        numbers, motion, axis, velocity, acceleration, rods, pressures, base, anew, starts
     )
 
 
 @inlined
 def before(
-    constants: Numbers,
-    memory: Numbers,
+    numbers: PoseNumbers,
     motion: Motion,
     axis: Vector,
     velocity: Vector,
@@ -75,44 +142,37 @@ def before(
     base: float,
     anew: bool,
     starts: bool,
-) -> tuple[int, Any]:
+) -> tuple[int, Cycle]:
     """Return how the step went, and it; see `PoseStep.before`.
 
     Where no pose explains the wires, what they are is in the place of the residuals.
     """
+    settings = numbers.settings
     position, rate, rise = motion
     if anew:
-        _balance(constants, memory, axis, velocity, acceleration)
-    shares, later = four(memory, SHARES), four(memory, LATER)
-    # One minimum for both would miss shares that are no numbers.
-    how = FOUND if min(*shares) > 0.0 and min(*later) > 0.0 else NO_TENSIONS
-    area, least = constants[_AREA], constants[_LEAST]
-    hold = lifted(_scaled(4.0 * area * base, shares), shares, least)
-    _put(memory, _HOLD, lifted(_scaled(4.0 * area * base, later), later, least))
-    pull = _scaled(area, pressures)
+        _balance(numbers, axis, velocity, acceleration)
+    shares, shares_ahead = four(numbers.shares), four(numbers.shares_ahead)
+    # Shares of a pose that does not exist are NaN, all four. A minimum over both poses could pass
+    # over them, because NaN is neither less nor more than any number.
+    holds = min(*shares) > 0.0 and min(*shares_ahead) > 0.0
+    hold = lifted(_scaled(4.0 * settings.area * base, shares), shares, settings.least)
+    ahead = lifted(_scaled(4.0 * settings.area * base, shares_ahead), shares_ahead, settings.least)
+    put_four(numbers.hold_ahead, ahead)
     rates = (0.5 * (rate[0] - rate[2]), 0.5 * (rate[3] - rate[1]))
-    friction, seat, slip = slide(
-        constants[_RING],
-        constants[_WIRE],
-        constants[_SLIDE],
-        (memory[_SEAT], memory[_SEAT + 1]),
-        (memory[_SLIP], memory[_SLIP + 1]),
-        rates,
-        (hold[0] + hold[2], hold[3] + hold[1]),
-    )
-    memory[_SEAT], memory[_SEAT + 1] = seat
-    memory[_SLIP], memory[_SLIP + 1] = slip
+    friction = _slide(numbers, rates, (hold[0] + hold[2], hold[3] + hold[1]))
+    pull = _scaled(settings.area, pressures)
     # The rods pull in by what the wires stretch under what they bear.
     borne = spread(_scaled(_total(pull) / _total(hold), hold), friction)
-    stretch = _scaled(constants[_COMPLIANCE], borne)
+    stretch = _scaled(settings.compliance, borne)
     wanted = _sum(position, stretch)
-    settled, found, residuals = _search(constants, memory, _sum(rods, _scaled(-1.0, stretch)))
-    if how == FOUND and not settled:  # without tensions no stretch is known
-        how = NO_POSE
-    forces = _pair_forces(memory, pull)
+    settled, found, residuals = _search(numbers, _sum(rods, _scaled(-1.0, stretch)))
+    how = NO_TENSIONS
+    if holds:  # without tensions no stretch is known, and so no pose
+        how = FOUND if settled else NO_POSE
+    forces = pair_forces(four(numbers.first), four(numbers.second), pull)
     if starts:
-        _put(memory, _START, _sum(pull, _scaled(-1.0, spread(hold, forces))))
-    middle, half = constants[_MIDDLE], 0.5 / area
+        put_four(numbers.start, _sum(pull, _scaled(-1.0, spread(hold, forces))))
+    middle, half = settings.middle, 0.5 / settings.area
     measured = (
         (0.5 * (rods[0] - rods[2]), middle + half * forces[0], middle - half * forces[0]),
         (0.5 * (rods[3] - rods[1]), middle + half * forces[1], middle - half * forces[1]),
@@ -125,150 +185,142 @@ def before(
 
 
 @inlined
-def after(
-    constants: Numbers, memory: Numbers, first: float, second: float, shake: float
-) -> Quadruple:
+def after(numbers: PoseNumbers, first: float, second: float, shake: float) -> Quadruple:
     """Return the setpoints; see `PoseStep.after`."""
+    settings = numbers.settings
     # What holds the ring goes out early, past the laws: it has to be there in time.
-    start = four(memory, _START)
+    start = four(numbers.start)
     tensions = kept_taut(
-        four(memory, FIRST),
-        four(memory, SECOND),
-        spread(_sum(four(memory, _HOLD), start), (first, second)),
-        constants[_LEAST],
+        four(numbers.first),
+        four(numbers.second),
+        spread(_sum(four(numbers.hold_ahead), start), (first, second)),
+        settings.least,
     )
-    _put(memory, _START, _scaled(constants[_DECAY], start))
-    return setpoints(constants, _sum(tensions, _scaled(shake, four(memory, SHARES))))
+    put_four(numbers.start, _scaled(settings.decay, start))
+    return setpoints(settings, _sum(tensions, _scaled(shake, four(numbers.shares))))
 
 
 @inlined
-def _balance(
-    constants: Numbers, memory: Numbers, axis: Vector, velocity: Vector, acceleration: Vector
-) -> None:
+def remembered(numbers: PoseNumbers) -> Remembered:
+    """Return the last pose's shares and pairs' forces per newton, and the shares of that ahead."""
+    return (
+        four(numbers.shares),
+        four(numbers.first),
+        four(numbers.second),
+        four(numbers.shares_ahead),
+    )
+
+
+@inlined
+def _balance(numbers: PoseNumbers, axis: Vector, velocity: Vector, acceleration: Vector) -> None:
     """Work out what tensions do in a pose, and which will hold the one that follows."""
-    shares, first, second = _tensions(constants, natural_rotation(axis))
-    ahead = move_axis(axis, velocity, acceleration, constants[AHEAD])
-    _put(memory, SHARES, shares)
-    _put(memory, FIRST, first)
-    _put(memory, SECOND, second)
-    _put(memory, LATER, _tensions(constants, natural_rotation(ahead))[0])
+    shares, first, second = _tensions(numbers, natural_rotation(axis))
+    ahead = move_axis(axis, velocity, acceleration, numbers.settings.ahead)
+    put_four(numbers.shares, shares)
+    put_four(numbers.first, first)
+    put_four(numbers.second, second)
+    put_four(numbers.shares_ahead, _tensions(numbers, natural_rotation(ahead))[0])
 
 
 @inlined
-def _tensions(constants: Numbers, rotation: Rotation) -> tuple[Quadruple, Quadruple, Quadruple]:
+def _tensions(numbers: PoseNumbers, rotation: Rotation) -> tuple[Quadruple, Quadruple, Quadruple]:
     """Return what `TensionDistribution.at` does."""
-    vanishing = constants[_VANISHING]
-    shares, first, second = pose_tensions(_wires(constants, _WIRES), vanishing, rotation)
-    if constants[_IRREGULAR] > 0.0:
-        regular = pose_shares(_wires(constants, _REGULAR), vanishing, rotation)
-        shares = without_tilt(regular, first, second)
+    shares, first, second = pose_tensions(numbers.wires, rotation)
+    if not numbers.is_regular:
+        shares = without_tilt(pose_shares(numbers.regular, rotation), first, second)
     return shares, first, second
 
 
 @inlined
-def _search(
-    constants: Numbers, memory: Numbers, shortening: Quadruple
-) -> tuple[bool, Vector, Quadruple]:
-    """Return what `ForwardKinematics.update` does; the shortenings if there is no pose."""
-    last = (memory[_GUESS], memory[_GUESS + 1])
-    guess = (last[0] + memory[_ONWARD], last[1] + memory[_ONWARD + 1])
-    settled, p, axis, residuals = search(
-        _searched(constants), four(constants, _SEARCH_HOME), guess, shortening
+def _slide(numbers: PoseNumbers, rates: Pair, tensions: Pair) -> Pair:
+    """Return the friction on the ball and remember its deflections; see `ball_friction.slide`."""
+    settings = numbers.settings
+    seat, slip = two(numbers.seat), two(numbers.slip)
+    friction, seat, slip = slide(
+        settings.ring, settings.wire, settings.slide, seat, slip, rates, tensions
     )
+    put_two(numbers.seat, seat)
+    put_two(numbers.slip, slip)
+    return friction
+
+
+@inlined
+def _search(numbers: PoseNumbers, shortening: Quadruple) -> tuple[bool, Vector, Quadruple]:
+    """Return what `ForwardKinematics.update` does; the shortenings if there is no pose."""
+    last, onward = two(numbers.guess), two(numbers.onward)
+    guess = (last[0] + onward[0], last[1] + onward[1])
+    settled, p, axis, residuals = search(numbers.searched, guess, shortening)
     onward = step_ahead(last, p)
     if not settled:
         p, onward, residuals = (0.0, 0.0), (0.0, 0.0), shortening
-    memory[_GUESS], memory[_GUESS + 1] = p
-    memory[_ONWARD], memory[_ONWARD + 1] = onward
+    put_two(numbers.guess, p)
+    put_two(numbers.onward, onward)
     return settled, axis, residuals
 
 
 @inlined
-def _pair_forces(memory: Numbers, tensions: Quadruple) -> Pair:
-    """Return what `PoseTensions.pair_forces` does."""
-    a, b, c, d = tensions
-    e, f, g, h = four(memory, FIRST)
-    k, m, n, p = four(memory, SECOND)
-    return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
-
-
-@inlined
-def setpoints(constants: Numbers, tensions: Quadruple) -> Quadruple:
+def setpoints(settings: StepSettings, tensions: Quadruple) -> Quadruple:
     """Return the pressures (Pa gauge) of tensions (N), within what may be asked for."""
-    area, lowest, most = constants[_AREA], constants[_LOWEST], constants[_MOST]
-    a, b, c, d = tensions
+    area, lowest, most = settings.area, settings.lowest, settings.most
     return (
-        min(max(a, lowest), most) / area,
-        min(max(b, lowest), most) / area,
-        min(max(c, lowest), most) / area,
-        min(max(d, lowest), most) / area,
+        min(max(tensions[0], lowest), most) / area,
+        min(max(tensions[1], lowest), most) / area,
+        min(max(tensions[2], lowest), most) / area,
+        min(max(tensions[3], lowest), most) / area,
     )
 
 
 @inlined
-def _wires(values: Numbers, at: int) -> WireConstants:
-    """Return the constants of the wires from where they stand."""
-    radius, wound_from, straight, squares = four(values, at)
-    anchors, adjusts = _vectors(values, at + 4), _vectors(values, at + 16)
-    return radius, wound_from, straight, squares, anchors, adjusts
+def two(values: list[float]) -> Pair:
+    """Return two remembered numbers."""
+    return values[0], values[1]
 
 
 @inlined
-def _vectors(values: Numbers, at: int) -> Vectors:
-    return (
-        (values[at], values[at + 1], values[at + 2]),
-        (values[at + 3], values[at + 4], values[at + 5]),
-        (values[at + 6], values[at + 7], values[at + 8]),
-        (values[at + 9], values[at + 10], values[at + 11]),
-    )
+def four(values: list[float] | Quadruple) -> Quadruple:
+    """Return four remembered numbers."""
+    return values[0], values[1], values[2], values[3]
 
 
 @inlined
-def _searched(values: Numbers) -> Wires:
-    """Return what the search computes with."""
-    a, b, c, d = four(values, _SEARCH)
-    e, f = values[_SEARCH + 4], values[_SEARCH + 5]
-    at = _SEARCH + 6
-    wires = _five(values, at), _five(values, at + 5), _five(values, at + 10), _five(values, at + 15)
-    return (a, b, c, d, e, f), wires
+def put_two(values: list[float], numbers: Pair) -> None:
+    """Remember two numbers."""
+    values[0], values[1] = numbers
 
 
 @inlined
-def four(values: Numbers, at: int) -> Quadruple:
-    """Return four numbers from where they stand."""
-    return (values[at], values[at + 1], values[at + 2], values[at + 3])
-
-
-@inlined
-def _five(values: Numbers, at: int) -> tuple[float, float, float, float, float]:
-    return (values[at], values[at + 1], values[at + 2], values[at + 3], values[at + 4])
-
-
-@inlined
-def _put(values: Numbers, at: int, numbers: Quadruple) -> None:
-    values[at], values[at + 1], values[at + 2], values[at + 3] = numbers
+def put_four(values: list[float], numbers: Quadruple) -> None:
+    """Remember four numbers."""
+    values[0], values[1], values[2], values[3] = numbers
 
 
 @inlined
 def _scaled(factor: float, values: Quadruple) -> Quadruple:
-    a, b, c, d = values
-    return (factor * a, factor * b, factor * c, factor * d)
+    return factor * values[0], factor * values[1], factor * values[2], factor * values[3]
 
 
 @inlined
 def _sum(first: Quadruple, second: Quadruple) -> Quadruple:
-    (a, b, c, d), (e, f, g, h) = first, second
-    return (a + e, b + f, c + g, d + h)
+    return (
+        first[0] + second[0],
+        first[1] + second[1],
+        first[2] + second[2],
+        first[3] + second[3],
+    )
 
 
 @inlined
 def _total(values: Quadruple) -> float:
-    a, b, c, d = values
-    return a + b + c + d
+    return values[0] + values[1] + values[2] + values[3]
 
 
 @inlined
 def spread(tensions: Quadruple, forces: Pair) -> Quadruple:
     """Return tensions with the pairs' forces, half on either wire (see `PAIRS`)."""
-    (a, b, c, d), (first, second) = tensions, forces
-    return (a + 0.5 * first, b - 0.5 * second, c - 0.5 * first, d + 0.5 * second)
+    first, second = forces
+    return (
+        tensions[0] + 0.5 * first,
+        tensions[1] - 0.5 * second,
+        tensions[2] - 0.5 * first,
+        tensions[3] + 0.5 * second,
+    )

@@ -4,60 +4,30 @@ Kinematics, friction on the ball and tensions are arithmetic on some sixty numbe
 spread over a dozen calls from Python it took three times as long as both laws of the pairs.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
-from controllers.compiled import kernel_of
+from controllers.compiled import KernelMemory
+from controllers.named_tuples import new_tuple
 from controllers.spherical_joint import pose_kernel as kernel
 from controllers.spherical_joint.forward import ForwardKinematics, unexplained
-from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
-from controllers.spherical_joint.pose_kernel import Pair
+from controllers.spherical_joint.geometry import Pair, Quadruple, SphericalJointGeometry
+from controllers.spherical_joint.pose_kernel import (
+    Cycle,
+    PoseNumbers,
+    Remembered,
+    StepSettings,
+    Triple,
+)
 from controllers.spherical_joint.poses import Vector, move_axis, natural_rotation
 from controllers.spherical_joint.taut import PoseTensions, raised
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.wires import InverseKinematics
 
-Triple = tuple[float, float, float]
-
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
-
-
-class StepSettings(NamedTuple):
-    """What the steps are told beside the geometry.
-
-    Parameters
-    ----------
-    area : float
-        Of a cylinder, m².
-    compliance : float
-        Stretch of a wire that the rods make up for, m/N.
-    least, lowest, most : float
-        Tension that control leaves in a wire, and what setpoints may ask for, N.
-    middle : float
-        Pressure about which the laws see the force of a pair, Pa.
-    decay : float
-        By which what the chambers held at the start fades in a cycle.
-    ahead : float
-        By which the tensions that hold the ring go out early, s.
-    ring, wire, slide : float
-        Of the friction on the ball, see `ball_friction.slide`.
-    """
-
-    area: float
-    compliance: float
-    least: float
-    lowest: float
-    most: float
-    middle: float
-    decay: float
-    ahead: float
-    ring: float
-    wire: float
-    slide: float
-
 
 class Step(NamedTuple):
-    """What the laws and the estimate of the marker need of a cycle.
+    """A cycle's inputs to the laws and to the estimate of the marker.
 
     Parameters
     ----------
@@ -102,32 +72,29 @@ class PoseStep:
     def __init__(
         self, settings: StepSettings, geometry: SphericalJointGeometry, inverse: InverseKinematics
     ) -> None:
-        self._distribution = TensionDistribution(geometry)
-        wires, regular, vanishing = self._distribution.constants
-        searched, search_home = ForwardKinematics(geometry).constants
-        area, compliance, least, lowest, most, middle, decay, ahead, ring, wire, slide = settings
-        self._least = least
-        self._inverse = inverse
-        self._constants: kernel.Numbers = [
-            *(area, compliance, least, lowest, most, middle, decay, ahead, vanishing),
-            *(ring, wire, slide, float(regular is not None)),
-            *_flat((wires, regular or wires, searched, search_home, inverse.home)),
-        ]
-        self._memory: kernel.Numbers = [0.0] * kernel.REMEMBERED
-        self._before: Callable[..., Any] = kernel.before
-        self._after: Callable[..., Quadruple] = kernel.after
-        if inverse.is_natural:  # the others are there to be compared
-            self._compile()
-
-    def _compile(self) -> None:
-        import numpy as np
-
-        self._constants, self._memory = np.array(self._constants), np.array(self._memory)
-        self._before, self._after = kernel_of(kernel.before_natural), kernel_of(kernel.after)
+        self._settings = settings
+        self._distribution = distribution = TensionDistribution(geometry)
+        self._numbers = numbers = PoseNumbers(
+            settings,
+            distribution.wires,
+            distribution.regular,
+            ForwardKinematics(geometry).constants,
+            inverse.home,
+        )
+        self._memory = KernelMemory(numbers) if inverse.is_natural else None
+        self._before: Callable[..., tuple[int, Cycle]] = partial(_before_others, inverse, numbers)
+        self._after: Callable[[float, float, float], Quadruple] = partial(kernel.after, numbers)
+        self._remembered: Callable[[], Remembered] = partial(kernel.remembered, numbers)
+        if self._memory is not None:  # the others are there to be compared
+            self._before = self._memory.bind(kernel.before_natural)
+            self._after = self._memory.bind(kernel.after)
+            self._remembered = self._memory.bind(kernel.remembered)
 
     def reset(self) -> None:
         """Forget the past."""
-        self._memory[:] = [0.0] * kernel.REMEMBERED
+        self._numbers.reset()
+        if self._memory is not None:
+            self._memory.lay(self._numbers)
 
     def before(
         self,
@@ -160,15 +127,8 @@ class PoseStep:
         ValueError
             No pose explains the wires, or no tensions hold the reference.
         """
-        if self._inverse.is_natural:
-            wanted: tuple[Any, ...] = (axis, velocity, acceleration)
-        else:
-            motion = self._inverse.motion(axis, velocity, acceleration)
-            wanted = ((*motion,), axis, velocity, acceleration)
-        how, step = self._before(
-            self._constants, self._memory, *wanted, rods, pressures, base, anew, starts
-        )
-        found: Step = _new(Step, step)
+        how, step = self._before(axis, velocity, acceleration, rods, pressures, base, anew, starts)
+        found: Step = new_tuple(Step, step)
         if how != kernel.FOUND:
             self._refuse(how, found, axis, (velocity, acceleration))
         return found
@@ -183,36 +143,38 @@ class PoseStep:
         shake : float
             What is added to the sum of the tensions, N.
         """
-        return self._after(self._constants, self._memory, first, second, shake)
+        return self._after(first, second, shake)
 
     def pushed(self, hold: Quadruple, first: float, second: float) -> Quadruple:
         """Return the setpoints (Pa gauge) that push the pairs (N) over what holds the pose."""
-        tensions = self.pose.kept_taut(kernel.spread(hold, (first, second)), self._least)
-        return kernel.setpoints(self._constants, tensions)
+        settings = self._settings
+        tensions = self.pose.kept_taut(kernel.spread(hold, (first, second)), settings.least)
+        return kernel.setpoints(settings, tensions)
 
     @property
     def pose(self) -> PoseTensions:
         """What tensions do in the pose that was worked out last."""
-        memory = [float(number) for number in self._memory]
-        places = (kernel.SHARES, kernel.FIRST, kernel.SECOND)
-        return PoseTensions(*(kernel.four(memory, place) for place in places))
+        return PoseTensions(*self._remembered()[:3])
 
     def _refuse(self, how: int, step: Step, axis: Vector, motion: tuple[Vector, Vector]) -> None:
         """Raise what a step was not possible for."""
         if how == kernel.NO_POSE:
             raise unexplained(step.residuals)
-        later = move_axis(axis, *motion, float(self._constants[kernel.AHEAD]))
-        memory = [float(number) for number in self._memory]
-        for place, at in ((axis, kernel.SHARES), (later, kernel.LATER)):
+        shares, _, _, shares_ahead = self._remembered()
+        ahead = move_axis(axis, *motion, self._settings.ahead)
+        for place, found in ((axis, shares), (ahead, shares_ahead)):
             self._distribution.at(natural_rotation(place))  # says so if a wire has no way
-            shares = kernel.four(memory, at)
-            raised(shares, shares, 0.0)
+            raised(found, found, 0.0)
 
 
-def _flat(values: Any) -> Iterator[float]:
-    """Yield the numbers of nested tuples in their order."""
-    for value in values:
-        if isinstance(value, tuple):
-            yield from _flat(value)
-        else:
-            yield value
+def _before_others(
+    inverse: InverseKinematics,
+    numbers: PoseNumbers,
+    axis: Vector,
+    velocity: Vector,
+    acceleration: Vector,
+    *measured: Any,
+) -> tuple[int, Cycle]:
+    """Do what `before_natural` does, for the wires and poses that it is not for."""
+    motion = inverse.motion(axis, velocity, acceleration)
+    return kernel.before(numbers, motion, axis, velocity, acceleration, *measured)

@@ -42,22 +42,6 @@ def azimuth_of(axis: Vector) -> float:
     return math.atan2(axis[1], axis[0])
 
 
-def axis_from_paper_angles(theta: float, phi: float) -> Vector:
-    """Return the ring's axis for the paper's angles (rad): the third column of eq. (4)."""
-    across = math.cos(phi)
-    return (math.sin(theta) * across, -math.sin(phi), math.cos(theta) * across)
-
-
-def paper_angles(axis: Vector) -> tuple[float, float]:
-    """Return theta and phi (rad) of eq. (4) for an axis within 90 degrees of +Z about Y.
-
-    The circle ``theta = a cos t, phi = -a sin t`` is none on the sphere; for a circle take the
-    axis round it and convert.
-    """
-    x, y, z = axis
-    return math.atan2(x, z), math.atan2(-y, math.hypot(x, z))
-
-
 @inlined
 def natural_rotation(axis: Vector) -> Rotation:
     """Return the rotation without spin that brings +Z to `axis`.
@@ -92,33 +76,6 @@ ROTATIONS: dict[PoseConvention, Callable[[Vector], Rotation]] = {
     "paper": paper_rotation,
 }
 """Ring axis to rotation, by the name of the convention."""
-
-
-def spin_rate(convention: PoseConvention, axis: Vector, velocity: Vector) -> float:
-    """Return how fast the convention spins the ring about its axis as the axis moves, rad/s.
-
-    Parameters
-    ----------
-    convention : str
-        ``natural`` or ``paper``.
-    axis, velocity : tuple of float
-        Ring axis and its time derivative, 1/s.
-    """
-    x, y, z = axis
-    if convention == "natural":
-        return (y * velocity[0] - x * velocity[1]) / (1.0 + z)
-    return y * (z * velocity[0] - x * velocity[2]) / (x * x + z * z)
-
-
-def angular_velocity(convention: PoseConvention, axis: Vector, velocity: Vector) -> Vector:
-    """Return the ring's angular velocity (rad/s, in the base) as its axis moves.
-
-    ``omega = u x u' + s u``: what moves the axis, and the convention's spin s about it.
-    """
-    x, y, z = axis
-    dx, dy, dz = velocity
-    spin = spin_rate(convention, axis, velocity)
-    return (y * dz - z * dy + spin * x, z * dx - x * dz + spin * y, x * dy - y * dx + spin * z)
 
 
 def twist_of(rotation: Rotation) -> float:

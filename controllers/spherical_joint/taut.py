@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from controllers.compiled import inlined
-from controllers.spherical_joint.geometry import Quadruple
+from controllers.spherical_joint.geometry import Pair, Quadruple
 
 _MOST_LIFTS = 25
 _LIFTED = 1e-3
@@ -50,7 +50,7 @@ def lifted(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
 
 
 class PoseTensions(NamedTuple):
-    """What the wires' tensions do to the ring in one pose.
+    """The effect of the wires' tensions on the ring in one pose.
 
     Parameters
     ----------
@@ -68,13 +68,6 @@ class PoseTensions(NamedTuple):
     first: Quadruple
     second: Quadruple
 
-    def pair_forces(self, tensions: Quadruple) -> tuple[float, float]:
-        """Return the force of each pair (N) that four tensions (N) amount to."""
-        a, b, c, d = tensions
-        e, f, g, h = self.first
-        k, m, n, p = self.second
-        return a * e + b * f + c * g + d * h, a * k + b * m + c * n + d * p
-
     def kept_taut(self, tensions: Quadruple, least: float) -> Quadruple:
         """Return tensions (N) that tilt the ring as much, none below `least`.
 
@@ -83,6 +76,22 @@ class PoseTensions(NamedTuple):
         multiply every newton that a controller takes from it. For differences that come and go.
         """
         return kept_taut(self.first, self.second, tensions, least)
+
+
+@inlined
+def pair_forces(first: Quadruple, second: Quadruple, tensions: Quadruple) -> Pair:
+    """Return the force of each pair (N) that four tensions (N) amount to; see `PoseTensions`."""
+    return _weighted(first, tensions), _weighted(second, tensions)
+
+
+@inlined
+def _weighted(weights: Quadruple, tensions: Quadruple) -> float:
+    return (
+        tensions[0] * weights[0]
+        + tensions[1] * weights[1]
+        + tensions[2] * weights[2]
+        + tensions[3] * weights[3]
+    )
 
 
 @inlined

@@ -8,15 +8,15 @@ can be held and any slack taken out by pulling harder.
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
-from controllers.compiled import inlined, kernel_of
+from controllers.compiled import KernelMemory, inlined
 from controllers.spherical_joint.exact_wire import (
     ExactWires,
-    Vectors,
     WireConstants,
     wire_jacobian,
 )
-from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
+from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry, Vectors
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
 from controllers.spherical_joint.taut import PoseTensions, raised
 
@@ -29,15 +29,13 @@ _Tensions = tuple[Quadruple, Quadruple, Quadruple]
 
 
 @inlined
-def pose_tensions(wires: WireConstants, vanishing: float, rotation: Rotation) -> _Tensions:
+def pose_tensions(wires: WireConstants, rotation: Rotation) -> _Tensions:
     """Return what makes up the `PoseTensions` of a pose.
 
     Parameters
     ----------
-    wires : tuple
-        See `ExactWires`.
-    vanishing : float
-        Below which the wires hardly spin the ring together, m³.
+    wires : WireConstants
+        Of exact wires.
     rotation : Rotation
         The pose.
     """
@@ -67,17 +65,17 @@ def pose_tensions(wires: WireConstants, vanishing: float, rotation: Rotation) ->
         scale * (v3 * a - u3 * b),
         scale * (v4 * a - u4 * b),
     )
-    unique, shares = _null_vector(rows, vanishing)
+    unique, shares = _null_vector(rows, wires.vanishing)
     if not unique:
-        shares = _limit_of_shares(wires, vanishing, rotation, first, second)
+        shares = _limit_of_shares(wires, rotation, first, second)
     return shares, first, second
 
 
 @inlined
-def pose_shares(wires: WireConstants, vanishing: float, rotation: Rotation) -> Quadruple:
+def pose_shares(wires: WireConstants, rotation: Rotation) -> Quadruple:
     """Return the tensions that turn the ring nowhere, of sum 1; see `pose_tensions`."""
-    unique, shares = _null_vector(wire_jacobian(wires, rotation), vanishing)
-    return shares if unique else pose_tensions(wires, vanishing, rotation)[0]
+    unique, shares = _null_vector(wire_jacobian(wires, rotation), wires.vanishing)
+    return shares if unique else pose_tensions(wires, rotation)[0]
 
 
 @inlined
@@ -105,7 +103,7 @@ def _null_vector(rows: Vectors, vanishing: float) -> tuple[bool, Quadruple]:
 
 @inlined
 def _limit_of_shares(
-    wires: WireConstants, vanishing: float, rotation: Rotation, first: Quadruple, second: Quadruple
+    wires: WireConstants, rotation: Rotation, first: Quadruple, second: Quadruple
 ) -> Quadruple:
     """Return the shares where the ring tilts towards a wire.
 
@@ -118,7 +116,7 @@ def _limit_of_shares(
     while not unique:  # small rings need more before their wires spin them at all
         off = (math.copysign(reach * _BESIDE[0], x), math.copysign(reach * _BESIDE[1], y), 0.0)
         rows = wire_jacobian(wires, natural_rotation(move_axis((x, y, z), off, _NO_LOAD, 1.0)))
-        unique, beside = _null_vector(rows, vanishing)
+        unique, beside = _null_vector(rows, wires.vanishing)
         reach *= 2.0
     return without_tilt(beside, first, second)
 
@@ -164,37 +162,36 @@ class TensionDistribution:
         regular = _regular(geometry)
         self._regular = None if regular is None else ExactWires(regular)
         self._half_angle = geometry.ring_half_angle
-        # Nearer to such a pose, rounding would be more than what the limit of the shares is off.
-        self._vanishing = 5e-8 * geometry.ball_radius**3
-        self.constants = (
-            self._wires.constants,
-            None if self._regular is None else self._regular.constants,
-            self._vanishing,
+        self.wires = self._wires.constants
+        """Of the wires."""
+        self.regular = None if self._regular is None else self._regular.constants
+        """Of those of a regular joint, if that is another one."""
+        # Where the shares are taken: at the regular joint's wires, if they are others.
+        self._tensions_in: Callable[[Rotation], _Tensions] = partial(pose_tensions, self.wires)
+        self._shares_in: Callable[[Rotation], Quadruple] = partial(
+            pose_shares, self.regular or self.wires
         )
-        """Of the wires, of those of a regular joint if that is another one, and `vanishing`."""
-        self._tensions_in: Callable[[WireConstants, float, Rotation], _Tensions] = pose_tensions
-        self._shares_in: Callable[[WireConstants, float, Rotation], Quadruple] = pose_shares
 
     def compile(self) -> None:
         """Have `at` and `shares` compiled, for what is called in every cycle."""
-        self._tensions_in = kernel_of(pose_tensions)
-        self._shares_in = kernel_of(pose_shares)
+        self._tensions_in = KernelMemory(self.wires).bind(pose_tensions)
+        self._shares_in = KernelMemory(self.regular or self.wires).bind(pose_shares)
 
     def at(self, rotation: Rotation) -> PoseTensions:
         """Return what tensions do in a pose."""
-        tensions = self._tensions_in(self._wires.constants, self._vanishing, rotation)
+        tensions = self._tensions_in(rotation)
         if math.isnan(tensions[0][0]):
             self._wires.jacobian(rotation)  # says which wire it is
         if self._regular is None:
             return PoseTensions(*tensions)
-        shares = self._shares_in(self._regular.constants, self._vanishing, rotation)
+        shares = self._shares_in(rotation)
         return PoseTensions(without_tilt(shares, *tensions[1:]), *tensions[1:])
 
     def shares(self, rotation: Rotation) -> Quadruple:
         """Return the tensions that turn the ring nowhere, as shares of their sum."""
         if self._regular is not None:
             return self.at(rotation).shares
-        shares = self._shares_in(self._wires.constants, self._vanishing, rotation)
+        shares = self._shares_in(rotation)
         if math.isnan(shares[0]):
             self._wires.jacobian(rotation)
         return shares
@@ -277,30 +274,6 @@ class TensionDistribution:
             tensions[one] = force
             tensions[other] = -force
         return tensions[0], tensions[1], tensions[2], tensions[3]
-
-
-def pair_pressures(
-    tensions: Quadruple, area: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the mean and the differential pressure (Pa) of each pair that make given tensions.
-
-    Parameters
-    ----------
-    tensions : tuple of float
-        Of the four wires, N.
-    area : float
-        Effective area of one cylinder, m².
-
-    Returns
-    -------
-    tuple of tuple of float
-        For the pairs (1, 3) and (4, 2): mean, and agonist less antagonist.
-    """
-    (a, b), (c, d) = (
-        ((tensions[one] + tensions[other]) * 0.5 / area, (tensions[one] - tensions[other]) / area)
-        for one, other in PAIRS
-    )
-    return (a, b), (c, d)
 
 
 @inlined

@@ -1,9 +1,8 @@
 """What the two models of the wires have in common, and a pose's way to shortenings."""
 
-from collections.abc import Callable
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
-from controllers.compiled import inlined, kernel_of
+from controllers.compiled import inlined
 from controllers.spherical_joint.exact_wire import ExactWires, WireConstants, wire_lengths
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.paper_wire import PaperWires
@@ -32,7 +31,7 @@ class Wires(Protocol):
 
 
 class WireMotion(NamedTuple):
-    """How the four wires are to move: shortening from home (m), its rate and acceleration."""
+    """The wanted motion of the four wires: shortening from home (m), its rate and acceleration."""
 
     position: Quadruple
     velocity: Quadruple
@@ -70,8 +69,6 @@ class InverseKinematics:
     ) -> None:
         self.is_natural = (wire, pose) == ("exact", "natural")
         """The wires are exact ones, and the poses natural."""
-        self._kernel: Callable[..., Any] | None = None
-        self._constants = ExactWires(geometry).constants
         self._lengths = make_wires(wire, geometry).lengths
         self._rotation = ROTATIONS[pose]
         self.home = self._lengths(self._rotation((0.0, 0.0, 1.0)))
@@ -89,10 +86,6 @@ class InverseKinematics:
         axis, velocity, acceleration : tuple of float
             Unit vector, 1/s, 1/s².
         """
-        if self._kernel is not None:
-            return WireMotion(
-                *self._kernel(self._constants, self.home, axis, velocity, acceleration)
-            )
         return WireMotion(
             *_derivatives(
                 self.shortening(move_axis(axis, velocity, acceleration, -_STEP)),
@@ -100,14 +93,6 @@ class InverseKinematics:
                 self.shortening(move_axis(axis, velocity, acceleration, _STEP)),
             )
         )
-
-    def compile(self) -> None:
-        """Have `motion` compiled, for what is called in every cycle.
-
-        Only exact wires under the natural pose are; the others are there to be compared.
-        """
-        if self.is_natural:
-            self._kernel = kernel_of(natural_motion)
 
 
 @inlined
@@ -118,8 +103,8 @@ def natural_motion(
 
     Parameters
     ----------
-    wires : tuple
-        See `ExactWires`.
+    wires : WireConstants
+        Of exact wires.
     home : tuple of float
         Lengths at home, m.
     axis, velocity, acceleration : tuple of float

@@ -17,8 +17,9 @@ from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
 from rig.hal import Clock, DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
+from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import read_log
-from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome, Progress
+from rig.runtime.loop import Loop, Outcome, Progress
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import Recorder
@@ -254,8 +255,12 @@ def _run(
             states.move(RigState.IDLE)
             loop = _make_loop(plan, rig, states)
             columns = (
-                *RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns,
-            )  # fmt: skip
+                *RUN_COLUMNS,
+                *rig.mechanism.columns,
+                *[column for device in rig.devices.values() for column in device.log_columns],
+                *TIMING_COLUMNS,
+                *rig.truth_columns,
+            )
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
                 Recorder(folder.log_path, columns) as recorder,

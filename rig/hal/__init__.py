@@ -8,7 +8,7 @@ What is not written here may not be relied on. `parts` is what a package offers,
 from rig.hal.bus import Buses, BusLoad, CanBus, CyclicBus, FastCanBus, Frame, FrameLoad
 from rig.hal.clock import Clock, MonotonicClock
 from rig.hal.columns import Column
-from rig.hal.controller import Controller
+from rig.hal.controller import Controller, Law
 from rig.hal.devices import (
     Device,
     EmergencyStopInput,
@@ -18,6 +18,7 @@ from rig.hal.devices import (
     PressureRegulator,
     ServoBus,
     Vector,
+    device_column,
 )
 from rig.hal.driver import Address, BusSettings, DeviceFile, DriverSettings, Endpoint
 from rig.hal.errors import (
@@ -33,7 +34,7 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.plant import PhysicsSettings, Plant
 from rig.hal.reading import Reading
@@ -54,6 +55,7 @@ __all__ = [
     "DeviceError",
     "DeviceFault",
     "DeviceFile",
+    "DevicePicker",
     "DriverSettings",
     "EmergencyStop",
     "EmergencyStopInput",
@@ -62,6 +64,7 @@ __all__ = [
     "FastCanBus",
     "Frame",
     "FrameLoad",
+    "Law",
     "LimitExceeded",
     "LinearEncoder",
     "LoopStalled",
@@ -82,5 +85,6 @@ __all__ = [
     "ServoBus",
     "StaleReading",
     "Vector",
+    "device_column",
     "pick_device",
 ]

@@ -1,7 +1,7 @@
 """The seam between the loop, which is the same for every rig, and a mechanism."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar, cast
 
 from rig.hal.columns import Column
 from rig.hal.devices import Device
@@ -12,6 +12,7 @@ Settings = TypeVar("Settings")
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
+Kind = TypeVar("Kind")
 
 
 class Margin(NamedTuple):
@@ -185,7 +186,31 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         ...
 
 
-def pick_device(role: str, name: str, kind: type[Any], devices: Mapping[str, Any]) -> Any:
+class DevicePicker:
+    """Picks the devices that a mechanism's settings name.
+
+    Parameters
+    ----------
+    section : str
+        The mechanism's section of the profile, for messages.
+    devices : mapping
+        The rig's devices by name.
+    """
+
+    def __init__(self, section: str, devices: Mapping[str, Device]) -> None:
+        self._section = section
+        self._devices = devices
+
+    def __call__(self, role: str, name: str, kind: type[Kind]) -> Kind:
+        """Return the device of a role; see `pick_device`."""
+        return pick_device(f"{self._section}.{role}", name, kind, self._devices)
+
+    def if_named(self, role: str, name: str | None, kind: type[Kind]) -> Kind | None:
+        """Return the device of a role that a rig need not have."""
+        return None if name is None else self(role, name, kind)
+
+
+def pick_device(role: str, name: str, kind: type[Kind], devices: Mapping[str, Device]) -> Kind:
     """Return the device of a role.
 
     Parameters
@@ -219,4 +244,4 @@ def pick_device(role: str, name: str, kind: type[Any], devices: Mapping[str, Any
         raise ConfigurationError(
             f"{role}: {name} is no {kind.__name__}: it has no {', '.join(lacking)}"
         )
-    return device
+    return cast("Kind", device)

@@ -30,8 +30,7 @@ class Additions:
     mechanism : str
         The mechanism's name.
     controllers : mapping of str to Path
-        Laws, each a `rig.hal.Controller` with its settings dataclass as ``Settings``, by the name
-        that profiles use.
+        Classes of `rig.hal.Law`, by the name that profiles use.
     references : mapping of str to Path
         Settings dataclasses, by the name that experiments use; no two mechanisms may share one.
     plants : mapping of str to PlantModel

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+Row = dict[str, Any]
+"""A row of a table of runs: ``name``, ``unit``, ``bound``, ``bound_kind``, ``values``."""
+
+
 class Comparison(NamedTuple):
     """A way to draw several runs in one figure.
 
@@ -30,7 +34,7 @@ class Comparison(NamedTuple):
 
     suits: Callable[[RunData], bool]
     draw: "Callable[[Sequence[RunData], Sequence[str]], Figure]"
-    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[dict[str, Any]]] | None = None
+    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[Row]] | None = None
 
 
 def color_of(number: int) -> str:

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 
@@ -27,6 +29,12 @@ class FigureKind(NamedTuple):
 
     draw: "Callable[[RunData], Figure | None]"
     caption: str
+
+
+def panels(figure: "Figure", rows: int, columns: int, **style: Any) -> "list[Axes]":
+    """Return the axes of a grid, row by row; `style` as for ``Figure.subplots``."""
+    made: list[Axes] = np.ravel(figure.subplots(rows, columns, **style)).tolist()
+    return made
 
 
 def draw_line(axes: "Axes", t: Any, x: Any, color: str, label: str, **style: Any) -> None:

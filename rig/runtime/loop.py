@@ -7,16 +7,15 @@ and told so for several cycles, before anything else happens.
 """
 
 import contextlib
-import math
 from collections.abc import Callable, Sequence
-from time import perf_counter
-from typing import Any, Generic, NamedTuple, Protocol
+from typing import Any, Generic, NamedTuple
 
-from rig.hal import Clock, CyclicBus, Device, LimitExceeded, LoopStalled
-from rig.hal.columns import Column
+from rig.hal import Clock, CyclicBus, Device
 from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
+from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder, log_values_of
+from rig.runtime.pace import Events, Pace
 from rig.runtime.phases import Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
@@ -55,29 +54,6 @@ class Outcome(NamedTuple):
     missed: int
     stopped: int
     fault: Exception | None
-
-
-class Recorder(Protocol):
-    """Where each cycle goes."""
-
-    def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
-        """Append one cycle; it is with the operating system when this returns."""
-        ...
-
-
-RUN_COLUMNS = (
-    Column("phase", "", "0 approach, 1 run, 2 stop"),
-    Column("reference.time", "s", "time since the reference started; negative before"),
-)
-TIMING_COLUMNS = (
-    Column("timing.lateness", "s", "how late the cycle started"),
-    Column("timing.slack", "s", "time left of the period after the work"),
-    Column("timing.receive", "s", "buses drained and decoded"),
-    Column("timing.read", "s", "state assembled and checked"),
-    Column("timing.control", "s", "reference, estimator, controller, limits"),
-    Column("timing.transmit", "s", "setpoints encoded and sent"),
-    Column("timing.record", "s", "row written, in the cycle before"),
-)
 
 
 class Loop(Generic[State, Reference, Command]):
@@ -133,7 +109,7 @@ class Loop(Generic[State, Reference, Command]):
         motion: Motion[Reference],
         *,
         recorder: Recorder,
-        events: Callable[[float, str, str, dict[str, Any]], None],
+        events: Events,
         stop: StopRequests,
         timings: Timings = Timings(),  # noqa: B008 - immutable
         progress: Callable[[Progress], None] | None = None,
@@ -146,8 +122,8 @@ class Loop(Generic[State, Reference, Command]):
         motion : Motion
             What to follow.
         recorder : Recorder
-            Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, `TIMING_COLUMNS`,
-            the truth.
+            Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, the devices',
+            `TIMING_COLUMNS`, the truth.
         events : callable
             ``events(t, kind, message, data)``.
         stop : StopRequests
@@ -170,7 +146,7 @@ class Loop(Generic[State, Reference, Command]):
         stop.in_loop = True
         fault: Exception | None = None
         try:
-            self._cycle(run, recorder, events, stop, progress, progress_every)
+            self._cycles(run, recorder, events, stop, progress, progress_every)
         except Exception as error:
             fault = error
         finally:
@@ -206,81 +182,35 @@ class Loop(Generic[State, Reference, Command]):
 
     def _recording(self, run: "Phases[Any, Any, Any]", recorder: Recorder) -> StopRecording:
         return StopRecording(
-            self.mechanism, recorder.write, self.truth, TIMING_COLUMNS, self.period, run.start,
+            self.mechanism, recorder.write, log_values_of(self.devices), self.truth,
+            TIMING_COLUMNS, self.period, run.start,
             phase=float(Phase.STOP), reference_time=run.reference_time, last=run.t,
         )  # fmt: skip
 
-    def _cycle(
+    def _cycles(
         self,
         run: "Phases[State, Reference, Command]",
         recorder: Recorder,
-        events: Callable[[float, str, str, dict[str, Any]], None],
+        events: Events,
         stop: StopRequests,
         progress: Callable[[Progress], None] | None,
         progress_every: float,
     ) -> None:
-        # Bound once: the cycle is the hot path.
-        clock_now, sleep_until = self.clock.now, self.clock.sleep_until
-        buses, devices, mechanism = self.buses, self.devices, self.mechanism
-        period = self.period
+        clock_now, mechanism, period = self.clock.now, self.mechanism, self.period
         show_every = max(1, round(progress_every / period))
-
         limits = _LimitWatch(events)
+        pace = Pace(run, period, self.max_missed, events)
+        cycle = Cycle(self.buses, self.devices, mechanism, run, recorder, self.truth, period)
         start = run.start = clock_now()
-        tick = 0
-        late_in_a_row = 0
-        record_time = 0.0
         while True:
             now = clock_now()
-            t = now - start
-            run.t = self.t = t
-            began = perf_counter()
-            for bus in buses:
-                bus.receive(now)
-            received = perf_counter()
-            state = mechanism.read(now)
-            fault: Exception | None = None
-            try:
-                for device in devices:
-                    device.check(now)
-                for bus in buses:
-                    bus.check(now)
-                mechanism.check(state, now)
-            except Exception as error:
-                fault = _with_cause(error, state, mechanism, devices, now)
-            read = perf_counter()
-
-            if fault is None:
-                reference, command = run.step(t, state, stop.count)
-                applied = mechanism.limit(command)
-            else:  # this cycle is recorded like every other, with what is about to be sent
-                reference = mechanism.reference_of(state)
-                command = applied = mechanism.released_command()
-            mechanism.write(applied)
-            controlled = perf_counter()
-            if fault is None:
-                for bus in buses:
-                    bus.transmit(now)
-            sent = perf_counter()
-
-            row = (
-                float(run.phase),
-                run.reference_time,
-                *mechanism.row(state, reference, command, applied),
-                t - tick * period,
-                period - (sent - began) - record_time,
-                received - began,
-                read - received,
-                controlled - read,
-                sent - controlled,
-                record_time,
-                *self.truth(),
-            )
-            recorder.write(tick, t, row)
-            record_time = perf_counter() - sent
-            run.cycles += 1
-            if fault is not None:
-                raise fault
+            run.t = self.t = t = now - start
+            state = cycle.sense(now)
+            reference, command, applied = cycle.decide(t, state, stop.count)
+            cycle.act(now, applied)
+            cycle.note(pace.tick, t, state, reference, command, applied)
+            if cycle.fault is not None:
+                raise cycle.fault
             if run.cycles % show_every == 0:
                 limits.watch(t, mechanism.limit_hits())
                 if progress is not None:
@@ -290,45 +220,14 @@ class Loop(Generic[State, Reference, Command]):
                     )
             if run.finished:
                 return
-
-            tick += 1
-            late_by = clock_now() - (start + tick * period)
-            if late_by > 0.0:
-                skipped = math.ceil(late_by / period)
-                tick += skipped
-                run.missed += skipped
-                late_in_a_row += skipped
-                events(t, "overrun", f"{skipped} ticks missed", {"late": late_by})
-                if late_in_a_row > self.max_missed:
-                    raise LoopStalled(
-                        f"{late_in_a_row} ticks of {period * 1e3:g} ms missed in a row, "
-                        f"at most {self.max_missed} are allowed"
-                    )
-            else:
-                late_in_a_row = 0
-            sleep_until(start + tick * period)
-
-
-def _with_cause(
-    error: Exception,
-    state: State,
-    mechanism: Mechanism[Any, State, Reference, Command],
-    devices: Sequence[Device],
-    now: float,
-) -> Exception:
-    """Return the error with its cause as the mechanism knows it, or as the devices doubt."""
-    found = mechanism.explain(error, state)
-    if found is error and isinstance(error, LimitExceeded):
-        doubts = [device.doubt(now) for device in devices]
-        suspicion = "; ".join(doubt for doubt in doubts if doubt)
-        return error.suspecting(suspicion) if suspicion else error
-    return found
+            due = pace.advance(t, clock_now() - start)
+            self.clock.sleep_until(start + due)
 
 
 class _LimitWatch:
     """Tells when a limit begins to clip the command; every cycle would be too much."""
 
-    def __init__(self, events: Callable[[float, str, str, dict[str, Any]], None]) -> None:
+    def __init__(self, events: Events) -> None:
         self._events = events
         self._seen: dict[str, int] = {}
         self._clipping: set[str] = set()

@@ -6,7 +6,8 @@ from typing import NamedTuple
 from rig.assembly import REGISTRY, build_rig, make_controller
 from rig.config import find_configs, load_profile
 from rig.mechanisms.cylinder.references import Sine, SineTone
-from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop, Outcome
+from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
+from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
 from rig.runtime.recorder import Recorder
 from rig.runtime.states import RigState, StateMachine

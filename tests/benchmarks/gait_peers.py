@@ -6,7 +6,7 @@ move under it), one task per foot, the velocity limit, and the quickest solver t
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES, LEGS, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LEGS, LegGeometry
 from drivers.sim.plants.legs_model import describe
 from drivers.sim.plants.legs_settings import LegServoSettings
 
@@ -36,7 +36,7 @@ class MinkStep:
             mink.FrameTask(f"{leg}_sole", "site", position_cost=1.0, orientation_cost=0.2)
             for leg in LEGS
         ]
-        rates = dict.fromkeys(JOINT_NAMES, GEOMETRY.max_rate)
+        rates = dict.fromkeys(AXIS_NAMES, GEOMETRY.max_rate)
         self._limits = [mink.VelocityLimit(model, rates)]
 
     def step(self, sample):
@@ -106,7 +106,7 @@ def _pinocchio_legs(pin):
                 parent,
                 joints[axis](),
                 pin.SE3(np.eye(3), np.array(at)),
-                JOINT_NAMES[6 * number + k],
+                AXIS_NAMES[6 * number + k],
                 np.array([100.0]),
                 np.array([GEOMETRY.max_rate]),
                 np.array([low]),

@@ -64,7 +64,7 @@ def look_at_boards(lens, profile, out):
     """Return what a lens's procedure finds in simulated views, and where those are."""
     board = Board()
     folder = simulate_views(profile, "camera", board, out)
-    return lens.find(profile, read_views(folder / VIEWS, board), board), [folder]
+    return lens.identify(profile, read_views(folder / VIEWS, board), {}), [folder]
 
 
 TRUE = {

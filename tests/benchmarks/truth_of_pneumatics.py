@@ -15,7 +15,8 @@ from rig.calibration.recording import Recording
 from rig.calibration.session import record
 from rig.experiment.metrics import evaluation_from_json
 from rig.mechanisms.cylinder.calibration import friction as pair_friction
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
+from rig.mechanisms.cylinder.calibration.pneumatics import PairPneumatics
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import read_log
 
@@ -59,6 +60,10 @@ DRAWN = {
     ),
     "joint response": (),
 }  # fmt: skip
+
+
+def pneumatics_of(profile):
+    return {"cylinder": PairPneumatics, "joint": JointPneumatics}[profile.mechanism](profile)
 
 
 def true_of_regulators(profile, seed, procedure, folders):

@@ -7,7 +7,8 @@ import numpy as np
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import load_plan
-from rig.runtime.loop import RUN_COLUMNS, TIMING_COLUMNS, Loop
+from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
+from rig.runtime.loop import Loop
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from legs_bench import BRISK, IN_MID_SHIFT, IN_MID_SWING, Walk, make_plan
 
-from controllers.gait.postures import mismatch
+from controllers.gait.leg_postures import mismatch
 from rig.assembly import Backend
 from rig.runtime.phases import Phase
 from rig.runtime.states import RigState

@@ -8,7 +8,7 @@ import numpy as np
 from rig.experiment.metrics import facts_from_json
 from rig.hal.motion import Fact
 from rig.mechanisms.arm.figures import JOINTS, geometry_of, mark_region
-from rig.report.comparison import Comparison, write_value
+from rig.report.comparison import Comparison, Row, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
@@ -18,6 +18,7 @@ from rig.run_folder import EVALUATION
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
 
 _OUTCOMES = ("done", "halts", "stalls")
 _SHOWN = 2.4
@@ -76,7 +77,7 @@ class _Cost(NamedTuple):
     linear: bool = False
 
 
-def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[dict[str, Any]]:
+def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[Row]:
     """Return the table: facts of the commanded motion, what is measured, and how each law ends."""
     del labels
     facts = [_facts(run) for run in runs]
@@ -156,8 +157,9 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
 
 
 def _draw_cost(
-    axes: "Axes", cost: _Cost, values: Any, texts: Sequence[str], labels: Sequence[str]
+    axes: "Axes", cost: _Cost, values: "ArrayLike", texts: Sequence[str], labels: Sequence[str]
 ) -> None:
+    values = np.asarray(values, float)
     values = np.where(np.isfinite(values), values * cost.factor, np.nan)
     shown = np.maximum(values, cost.floor)
     lengths = np.where(values > cost.floor, shown, 0.0)
@@ -230,7 +232,7 @@ def _closest(
     return cost, [known[name].value for known in facts]
 
 
-def _as_row(name: str, unit: str, values: Sequence[Any]) -> dict[str, Any]:
+def _as_row(name: str, unit: str, values: Sequence[object]) -> Row:
     return {"name": name, "unit": unit, "bound": None, "bound_kind": None, "values": list(values)}
 
 

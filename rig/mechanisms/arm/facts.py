@@ -5,10 +5,10 @@ from typing import get_args
 
 import numpy as np
 
-from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.optimum import least_time
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
+from controllers.arm.trajectories import ArmPathSettings
 from controllers.motion import InfeasibleMotion
 from rig.hal.motion import Fact
 
@@ -60,7 +60,7 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -
         ),
         "peak_acceleration": Fact(float(accelerations.max()), "rad/s^2", "of any joint"),
     }
-    for name, rate in zip(JOINT_NAMES, rates, strict=True):
+    for name, rate in zip(AXIS_NAMES, rates, strict=True):
         facts[f"peak_rate_{name}"] = Fact(float(rate), "rad/s", f"greatest rate of {name}")
     for (name, unit), values in zip(INDICES, plan.indices.T, strict=True):
         crosses = bool(np.any(values[:-1] * values[1:] < 0.0))

@@ -17,6 +17,7 @@ from rig.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 JOINTS = ("q1", "q2", "q3", "q4", "q5", "q6")
@@ -174,7 +175,7 @@ def draw_arm(run: RunData) -> "Figure | None":
     return figure
 
 
-def _draw_boundary(axes: Any, base: float, geometry: dict[str, Any]) -> None:
+def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> None:
     """Draw how far the wrist can get, as far as the picture reaches."""
     from matplotlib.patches import Circle
 
@@ -189,7 +190,7 @@ def _point(run: RunData, name: str, sample: int) -> tuple[float, float, float]:
     return x, y, z
 
 
-def mark_region(axes: Any, run: RunData) -> None:
+def mark_region(axes: "Axes", run: RunData) -> None:
     """Mark where the singular region is entered and left, as the paper does, by black lines."""
     for segment in run.segments:
         if segment.name == "region":
@@ -197,7 +198,7 @@ def mark_region(axes: Any, run: RunData) -> None:
                 axes.axvline(instant, color=INK, lw=0.8)
 
 
-def _keep_above_noise(axes: Any, least: float) -> None:
+def _keep_above_noise(axes: "Axes", least: float) -> None:
     """Widen an axis on which nothing happens, so that rounding does not look like a signal."""
     low, high = axes.get_ylim()
     if high - low < least:

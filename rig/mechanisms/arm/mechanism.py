@@ -5,7 +5,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from controllers.arm.geometry import JOINT_NAMES, ArmGeometry
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
     dimensions_of,
     forward,
@@ -13,9 +13,10 @@ from controllers.arm.kinematics import (
     link_points,
     singularity_indices,
 )
-from controllers.arm.paths import ArmPathSettings
 from controllers.arm.plan import ArmPlan
+from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.arm.facts import INDICES, facts_of_plan
@@ -109,7 +110,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     Settings = ArmSettings
 
     columns = (
-        *servo_columns(JOINT_NAMES),
+        *servo_columns(AXIS_NAMES),
         *(Column(f"reading.hand_{axis}", "m", "hand by the measured joints") for axis in "xyz"),
         *(Column(f"reading.twist_{name}", unit, "of the hand, measured") for name, unit in _TWIST),
         *(
@@ -128,11 +129,11 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         *(Column(f"plan.path_{axis}", "m", "nearest place of the path") for axis in "xyz"),
     )
 
-    def __init__(self, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> None:
+    def __init__(self, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> None:
         geometry = settings.geometry
         super().__init__(
             AxisLimits(
-                JOINT_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
+                AXIS_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
             ),
             settings.limits,
             *self.pick("arm", settings, devices),
@@ -146,7 +147,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         self.stopping_time = max(geometry.rate_limits) / settings.limits.acceleration + SETTLING
 
     @classmethod
-    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Any], period: float) -> "Arm":
+    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> "Arm":
         """Pick the devices that the settings name."""
         return cls(settings, devices, period)
 
@@ -174,14 +175,13 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         cls, start: ArmReference, end: ArmReference, duration: float, t: float
     ) -> ArmReference:
         """Return the minimum-jerk way between two postures at `t`."""
-        reference: ArmReference = cls.approach_joints(ArmReference, start, end, duration, t)
-        return reference
+        return cls.approach_joints(ArmReference, start, end, duration, t)
 
     def attach(self, controller: Any, motion: Motion[ArmReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedArmMotion) else None
 
-    def start_limiting(self, state: Any) -> None:
+    def start_limiting(self, state: ArmState) -> None:
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0

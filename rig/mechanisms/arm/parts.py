@@ -18,10 +18,10 @@ PARTS = MechanismParts(
         "look-ahead": f"{_LAWS}.look_ahead:LookAhead",
     },
     references={
-        "arm-turnback": f"{_LAWS}.paths:TurnBack",
-        "arm-dwell": f"{_LAWS}.paths:DwellLine",
-        "arm-circle": f"{_LAWS}.paths:Circle",
-        "arm-line": f"{_LAWS}.paths:Line",
+        "arm-turnback": f"{_HERE}.references:TurnBack",
+        "arm-dwell": f"{_HERE}.references:DwellLine",
+        "arm-circle": f"{_HERE}.references:Circle",
+        "arm-line": f"{_HERE}.references:Line",
     },
     plants={
         "arm": PlantModel(

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Ge, Gt, Interval, Unit
 
 from controllers.arm.geometry import ArmGeometry
-from rig.mechanisms.servo.settings import ServoLimits
+from rig.mechanisms.servo.settings import ServoSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class HandMetrology:
 
 
 @dataclass(frozen=True, slots=True)
-class ArmSettings:
+class ArmSettings(ServoSettings):
     """A U-R-S arm: which devices, what geometry, which limits.
 
     Parameters
@@ -53,8 +53,5 @@ class ArmSettings:
         The device that reads the emergency-stop contact.
     """
 
-    servos: Annotated[tuple[str, ...], MinLen(1)]
-    limits: ServoLimits
     geometry: ArmGeometry = field(default_factory=ArmGeometry)
     metrology: HandMetrology = field(default_factory=HandMetrology)
-    emergency_stop: str | None = None

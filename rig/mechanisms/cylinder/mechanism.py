@@ -8,7 +8,6 @@ from controllers.cylinder.types import PairCommand, PairModel, PairReference, Pa
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     Device,
-    EmergencyStop,
     EmergencyStopInput,
     LimitExceeded,
     LinearEncoder,
@@ -17,11 +16,12 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
 from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -108,7 +108,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._regulators = regulators
         self._encoder_agonist = encoder_agonist
         self._encoder_antagonist = encoder_antagonist
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         limits = settings.limits
         self._limits = limits
         # What every cycle looks at, at hand.
@@ -130,7 +130,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
 
     @classmethod
     def assemble(
-        cls, settings: CylinderSettings, devices: Mapping[str, Any], period: float
+        cls, settings: CylinderSettings, devices: Mapping[str, Device], period: float
     ) -> "AntagonisticPair":
         """Pick the devices that the settings name.
 
@@ -148,11 +148,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         ConfigurationError
             A device is not there, or cannot do what its role asks for.
         """
-
-        def pick(role: str, name: str, kind: type[Any]) -> Any:
-            return pick_device(f"cylinder.{role}", name, kind, devices)
-
-        stop = settings.emergency_stop
+        pick = DevicePicker("cylinder", devices)
         return cls(
             settings,
             regulators=pick("regulators", settings.regulators, PressureRegulator),
@@ -160,9 +156,9 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
             encoder_antagonist=pick(
                 "encoder_antagonist", settings.encoder_antagonist, LinearEncoder
             ),
-            emergency_stop=None
-            if stop is None
-            else pick("emergency_stop", stop, EmergencyStopInput),
+            emergency_stop=pick.if_named(
+                "emergency_stop", settings.emergency_stop, EmergencyStopInput
+            ),
             period=period,
         )
 
@@ -182,20 +178,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     @classmethod
     def model_of(cls, settings: CylinderSettings) -> PairModel:
         """Return what the controllers are told of a pair."""
-        friction, response = settings.friction, settings.regulator_response
-        return PairModel(
-            area=settings.area,
-            mass=settings.moving_mass,
-            base_pressure=settings.base_pressure,
-            pressure_min=settings.limits.pressure[0],
-            pressure_max=settings.limits.pressure[1],
-            regulator_bandwidth=response.bandwidth,
-            regulator_damping=response.damping,
-            coulomb=friction.coulomb,
-            breakaway=friction.breakaway,
-            stribeck_velocity=friction.stribeck_velocity,
-            viscous=friction.viscous,
-        )
+        return PairModel(**settings.told())
 
     @classmethod
     def plan(
@@ -246,12 +229,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
 
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self._oldest_reading:
-                raise StaleReading("emergency stop", now - t, self._oldest_reading)
+        self._stop_contact.check(now)
         _, position, p_agonist, p_antagonist = state
         if not math.isfinite(position + p_agonist + p_antagonist):
             raise SafetyError(f"a reading is not a number: {state}")

@@ -1,17 +1,19 @@
 """Runs of the spherical joint side by side: how far the marker is off, and what it costs."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.report.comparison import Comparison, color_of, metric_values, write_value
+from rig.hal.motion import Segment
+from rig.report.comparison import Comparison, Row, color_of, metric_values, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
 from rig.report.style import INK, PAGE, SHADE, length_scale, new_figure, shade_segments
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -32,7 +34,7 @@ def draw_joints(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     distances = [_distance(run) for run in runs]
     extent = max(float(distance.max(initial=1e-6)) for _, distance in distances)
     factor, unit = length_scale(extent)
-    top: Any = None
+    top: Axes | None = None
     for number, ((t, distance), run, label) in enumerate(zip(distances, runs, labels, strict=True)):
         axes = figure.add_subplot(grid[number, 0], sharex=top, sharey=top)
         color = color_of(number)
@@ -55,7 +57,7 @@ def draw_joints(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     return figure
 
 
-def _draw_errors(axes: Any, runs: Sequence[RunData]) -> None:
+def _draw_errors(axes: "Axes", runs: Sequence[RunData]) -> None:
     """Draw what each run left of its errors, on a logarithmic scale, with the bounds."""
     metrics = _errors(runs[0])
     values = np.column_stack([metric_values(runs, metric["name"]) * 1e3 for metric in metrics])
@@ -92,12 +94,12 @@ def _distance(run: RunData) -> "tuple[Array, Array]":
     return run.t[run.followed], np.linalg.norm(gap, axis=0)[run.followed]
 
 
-def _parts(run: RunData) -> list[Any]:
+def _parts(run: RunData) -> list[Segment]:
     """Return the segments but the whole and parts of others."""
     return [s for s in run.segments if s.name != "all" and not s.name.endswith("last lap")]
 
 
-def _errors(run: RunData) -> list[dict[str, Any]]:
+def _errors(run: RunData) -> list[Row]:
     """Return the metrics of what was measured, not of what was known beforehand."""
     return [metric for metric in run.metrics if metric.get("measure") in _SHOWN]
 

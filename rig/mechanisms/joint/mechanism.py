@@ -17,14 +17,14 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from rig.hal import (
-    EmergencyStop,
+    Device,
     EmergencyStopInput,
     LinearEncoder,
     MarkerCamera,
     PressureRegulator,
     StaleReading,
 )
-from rig.hal.mechanism import Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
@@ -32,6 +32,7 @@ from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
 from rig.mechanisms.joint.settings import JointLimits, JointSettings
 from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -102,7 +103,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         self._regulators = regulators
         self._encoders = encoders
         self._camera = camera
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         self._limits = limits = settings.limits
         self._limiter = VectorLimiter(
             "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
@@ -127,7 +128,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
 
     @classmethod
     def assemble(
-        cls, settings: JointSettings, devices: Mapping[str, Any], period: float
+        cls, settings: JointSettings, devices: Mapping[str, Device], period: float
     ) -> "SphericalJoint":
         """Pick the devices that the settings name.
 
@@ -136,16 +137,15 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         ConfigurationError
             A device is not there, or cannot do what its role asks for.
         """
-
-        def pick(role: str, name: str | None, kind: type[Any]) -> Any:
-            return None if name is None else pick_device(f"joint.{role}", name, kind, devices)
-
+        pick = DevicePicker("joint", devices)
         return cls(
             settings,
             regulators=pick("regulators", settings.regulators, PressureRegulator),
             encoders=tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders),
-            camera=pick("camera", settings.camera, MarkerCamera),
-            emergency_stop=pick("emergency_stop", settings.emergency_stop, EmergencyStopInput),
+            camera=pick.if_named("camera", settings.camera, MarkerCamera),
+            emergency_stop=pick.if_named(
+                "emergency_stop", settings.emergency_stop, EmergencyStopInput
+            ),
             period=period,
         )
 
@@ -167,20 +167,10 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     @classmethod
     def model_of(cls, settings: JointSettings) -> JointModel:
         """Return what the controllers are told of the joint."""
-        friction, response, limits = settings.friction, settings.regulator_response, settings.limits
+        friction, limits = settings.friction, settings.limits
         return JointModel(
+            **settings.told(),
             geometry=settings.geometry,
-            area=settings.area,
-            mass=settings.moving_mass,
-            base_pressure=settings.base_pressure,
-            pressure_min=limits.pressure[0],
-            pressure_max=limits.pressure[1],
-            regulator_bandwidth=response.bandwidth,
-            regulator_damping=response.damping,
-            coulomb=friction.coulomb,
-            breakaway=friction.breakaway,
-            stribeck_velocity=friction.stribeck_velocity,
-            viscous=friction.viscous,
             ring_friction=friction.ring,
             wire_friction=friction.wire,
             wire_stiffness=settings.wire_stiffness,
@@ -220,7 +210,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
                 oldest, latest = t, k
         self._age = age = now - oldest
         if age > self._limits.reading_age:
-            device: Any = self._regulators if latest is None else self._encoders[latest]
+            device: Device = self._regulators if latest is None else self._encoders[latest]
             raise StaleReading(device.name, age, self._limits.reading_age)
         if self._camera is not None:
             markers, t = self._camera.markers()
@@ -236,12 +226,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
 
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self._limits.reading_age:
-                raise StaleReading("emergency stop", now - t, self._limits.reading_age)
+        self._stop_contact.check(now)
         self._watch.check(state, now)
         self._checked = True
 

@@ -4,13 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from controllers.gait.arcs import measure
+from controllers.gait.arc_lengths import measure
 from controllers.gait.balance import standing_knee_torque
 from controllers.gait.geometry import KNEES
 from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
-from controllers.gait.paces import LimitedNormPace
+from controllers.gait.leg_postures import leg_posture
 from controllers.gait.plan import GaitPlan
-from controllers.gait.postures import leg_posture
+from controllers.gait.time_laws import LimitedNormPace
 from rig.hal.motion import Fact
 
 _RESOLUTION = float(np.deg2rad(1.0 / 209.0))

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from controllers.gait.geometry import JOINT_NAMES, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
-from rig.hal import Vector
+from rig.hal import Device, Vector
 from rig.hal.columns import Column
 from rig.hal.motion import Motion, Segment
 from rig.mechanisms.legs.facts import plan_facts
@@ -105,7 +105,7 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     Settings = LegsSettings
 
     columns = (
-        *servo_columns(JOINT_NAMES),
+        *servo_columns(AXIS_NAMES),
         *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
         *(
             Column(f"reference.{leg}_foot_{axis}", "m", "planned sole under the ankle")
@@ -120,14 +120,16 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         Column("plan.path", "", "path parameter in it, 0 … 1"),
     )
 
-    def __init__(self, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> None:
+    def __init__(
+        self, settings: LegsSettings, devices: Mapping[str, Device], period: float
+    ) -> None:
         limits = settings.geometry.limits
         super().__init__(
             AxisLimits(
-                JOINT_NAMES,
+                AXIS_NAMES,
                 tuple([lower for lower, _ in limits]),
                 tuple([upper for _, upper in limits]),
-                (settings.geometry.max_rate,) * len(JOINT_NAMES),
+                (settings.geometry.max_rate,) * len(AXIS_NAMES),
             ),
             settings.limits,
             *self.pick("legs", settings, devices),
@@ -140,7 +142,9 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         self._halt: Halt | None = None
 
     @classmethod
-    def assemble(cls, settings: LegsSettings, devices: Mapping[str, Any], period: float) -> "Legs":
+    def assemble(
+        cls, settings: LegsSettings, devices: Mapping[str, Device], period: float
+    ) -> "Legs":
         """Pick the devices that the settings name."""
         return cls(settings, devices, period)
 
@@ -175,19 +179,19 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         cls, start: LegsReference, end: LegsReference, duration: float, t: float
     ) -> LegsReference:
         """Return the minimum-jerk way between two postures at `t`."""
-        return cls.approach_joints(LegsReference, start, end, duration, t)  # type: ignore[no-any-return]
+        return cls.approach_joints(LegsReference, start, end, duration, t)
 
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedGait) else None
 
-    def start_limiting(self, state: Any) -> None:
+    def start_limiting(self, state: LegsState) -> None:
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0
         self._halt = None
 
-    def resting_command(self, state: Any) -> Any:
+    def resting_command(self, state: LegsState) -> LegsCommand:
         """See `ServoAxes.resting_command`; in mid-walk both legs come to rest on their path."""
         rest = super().resting_command(state)
         if not self._braking or self.motion is None or not self._followed:
@@ -201,8 +205,7 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         """See `ServoAxes.limit`."""
         if self._halt is not None:
             command = LegsCommand(self._halt.advance(), self._still)
-        limited: LegsCommand = super().limit(command)
-        return limited
+        return super().limit(command)
 
     def pose_held(self) -> str | None:
         """Say at which instant of the walk the legs are held, and how safely they stand there.

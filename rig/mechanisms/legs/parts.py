@@ -14,13 +14,13 @@ PARTS = MechanismParts(
         "sc": f"{_LAWS}.laws:LimitedNormLaw",
         "sc-trapezoid": f"{_LAWS}.laws:TrapezoidNormLaw",
         "min-jerk": f"{_LAWS}.laws:MinimumJerkLaw",
-        "clamp": f"{_LAWS}.rivals:ClampedLaw",
-        "dls": f"{_LAWS}.rivals:DampedLaw",
+        "clamp": f"{_LAWS}.clamped_and_damped:ClampedLaw",
+        "dls": f"{_LAWS}.clamped_and_damped:DampedLaw",
         "mink": f"{_LAWS}.mink_rival:MinkLaw",
     },
     references={
-        "legs-walk": f"{_LAWS}.motions:WalkSettings",
-        "legs-squat": f"{_LAWS}.motions:SquatSettings",
+        "legs-walk": f"{_HERE}.references:WalkSettings",
+        "legs-squat": f"{_HERE}.references:SquatSettings",
     },
     plants={
         "legs": PlantModel(

@@ -8,7 +8,7 @@ from annotated_types import Gt, Interval, MinLen, Unit
 
 from controllers.gait.geometry import Angle, LegGeometry
 from controllers.gait.types import BalanceSettings
-from rig.mechanisms.servo.settings import ServoLimits
+from rig.mechanisms.servo.settings import ServoSettings
 
 SixAngles = tuple[Angle, Angle, Angle, Angle, Angle, Angle]
 
@@ -43,7 +43,7 @@ class JigSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class LegsSettings:
+class LegsSettings(ServoSettings):
     """Two legs of six joints each: which devices, what geometry, which limits.
 
     Parameters
@@ -62,9 +62,6 @@ class LegsSettings:
         What holds the legs in a calibration.
     """
 
-    servos: Annotated[tuple[str, ...], MinLen(1)]
-    limits: ServoLimits
     geometry: LegGeometry = field(default_factory=LegGeometry)
     balance: BalanceSettings = field(default_factory=BalanceSettings)
-    emergency_stop: str | None = None
     jig: JigSettings = field(default_factory=JigSettings)

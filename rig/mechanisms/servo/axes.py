@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
     ConfigurationError,
-    EmergencyStop,
+    Device,
     EmergencyStopInput,
     LimitExceeded,
     SafetyError,
@@ -16,8 +16,9 @@ from rig.hal import (
     Vector,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Command, Margin, Mechanism, Reference, Settings, pick_device
-from rig.mechanisms.servo.settings import ServoLimits
+from rig.hal.mechanism import DevicePicker, Margin, Mechanism, Settings
+from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
+from rig.mechanisms.stop_contact import StopContact
 
 
 class AxisLimits(NamedTuple):
@@ -39,8 +40,8 @@ class AxisLimits(NamedTuple):
     rates: Vector
 
 
-class AxisState(Protocol):
-    """What `ServoAxes` needs of a mechanism's state."""
+class AxisValues(Protocol):
+    """What state, reference and command of a mechanism on servo axes have in common."""
 
     @property
     def positions(self) -> Vector: ...  # noqa: D102 - rad
@@ -48,10 +49,12 @@ class AxisState(Protocol):
     def velocities(self) -> Vector: ...  # noqa: D102 - rad/s
 
 
-State = TypeVar("State", bound=AxisState)
+State = TypeVar("State", bound=AxisValues)
+Reference = TypeVar("Reference", bound=AxisValues)
+Command = TypeVar("Command", bound=AxisValues)
 
 
-class Kinds(NamedTuple):
+class Kinds(NamedTuple, Generic[State, Reference, Command]):
     """The types that a mechanism's controllers speak.
 
     Parameters
@@ -64,9 +67,9 @@ class Kinds(NamedTuple):
         ``command(positions, velocities)``.
     """
 
-    state: Callable[..., Any]
-    reference: Callable[..., Any]
-    command: Callable[..., Any]
+    state: Callable[..., State]
+    reference: Callable[..., Reference]
+    command: Callable[..., Command]
 
 
 class ServoAxes(Mechanism[Settings, State, Reference, Command]):
@@ -102,13 +105,13 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         limits: ServoLimits,
         servos: Sequence[ServoBus],
         emergency_stop: EmergencyStopInput | None,
-        kinds: Kinds,
+        kinds: Kinds[State, Reference, Command],
         period: float,
     ) -> None:
         self.joints = joints
         self.limits = limits
         self._servos = tuple(servos)
-        self._emergency_stop = emergency_stop
+        self._stop_contact = StopContact(emergency_stop, limits.reading_age)
         self._kinds = kinds
         self._period = period
         self._order, self._shares = _wire(joints.names, self._servos)
@@ -116,7 +119,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._still: Vector = (0.0,) * count
         self._applied: Vector | None = None
         self._speeds: Vector = self._still
-        self._stop: Any = None
+        self._stop: Command | None = None
         self._braking = False
         self._limited = False
         self._age = 0.0
@@ -125,29 +128,14 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
 
     @classmethod
     def pick(
-        cls, section: str, settings: Any, devices: Mapping[str, Any]
+        cls, section: str, settings: ServoSettings, devices: Mapping[str, Device]
     ) -> tuple[list[ServoBus], EmergencyStopInput | None]:
         """Return the servo devices and the emergency stop that the settings name."""
-        servos = [
-            pick_device(f"{section}.servos", name, ServoBus, devices) for name in settings.servos
-        ]
-        stop = settings.emergency_stop
-        return servos, (
-            None
-            if stop is None
-            else pick_device(f"{section}.emergency_stop", stop, EmergencyStopInput, devices)
-        )
+        pick = DevicePicker(section, devices)
+        servos = [pick("servos", name, ServoBus) for name in settings.servos]
+        return servos, pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
 
-    @staticmethod
-    def wiring(settings: Any) -> dict[str, str]:
-        """Return nothing: a servo device names its joints, and they are the plant's channels."""
-        return {}
-
-    def joint_columns(self) -> tuple[Column, ...]:
-        """Return the columns that `joint_row` fills."""
-        return servo_columns(self.joints.names)
-
-    def read(self, now: float) -> Any:
+    def read(self, now: float) -> State:
         """Assemble the joints' state; see `Mechanism.read`."""
         positions: list[float] = []
         velocities: list[float] = []
@@ -168,12 +156,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
 
     def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
-        if self._emergency_stop is not None:
-            pressed, t = self._emergency_stop.emergency_stop()
-            if pressed:
-                raise EmergencyStop("the emergency stop is pressed or its circuit is open")
-            if now - t > self.limits.reading_age:
-                raise StaleReading("emergency stop", now - t, self.limits.reading_age)
+        self._stop_contact.check(now)
         if not math.isfinite(sum(state.positions)):
             raise SafetyError(f"a reading is not a number: {state.positions}")
         joints, slack = self.joints, self.limits.following
@@ -192,7 +175,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
                 f"distance of {name} from where it was sent", self._largest_error, 0.0, slack, "rad"
             )
 
-    def resting_command(self, state: State) -> Any:
+    def resting_command(self, state: State) -> Command:
         """Return the command to stay; in mid-motion, to stop as soon as the limit permits."""
         if self._applied is None:
             return self._kinds.command(state.positions, self._still)
@@ -218,15 +201,15 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         """
         return None
 
-    def energised_command(self, state: State) -> Any:
+    def energised_command(self, state: State) -> Command:
         """Return the command to stay where the joints are."""
         return self._kinds.command(self._applied or state.positions, self._still)
 
-    def released_command(self) -> Any:
+    def released_command(self) -> Command:
         """Return the command to hold: a joint that is let go of would fall."""
         return self._stop or self._kinds.command(self._applied or self._still, self._still)
 
-    def blend(self, start: Any, end: Any, share: float) -> Any:
+    def blend(self, start: Command, end: Command, share: float) -> Command:
         """Return the command `share` of the way from `start` to `end`."""
         return self._kinds.command(
             tuple(
@@ -241,7 +224,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._speeds = self._still
         self._braking = False
 
-    def limit(self, command: Any) -> Any:
+    def limit(self, command: Command) -> Command:
         """Return the command that may be applied: each joint's range and speed."""
         before = self._applied or command.positions
         period, joints = self._period, self.joints
@@ -287,7 +270,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         wanted = math.copysign(min(abs(speed), safe), distance)
         return min(max(wanted, before - step), before + step)
 
-    def write(self, applied: Any) -> None:
+    def write(self, applied: Command) -> None:
         """Hand the positions to the drives as this cycle's setpoints, if they went through `limit`.
 
         Else there is a fault: the drives slow down from the setpoints that they had.
@@ -300,9 +283,9 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             servo.command_positions(tuple([positions[k] for k in share]))
 
     def joint_row(
-        self, state: State, reference: Any, command: Any, applied: Any
+        self, state: State, reference: Reference, command: Command, applied: Command
     ) -> tuple[float, ...]:
-        """Return this cycle's values for `joint_columns`."""
+        """Return this cycle's values for `servo_columns`."""
         return (
             *state.positions,
             *state.velocities,
@@ -315,14 +298,14 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             *applied.velocities,
         )
 
-    def reference_of(self, state: State) -> Any:
+    def reference_of(self, state: State) -> Reference:
         """Return the reference to stay where the joints are."""
         return self._kinds.reference(self._applied or state.positions, self._still, False)
 
     @staticmethod
     def approach_joints(
-        kind: Callable[..., Any], start: Any, end: Any, duration: float, t: float
-    ) -> Any:
+        kind: Callable[..., Reference], start: Reference, end: Reference, duration: float, t: float
+    ) -> Reference:
         """Return the minimum-jerk way between two postures at `t`, as a reference of a kind."""
         moves = [
             minimum_jerk(a, b, duration, t)
@@ -334,7 +317,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             False,
         )
 
-    def worst_margin(self, state: State, applied: Any, now: float) -> Margin:
+    def worst_margin(self, state: State, applied: Command, now: float) -> Margin:
         """Return the quantity that is nearest to its limit."""
         joints = self.joints
         return min(

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from controllers.gait.geometry import JOINT_NAMES
+from controllers.gait.geometry import AXIS_NAMES
 from rig.assembly import REGISTRY, Backend
 from rig.calibration import session
 from rig.calibration.catalogue import procedures
@@ -19,7 +19,7 @@ from rig.run_folder import RunStatus
 from rig.runtime.log import Log
 
 TOLERANCE = math.radians(0.1)
-KNEE = JOINT_NAMES.index("left_knee")
+KNEE = AXIS_NAMES.index("left_knee")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def recording(poses, shake=0.0):
     t = np.arange(len(poses) * rows) / rows
     angles = np.repeat(np.array(list(poses.values())), rows, axis=0)
     angles[:, KNEE] += shake * np.sin(40.0 * t)
-    columns = ("phase", "reference.time", *(f"reading.position_{j}" for j in JOINT_NAMES))
+    columns = ("phase", "reference.time", *(f"reading.position_{j}" for j in AXIS_NAMES))
     log = Log(
         tuple(Column(name, "", "") for name in columns),
         np.arange(len(t), dtype=np.uint64), t,
@@ -46,7 +46,7 @@ def jig_of(profile, procedure):
     instruments = procedures(profile)[procedure].instruments(profile)
     readings = made_to(instruments)
     names = instruments[0].stretches
-    return readings, {n: [readings[f"angle {j}"][n] for j in JOINT_NAMES] for n in names}
+    return readings, {n: [readings[f"angle {j}"][n] for j in AXIS_NAMES] for n in names}
 
 
 def identify(profile, procedure, seen, readings, **how):

@@ -30,10 +30,10 @@ class Regulator:
 def test_split_keeps_the_mean_and_the_floor(model):
     pressures = DifferentialRange(model, floor=20e3)
     assert pressures.limit == 200e3
-    command = pressures.split(pressures.clip(1e9))
-    assert command.agonist + command.antagonist == 2 * model.base_pressure
-    assert command == (220e3, 20e3)
-    assert pressures.split(pressures.clip(-1e9)) == (20e3, 220e3)
+    agonist, antagonist = pressures.share(pressures.clip(1e9))
+    assert agonist + antagonist == 2 * model.base_pressure
+    assert (agonist, antagonist) == (220e3, 20e3)
+    assert pressures.share(pressures.clip(-1e9)) == (20e3, 220e3)
 
 
 def test_the_upper_end_of_the_range_binds_too(model):

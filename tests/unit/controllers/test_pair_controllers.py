@@ -94,7 +94,7 @@ def model_once():
 @given(st.lists(st.tuples(st.floats(-30e-3, 30e-3), st.floats(-30e-3, 30e-3)), max_size=30))
 def test_commands_are_finite_and_never_leave_the_range(kind, model_once, jumps):
     controller = build(kind, model_once)
-    floor = controller._settings.pressure_floor
+    floor = controller.settings.pressure_floor
     top = 2 * model_once.base_pressure - floor
     controller.reset(PairState(0.0, 0.0, 0.12e6, 0.12e6))
     for k, (position, reference) in enumerate(jumps):

@@ -2,8 +2,16 @@
 
 import pytest
 
-from rig.hal import DeviceFault, LoopStalled
-from rig.hal.mechanism import Margin
+from rig.hal import (
+    Device,
+    DeviceFault,
+    LimitExceeded,
+    LoopStalled,
+    Margin,
+    Mechanism,
+    Motion,
+    StaleReading,
+)
 from rig.runtime.loop import SAFE_CYCLES, Loop
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.states import RigState, StateMachine
@@ -47,7 +55,7 @@ class FakeBus:
         return note
 
 
-class FakeDevice:
+class FakeDevice(Device):
     """Faults when told to; counts how often it was made safe."""
 
     def __init__(self):
@@ -63,7 +71,7 @@ class FakeDevice:
         self.safe += 1
 
 
-class FakeMechanism:
+class FakeMechanism(Mechanism):
     """One scalar that is commanded and read back."""
 
     columns = ()
@@ -133,7 +141,7 @@ class FakeController:
         return reference
 
 
-class FakeMotion:
+class FakeMotion(Motion):
     duration = 0.1
     segments = ()
 
@@ -157,12 +165,12 @@ class Bench:
         self.mechanism, self.controller = FakeMechanism(), FakeController()
         self.recorder, self.states, self.events = FakeRecorder(), StateMachine(), []
         self.states.move(RigState.IDLE)
-        self.buses = [self.bus]
+        self.buses, self.devices = [self.bus], [self.device]
         self.options = loop
 
     def run(self, stop=None):
         loop = Loop(
-            clock=self.clock, period=PERIOD, buses=self.buses, devices=[self.device],
+            clock=self.clock, period=PERIOD, buses=self.buses, devices=self.devices,
             mechanism=self.mechanism, controller=self.controller, states=self.states,
             **self.options,
         )  # fmt: skip
@@ -288,3 +296,59 @@ def test_stop_asked_twice_ends_at_once():
     assert len(bench.recorder.rows) == 14
     assert bench.recorder.rows[-1][2][0] == float(Phase.STOP)
     assert bench.device.safe >= SAFE_CYCLES
+
+
+class DoubtfulDevice(FakeDevice):
+    """Looks wrong, or does not."""
+
+    def __init__(self, doubt):
+        super().__init__()
+        self.looks = doubt
+
+    def doubt(self, now):
+        return self.looks
+
+
+class ExplainingMechanism(FakeMechanism):
+    """Knows of some errors why they came."""
+
+    knows = None
+
+    def explain(self, error, state):
+        return self.knows or error
+
+
+LIMIT = LimitExceeded("position", 2.0, -1.0, 1.0, "m")
+
+
+def fault_of(error, *doubts, mechanism=None):
+    """Return the fault of a run that ends with an error of its mechanism."""
+    bench = Bench()
+    bench.mechanism = mechanism or bench.mechanism
+
+    def check(state, now):
+        raise error
+
+    bench.mechanism.check = check
+    bench.devices = [FakeDevice(), *(DoubtfulDevice(doubt) for doubt in doubts)]
+    return bench.run().fault
+
+
+def test_a_limit_that_is_exceeded_names_the_devices_that_are_doubted():
+    assert fault_of(LIMIT) is LIMIT
+    assert fault_of(LIMIT, None, None) is LIMIT
+    fault = fault_of(LIMIT, "valve is stuck", None, "drive lags")
+    assert str(fault) == f"{LIMIT}; valve is stuck; drive lags"
+    assert (fault.value, fault.lower, fault.upper) == (2.0, -1.0, 1.0)
+
+
+def test_other_faults_are_not_blamed_on_a_device_that_is_doubted():
+    stale = StaleReading("encoder", 1.0, 0.1)
+    assert fault_of(stale, "valve is stuck") is stale
+
+
+def test_what_the_mechanism_knows_comes_before_what_the_devices_doubt():
+    mechanism = ExplainingMechanism()
+    assert str(fault_of(LIMIT, "valve is stuck", mechanism=mechanism)).endswith("valve is stuck")
+    mechanism.knows = LimitExceeded("wire", 3.0, -1.0, 1.0, "m")
+    assert fault_of(LIMIT, "valve is stuck", mechanism=mechanism) is mechanism.knows

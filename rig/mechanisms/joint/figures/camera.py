@@ -1,6 +1,6 @@
 """What the camera adds to the joint: how late it is, how much nearer it comes to the marker."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from rig.report.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _SHIFTS = np.linspace(-15e-3, 15e-3, 121)
@@ -57,7 +58,7 @@ def draw_camera(run: RunData) -> "Figure | None":
     return figure
 
 
-def _draw_fit(axes: Any, run: RunData, window: Window) -> None:
+def _draw_fit(axes: "Axes", run: RunData, window: Window) -> None:
     """Draw how well camera and track agree, over an error of the calibrated latency."""
     samples = camera_samples(window)
     inside = (samples.t > window.t[0] + _SHIFTS[-1]) & (samples.t < window.t[-1] - _SHIFTS[-1])
@@ -82,7 +83,7 @@ def _draw_fit(axes: Any, run: RunData, window: Window) -> None:
     place_legend(axes, 1)
 
 
-def _draw_gain(axes: Any, run: RunData, windows: list[Window]) -> None:
+def _draw_gain(axes: "Axes", run: RunData, windows: list[Window]) -> None:
     """Draw how far from the true marker the encoders are, and the fused estimate."""
     if not run.has(f"{TRUTH}_x"):
         axes.set_axis_off()

@@ -1,6 +1,7 @@
 """What the joint can do, as maps over all directions and as curves over its mean pressure."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from rig.report.figure import FigureKind
 from rig.report.style import BLUE, GREY, INK, ORANGE, PAGE, VERMILION, new_figure, place_legend
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.projections.polar import PolarAxes
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -40,7 +43,7 @@ class _Map(NamedTuple):
 
     title: str
     values: "Array"
-    worst: Any
+    worst: "Callable[[Array], float]"
     colors: str
     logarithmic: bool = False
 
@@ -80,7 +83,7 @@ def draw_range_map(run: RunData) -> "Figure | None":
     reach = np.degrees(run.log.column("plan.reach")[part])
     edges = np.linspace(0.0, float(tilt.max()) + 1e-6, _RINGS + 1)
     for number, shown in enumerate(maps):
-        axes: Any = figure.add_subplot(1, 3, number + 1, projection="polar")
+        axes = cast("PolarAxes", figure.add_subplot(1, 3, number + 1, projection="polar"))
         _draw_map(figure, axes, shown, tilt, azimuth, edges)
         axes.plot(*_outline(azimuth, reach), color=VERMILION, lw=0.9, label="reach")
         axes.set_rmax(1.04 * float(reach.max()))
@@ -106,7 +109,7 @@ def _outline(azimuth: "Array", reach: "Array") -> "tuple[Array, Array]":
 
 
 def _draw_map(
-    figure: Any, axes: Any, shown: _Map, tilt: "Array", azimuth: "Array", edges: "Array"
+    figure: "Figure", axes: "Axes", shown: _Map, tilt: "Array", azimuth: "Array", edges: "Array"
 ) -> None:
     from matplotlib.colors import LogNorm
 

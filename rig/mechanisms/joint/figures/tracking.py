@@ -1,7 +1,7 @@
 """The figures of the spherical joint, as its paper draws them and beyond."""
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +28,7 @@ _SLOW = 1e-3
 """While the marker moves no faster (m/s) nobody asks how much the channels stick."""
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
@@ -172,7 +173,7 @@ def draw_tensions(run: RunData) -> "Figure | None":
     return figure
 
 
-def _draw_sticking(axes: Any, run: RunData) -> None:
+def _draw_sticking(axes: "Axes", run: RunData) -> None:
     """Draw the share of the time in which each channel sticks though it should move."""
     shares = []
     for name in CHANNELS:
@@ -186,7 +187,7 @@ def _draw_sticking(axes: Any, run: RunData) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _draw_bounds(axes: Any, run: RunData, measures: set[str], factor: float) -> None:
+def _draw_bounds(axes: "Axes", run: RunData, measures: set[str], factor: float) -> None:
     label = "bound on the rms"
     for _, bound, segments in bounds_of(run, measures):
         for segment in segments:

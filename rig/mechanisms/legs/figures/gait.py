@@ -1,13 +1,13 @@
 """The figures of the walking legs over time, as their paper draws them and beyond."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
 from rig.mechanisms.legs.figures.stance import STANCE_FIGURES
 from rig.report.data import RunData
-from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis
+from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import INK, PAGE, new_figure, place_legend
 
 if TYPE_CHECKING:
@@ -31,8 +31,7 @@ def draw_ankle(run: RunData) -> "Figure | None":
     if np.count_nonzero(part) < 2:
         return None
     figure = new_figure(PAGE, 56.0)
-    panels: Any = figure.subplots(1, 3)
-    path, angle, rate = panels
+    path, angle, rate = panels(figure, 1, 3)
     x, z = (run.log.column(f"reference.{leg}_foot_{axis}")[part] * 1e3 for axis in "xz")
     path.plot(x, z, color=color)
     path.set_xlabel("ahead (mm)")
@@ -62,8 +61,7 @@ def draw_knees(run: RunData) -> "Figure | None":
     if not run.has("command.velocity_right_knee", "reading.position_right_knee"):
         return None
     figure = new_figure(PAGE, 96.0)
-    panels: Any = figure.subplots(2, 1, sharex=True)
-    rates, angles = panels
+    rates, angles = panels(figure, 2, 1, sharex=True)
     part = run.followed
     t = run.t[part]
     for axes, source, factor in (
@@ -93,10 +91,10 @@ def draw_joints(run: RunData) -> "Figure | None":
     has_torque = run.has("truth.torque_right_knee")
     rows = len(joints) + has_torque
     figure = new_figure(PAGE, 14.0 + 26.0 * rows)
-    panels: Any = figure.subplots(rows, 1, sharex=True)
+    strips = panels(figure, rows, 1, sharex=True)
     part = run.followed
     t = run.t[part]
-    for axes, joint in zip(panels, joints, strict=False):
+    for axes, joint in zip(strips, joints, strict=False):
         for leg in LEGS:
             name = f"{leg}_{joint}"
             error = np.degrees(
@@ -108,13 +106,13 @@ def draw_joints(run: RunData) -> "Figure | None":
     if has_torque:
         for leg in LEGS:
             torque = run.log.column(f"truth.torque_{leg}_knee")[part]
-            draw_line(panels[-1], t, torque, COLORS[leg], f"{leg} leg", lw=0.6)
-        finish_time_axis(panels[-1], t, "knee torque\n(N m)")
-    for axes in panels:
+            draw_line(strips[-1], t, torque, COLORS[leg], f"{leg} leg", lw=0.6)
+        finish_time_axis(strips[-1], t, "knee torque\n(N m)")
+    for axes in strips:
         axes.set_xlabel("")
         mark_phases(axes, run)
-    place_legend(panels[0], 2)
-    panels[-1].set_xlabel(TIME_LABEL)
+    place_legend(strips[0], 2)
+    strips[-1].set_xlabel(TIME_LABEL)
     figure.align_ylabels()
     return figure
 

@@ -7,12 +7,13 @@ import numpy as np
 
 from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
 from rig.report.data import RunData
-from rig.report.figure import FigureKind, draw_line, finish_time_axis
+from rig.report.figure import FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import GREY, INK, PAGE, new_figure, place_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.patches import Rectangle
 
     Point = tuple[float, float, float]
 
@@ -33,12 +34,12 @@ def draw_strip(run: RunData) -> "Figure | None":
     scale = min(float(t[-1]) / _PAPER_WALK, 1.0)
     times = [time * scale for time in _PHOTOGRAPHS if time * scale <= t[-1]]
     figure = new_figure(PAGE, 37.0)
-    panels: Any = figure.subplots(1, len(times), sharey=True, squeeze=False)[0]
-    for number, (axes, time) in enumerate(zip(panels, times, strict=True)):
+    strip = panels(figure, 1, len(times), sharey=True)
+    for number, (axes, time) in enumerate(zip(strip, times, strict=True)):
         sample = int(part[np.searchsorted(t, time).clip(max=len(part) - 1)])
         _draw_sticks(axes, run, sample, lengths)
         axes.set_title(f"({'abcdefgh'[number]}) {time:.3g} s")
-    panels[0].set_ylabel("height (mm)")
+    strip[0].set_ylabel("height (mm)")
     return figure
 
 
@@ -47,8 +48,7 @@ def draw_balance(run: RunData) -> "Figure | None":
     if not run.has("plan.mass_x", "plan.margin"):
         return None
     figure = new_figure(PAGE, 72.0)
-    halves: Any = figure.subplots(1, 2, width_ratios=[1.15, 1.0])
-    ground, over_time = halves
+    ground, over_time = panels(figure, 1, 2, width_ratios=[1.15, 1.0])
     part = run.followed
     lengths = _lengths(run)
     for leg in LEGS:
@@ -160,7 +160,7 @@ def _sticks(
     return hip, (knee[0], knee[1], knee[2]), ankle
 
 
-def _sole(x: float, y: float, lengths: dict[str, float], color: str) -> Any:
+def _sole(x: float, y: float, lengths: dict[str, float], color: str) -> "Rectangle":
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Rectangle
 

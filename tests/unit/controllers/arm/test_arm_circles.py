@@ -6,16 +6,10 @@ import numpy as np
 import pytest
 from arm_cases import ELBOW_CIRCLE, SHOULDER_CIRCLE
 
-from controllers.arm.circles import (
-    elbow_rate,
-    elbow_sine,
-    radial_velocity,
-    shoulder_distance,
-    sideways_velocity,
-)
+from controllers.arm.circles import elbow_rate, shoulder_circle_rates
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.kinematics import dimensions_of
+from controllers.arm.kinematics import dimensions_of, wrist_in_plane
 from controllers.arm.paths import Circle
 from controllers.arm.trajectories import CircularTrajectory
 from controllers.motion import InfeasibleMotion
@@ -34,34 +28,41 @@ def elbow_angle(gamma):
     return math.acos((square - ARM.a2**2 - ARM.a3**2) / (2 * ARM.a2 * ARM.a3))
 
 
-def test_the_circles_equations_against_differences():
+def test_the_elbows_rate_against_differences():
     h = 1e-6
     for gamma in (0.2, 1.0, 2.0):
-        radius = [
-            math.sqrt(R1**2 + R2**2 + 2 * R1 * R2 * math.cos(gamma + s * RATE * h)) for s in (-1, 1)
-        ]
-        assert radial_velocity(R1, R2, gamma, RATE) == pytest.approx(
-            (radius[1] - radius[0]) / (2 * h), abs=1e-9
-        )
         q3 = elbow_angle(gamma)
-        assert elbow_sine(ARM, R1, R2, gamma, q3) == pytest.approx(math.sin(q3), abs=1e-14)
         slope = (elbow_angle(gamma + RATE * h) - elbow_angle(gamma - RATE * h)) / (2 * h)
         assert elbow_rate(ARM, R1, R2, gamma, RATE, q3, 1.0) == pytest.approx(slope, abs=1e-8)
 
 
-def test_the_printed_equation_8_is_not_the_circle():
-    q3 = elbow_angle(1.5)
-    printed = 2 * R1 * R2 / (ARM.a2 * ARM.a3) * math.sin(0.75) * math.cos(q3 / 2)
-    assert abs(printed - math.sin(q3)) > 0.05
+def test_equation_8_is_the_circle_with_a_square_root():
+    """The paper prints ``2 r1 r2 / (a2 a3)`` before the sine and the cosine."""
+    for gamma in (0.2, 1.0, 1.5, 2.0):
+        q3 = elbow_angle(gamma)
+        share = R1 * R2 / (ARM.a2 * ARM.a3)
+        sine_and_cosine = 2 * math.sin(gamma / 2) * math.cos(q3 / 2)
+        assert math.sqrt(share) * sine_and_cosine == pytest.approx(math.sin(q3), abs=1e-14)
+        assert abs(share * sine_and_cosine - math.sin(q3)) > 0.01
 
 
 def test_at_the_singularity_the_rate_is_finite_whatever_the_quotient():
     root = math.sqrt(R1 * R2 / (ARM.a2 * ARM.a3))
     assert elbow_rate(ARM, R1, R2, 0.0, RATE, 0.0, -1.0) == pytest.approx(-RATE * root)
-    assert shoulder_distance(0.15, 0.0) == 0.0
-    for gamma in (1e-9, 0.5):
-        quotient = sideways_velocity(0.15, gamma, 0.6) / shoulder_distance(0.15, gamma)
-        assert quotient == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("t", [0.5, 2.0, 4.0])
+def test_q1_is_the_quotient_that_vanishes_on_the_shoulders_circle(t):
+    """Off the axis ``v_y / c`` is half the circle's rate: eq. (9), which lacks r1, and (10)."""
+    law = Esc(EscSettings(), ArmGeometry(), 1e-2)
+    trajectory = CircularTrajectory(ARM, SHOULDER_CIRCLE)
+    q = tuple(law.prepare(SHOULDER_CIRCLE).positions[round(t / 1e-2)])
+    velocity = trajectory.wrist_velocity(t)
+    c, _ = wrist_in_plane(ARM, q[1], q[2])
+    across = -math.sin(q[0]) * velocity[0] + math.cos(q[0]) * velocity[1]
+    rates = shoulder_circle_rates(ARM, q, velocity, SHOULDER_CIRCLE.rate)
+    assert rates[0] == pytest.approx(across / c, rel=1e-9)
+    assert rates[0] == 0.5 * SHOULDER_CIRCLE.rate
 
 
 def test_half_a_circle_through_the_elbows_singularity():

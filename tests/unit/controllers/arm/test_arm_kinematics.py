@@ -12,7 +12,6 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.inverse import (
     BRANCHES,
     OutOfReach,
-    all_solutions,
     branch_of,
     inverse,
 )
@@ -93,8 +92,8 @@ def test_every_branch_leads_to_the_pose_and_one_is_the_arm(geometry):
     arm = dimensions_of(geometry)
     for q in random_joints(40):
         pose = forward(arm, q)
-        solutions = dict(all_solutions(arm, pose, q))
-        assert set(solutions) == set(BRANCHES)
+        solutions = {branch: inverse(arm, pose, branch, q) for branch in BRANCHES}
+        assert len(solutions) == 8
         for branch, found in solutions.items():
             there = forward(arm, found)
             np.testing.assert_allclose(there.position, pose.position, atol=1e-13)

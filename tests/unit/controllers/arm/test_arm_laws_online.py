@@ -1,16 +1,13 @@
 """A law that is stepped online makes the motion that was planned."""
 
-import numpy as np
 import pytest
 from arm_cases import ELBOW_CIRCLE, WRIST_MISS
 
 from controllers.arm.esc import Esc, EscPaper
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.kinematics import dimensions_of, forward
 from controllers.arm.look_ahead import LookAhead
 from controllers.arm.paths import DwellLine, TurnBack
 from controllers.arm.plain import DampedLeastSquares, Inverse, ServoHalt
-from controllers.arm.region import region_for_twist
 from controllers.arm.types import ArmReference, ArmState
 
 PERIOD = 5e-2
@@ -61,20 +58,3 @@ def test_the_plan_as_a_reference():
     assert during == (tuple(plan.positions[10]), tuple(plan.velocities[10]), True)
     assert after == (tuple(plan.positions[-1]), REST, False)
     assert plan.t[-2] < plan.duration <= plan.t[-1] + 1e-12
-
-
-def test_one_compiled_step_is_the_law():
-    from controllers.arm.step import make_step
-
-    geometry = ArmGeometry()
-    arm = dimensions_of(geometry)
-    step = make_step(geometry, region_for_twist(geometry, 0.07, 0.07))
-    plan = law_of(Esc).prepare(TurnBack())
-    command = (0.07, 0.0, 0.0), (0.07, 0.0, 0.0)
-    for k in range(0, len(plan.t) - 1, 10):
-        q = tuple(plan.positions[k])
-        pose = forward(arm, q)
-        rates = step(q, pose.position, pose.rotation, *command)
-        np.testing.assert_allclose(rates, plan.velocities[k], atol=1e-12)
-        fast = step(q, pose.position, pose.rotation, (7.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-        assert (np.abs(fast) <= np.array(geometry.rate_limits) * (1 + 1e-12)).all()

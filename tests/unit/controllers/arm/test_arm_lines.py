@@ -13,9 +13,9 @@ from arm_cases import (
     WRIST_MISS,
 )
 
+from controllers.arm.axis_path import axis_path_of_line
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.joint_path import joint_path_of_line
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.paths import Line, TurnBack
@@ -53,7 +53,7 @@ def plan_of(law, path):
 
 @cache
 def optimum(path):
-    return velocity_limited_time(joint_path_of_line(ARM, make_trajectory(ARM, path)), RATES)
+    return velocity_limited_time(axis_path_of_line(ARM, make_trajectory(ARM, path)), RATES)
 
 
 LINES = {
@@ -189,10 +189,10 @@ def test_turning_the_tool_on_a_line():
 
 def test_timing_against_the_closed_form_of_one_joint():
     """A joint that goes one radian from rest to rest: a trapezoid of velocity."""
-    from controllers.arm.joint_path import JointPath
+    from controllers.arm.axis_path import AxisPath
 
     share = np.linspace(0.0, 1.0, 200)
-    path = JointPath([(float(x), 0.0, 0.0, 0.0, 0.0, 0.0) for x in share], share, share)
+    path = AxisPath([(float(x), 0.0, 0.0, 0.0, 0.0, 0.0) for x in share], share, share)
     timing = retime(path, (0.5,) * 6, (2.0,) * 6)
     a = 0.98 * 2.0
     assert timing.duration == pytest.approx(1.0 / 0.5 + 0.5 / a, rel=1e-3)
@@ -208,7 +208,7 @@ def test_timing_against_toppra():
         pytest.importorskip("toppra.constraint"),
         pytest.importorskip("toppra.algorithm"),
     )
-    path = joint_path_of_line(ARM, make_trajectory(ARM, WRIST_MISS))
+    path = axis_path_of_line(ARM, make_trajectory(ARM, WRIST_MISS))
     grid = np.linspace(0.0, path.length, 1500)
     spline = toppra.SplineInterpolator(grid, path.joints(grid))
     limits = [

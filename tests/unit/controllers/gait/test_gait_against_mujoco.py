@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from controllers.gait.balance import link_centres
-from controllers.gait.geometry import JOINT_NAMES, LEGS, LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LEGS, LegGeometry
 from controllers.gait.kinematics import jacobian, waist_from_foot
-from controllers.gait.postures import leg_posture
+from controllers.gait.leg_postures import leg_posture
 from drivers.sim.plants.legs_model import CHANNELS, build_model
 from drivers.sim.plants.legs_settings import LegServoSettings
 
@@ -37,7 +37,7 @@ def posed(model, q):
 
 
 def test_both_sides_name_the_joints_alike():
-    assert CHANNELS == JOINT_NAMES
+    assert CHANNELS == AXIS_NAMES
 
 
 @pytest.mark.parametrize("leg", [0, 1])

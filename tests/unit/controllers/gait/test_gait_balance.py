@@ -16,8 +16,8 @@ from controllers.gait.balance import (
 )
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.laws import InverseLaw, MinimumJerkLaw, TrapezoidNormLaw
+from controllers.gait.leg_postures import leg_posture
 from controllers.gait.motions import WalkSettings
-from controllers.gait.postures import leg_posture
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.motion import InfeasibleMotion
 

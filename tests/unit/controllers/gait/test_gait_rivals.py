@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from controllers.gait.clamped_and_damped import ClampedLaw, DampedLaw, DampedSettings
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import TrapezoidNormLaw
 from controllers.gait.mink_rival import MinkLaw, MinkSettings
 from controllers.gait.motions import WalkSettings
-from controllers.gait.rivals import ClampedLaw, DampedLaw, DampedSettings
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.motion import InfeasibleMotion
 

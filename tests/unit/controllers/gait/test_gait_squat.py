@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from controllers.gait.curve import PhaseCurve
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import LAWS
 from controllers.gait.motions import SquatSettings
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import Phase
 from controllers.gait.types import GaitModel
 from controllers.motion import InfeasibleMotion

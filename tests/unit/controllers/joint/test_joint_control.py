@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ball_sliding import BallFriction
 from pose_bench import (
     BASE,
     MODEL,
@@ -18,7 +19,6 @@ from pose_bench import (
 )
 
 from controllers.cylinder.types import PairReference, PairState
-from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.camera_loop import CameraLoopSettings
 from controllers.spherical_joint.laws import (
     JointCascade,

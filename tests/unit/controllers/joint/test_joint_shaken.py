@@ -6,6 +6,7 @@ from pose_bench import MODEL, build, circle, every, pressures_at, resting, rods_
 
 from controllers.spherical_joint.dither import DitherSettings, PathDitherSettings
 from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation
+from controllers.spherical_joint.taut import pair_forces
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.types import JointState
 from controllers.spherical_joint.wires import InverseKinematics
@@ -27,7 +28,7 @@ def test_dither_shakes_the_tensions_and_turns_nothing(kind):
         ]
     )
     pose = TensionDistribution(MODEL.geometry).at(natural_rotation(axis))
-    forces = [pose.pair_forces(tuple(MODEL.area * row)) for row in added]
+    forces = [pair_forces(pose.first, pose.second, tuple(MODEL.area * row)) for row in added]
     assert np.ptp(added.sum(axis=1)) > 200e3
     assert np.abs(forces).max() < 0.02
 
@@ -47,11 +48,8 @@ def test_path_dither_pulls_along_the_wanted_path_and_no_harder_together(kind):
         goal = circle(1e-3 * k)
         state = JointState(1e-3 * k, rods_at(goal.axis, pressures), pressures)
         added = np.subtract(shaken.update(state, goal), plain.update(state, goal)) * MODEL.area
-        first, second = (
-            TensionDistribution(MODEL.geometry)
-            .at(natural_rotation(goal.axis))
-            .pair_forces(tuple(added))
-        )
+        pose = TensionDistribution(MODEL.geometry).at(natural_rotation(goal.axis))
+        first, second = pair_forces(pose.first, pose.second, tuple(added))
         _, rates, _ = inverse.motion(goal.axis, goal.velocity, goal.acceleration)
         way = np.array([rates[0] - rates[2], rates[3] - rates[1]])
         way /= np.hypot(*way)

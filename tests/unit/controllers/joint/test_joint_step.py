@@ -5,13 +5,14 @@ import math
 from dataclasses import replace
 
 import pytest
+from ball_sliding import BallFriction
 
-from controllers.spherical_joint.ball_friction import BallFriction
 from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import SphericalJointGeometry
-from controllers.spherical_joint.pose_step import PoseStep, StepSettings
+from controllers.spherical_joint.pose_kernel import StepSettings
+from controllers.spherical_joint.pose_step import PoseStep
 from controllers.spherical_joint.poses import axis_from_tilt, move_axis, natural_rotation
-from controllers.spherical_joint.taut import SlackWire, raised
+from controllers.spherical_joint.taut import SlackWire, pair_forces, raised
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.wires import InverseKinematics
 
@@ -85,7 +86,7 @@ def test_a_step_is_made_of_kinematics_friction_and_tensions(kind, geometry):
         found = forward.update(tuple(r - s for r, s in zip(RODS, stretch, strict=True)))
         assert step.axis == pytest.approx(found.axis, abs=1e-9)
         assert step.residuals == pytest.approx(found.residuals, abs=1e-9)
-        forces = pose.pair_forces(pull)
+        forces = pair_forces(pose.first, pose.second, pull)
         for (place, agonist, antagonist), rod, force in zip(
             step.measured, pair(RODS), forces, strict=True
         ):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from joint_axes import around, axes
+from joint_axes import angular_velocity, around, axes
 from string_shortening import shortest_strings
 
 from controllers.spherical_joint.exact_wire import ExactWires
@@ -16,7 +16,6 @@ from controllers.spherical_joint.geometry import SphericalJointGeometry
 from controllers.spherical_joint.paper_wire import PaperWires, paper_wire_length
 from controllers.spherical_joint.poses import (
     ROTATIONS,
-    angular_velocity,
     axis_from_tilt,
     move_axis,
     natural_rotation,

@@ -10,16 +10,15 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from controllers.gait.arcs import Arcs
-from controllers.gait.curve import PhaseCurve
+from controllers.bisection import bisect
+from controllers.gait.arc_lengths import Arcs
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.minimum_jerk import minimum_jerk
 from controllers.motion import InfeasibleMotion
 
-_BISECTIONS = 60
-
 
 class PaceSummary(NamedTuple):
-    """What a pace has decided.
+    """The bound and the speed of a pace.
 
     Parameters
     ----------
@@ -37,7 +36,7 @@ class PaceSummary(NamedTuple):
 
 
 class Pace(Protocol):
-    """How one phase passes."""
+    """The time law of one phase."""
 
     summary: PaceSummary
 
@@ -123,8 +122,7 @@ class LimitedNormPace:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 4: the total distance is kept by raising the speed before the
+    Kameta et al., section 4: the total distance is kept by raising the speed before the
     neighbourhood of the singularity.
     """
 
@@ -181,13 +179,7 @@ class LimitedNormPace:
         low, high = 1.0, 2.0
         while float(np.sum(self._times(high))) > duration:
             high *= 2.0
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            if float(np.sum(self._times(middle))) > duration:
-                low = middle
-            else:
-                high = middle
-        return high
+        return bisect(lambda raised: float(np.sum(self._times(raised))) > duration, low, high)[1]
 
 
 class TrapezoidNormPace:
@@ -215,8 +207,7 @@ class TrapezoidNormPace:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 5: trapezoidal interpolation of the joint-rate norm.
+    Kameta et al., section 5: trapezoidal interpolation of the joint-rate norm.
     """
 
     def __init__(self, arcs: Arcs, cycles: int, period: float, ramp: float, most: float) -> None:

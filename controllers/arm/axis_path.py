@@ -26,7 +26,7 @@ _UNDECIDED = 1e-7
 """A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
 
 
-class JointPath:
+class AxisPath:
     """A curve through the six joints, with how far the hand has gone and turned along it.
 
     Parameters
@@ -73,7 +73,7 @@ class JointPath:
             yield tuple(q), tuple(rate)
 
 
-def joint_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> JointPath:
+def axis_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> AxisPath:
     """Return the joints along a line, through exact hits of shoulder and wrist.
 
     The branch is the one that goes on: through an exact hit c or S5 changes its sign, past a near
@@ -121,7 +121,7 @@ def joint_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> Joint
         nominal.append(t)
         joints.append(q)
         step *= 1.6 if moved < 0.4 * _FINEST else 1.0
-    return JointPath(joints, nominal, nominal)
+    return AxisPath(joints, nominal, nominal)
 
 
 def _extrapolated(nominal: list[float], joints: list[Joints], t: float) -> Joints:

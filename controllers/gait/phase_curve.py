@@ -8,10 +8,11 @@ straight knee.
 
 import math
 
-from controllers.compiled import kernel_of
-from controllers.gait import curve_kernel
+from controllers.compiled import KernelMemory
+from controllers.gait import phase_curve_kernel
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import inverse
+from controllers.gait.phase_curve_kernel import PhaseNumbers
 from controllers.gait.phases import LegPath, Phase
 from controllers.gait.types import Joints
 from controllers.motion import InfeasibleMotion
@@ -20,7 +21,7 @@ _REST: Joints = (0.0,) * 12
 
 
 class PhaseCurve:
-    """What the joints go through in one phase, followed step by step.
+    """The curve of the joints in one phase, followed step by step.
 
     Parameters
     ----------
@@ -45,8 +46,7 @@ class PhaseCurve:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", eq. (2) and (3): one path parameter for both legs keeps them synchronised.
+    Kameta et al., eq. (2) and (3): one path parameter for both legs keeps them synchronised.
 
     Notes
     -----
@@ -62,11 +62,11 @@ class PhaseCurve:
         self._period = period
         self._geometry = geometry
         self._legs = right, left = phase.legs(geometry)
-        leading = int(path_length(left) > path_length(right))
-        self._leading = self._legs[leading]
-        self._follow = kernel_of(curve_kernel.follow)
-        self._rates = kernel_of(curve_kernel.rates)
-        self._packed = curve_kernel.pack(geometry.thigh, geometry.shank, right, left, leading)
+        self._leading = left if path_length(left) > path_length(right) else right
+        numbers = PhaseNumbers(geometry.thigh, geometry.shank, right, left, self._leading)
+        memory = KernelMemory(numbers)
+        self._follow = memory.bind(phase_curve_kernel.follow)
+        self._rates = memory.bind(phase_curve_kernel.rates)
         self.begin()
 
     def joints_at(self, xi: float) -> Joints:
@@ -103,13 +103,13 @@ class PhaseCurve:
 
     def rates(self) -> tuple[float, float]:
         """Return the norm of the twelve joint rates and the path's speed (m), up to one scale."""
-        norm, speed = self._rates(self._packed, self.joints, self.path)
+        norm, speed = self._rates(self.joints, self.path)
         return norm, speed
 
     def follow_joints(self, length: float) -> None:
         """Go on by a length of the curve of all twelve joints, rad."""
         self.joints, self.velocities, self.path, outcome = self._follow(
-            self._packed, self.joints, self.path, length, False, self._period
+            self.joints, self.path, length, False, self._period
         )
         if outcome:
             self._refuse(outcome)
@@ -117,7 +117,7 @@ class PhaseCurve:
     def follow_path(self, length: float) -> None:
         """Go on by a length of the path, m; not where a leg is straight."""
         self.joints, self.velocities, self.path, outcome = self._follow(
-            self._packed, self.joints, self.path, length, True, self._period
+            self.joints, self.path, length, True, self._period
         )
         if outcome:
             self._refuse(outcome)
@@ -140,7 +140,7 @@ class PhaseCurve:
         self.path = xi
 
     def _refuse(self, outcome: int) -> None:
-        if outcome == curve_kernel.TANGENTIAL:
+        if outcome == phase_curve_kernel.TANGENTIAL:
             raise InfeasibleMotion(
                 f"{self.phase.name}: both legs are straight and the path runs along the reach of "
                 "one of them; no direction is singled out."

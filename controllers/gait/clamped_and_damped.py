@@ -4,6 +4,7 @@ They are here to be compared with. Near the straight knee both leave the path, a
 own: the waist is torn between the feet.
 """
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
@@ -12,28 +13,19 @@ import numpy as np
 from annotated_types import Gt
 from numpy.typing import NDArray
 
-from controllers.gait.curve import PhaseCurve
+from controllers.base import Chosen
 from controllers.gait.kinematics import LegAngles, jacobian, waist_from_foot
-from controllers.gait.law import Chosen, GaitLaw, PaceMaker, TimedPhase
+from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
 from controllers.gait.laws import NoSettings
-from controllers.gait.paces import ConstantPathPace
+from controllers.gait.phase_curve import PhaseCurve
+from controllers.gait.time_laws import ConstantPathPace
 from controllers.gait.types import GaitModel, Joints, LegsCommand
 
 Array = NDArray[np.float64]
 
 
 class RivalLaw(GaitLaw[Chosen]):
-    """Constant speed along the path; the joints are a matter of their own.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the rival.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-    """
+    """Constant speed along the path; the joints are a matter of their own."""
 
     def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
         super().__init__(settings, model, period)
@@ -54,23 +46,13 @@ class RivalLaw(GaitLaw[Chosen]):
             after, tuple([rate * (b - a) for a, b in zip(before, after, strict=True)])
         )
 
+    @abstractmethod
     def _next(self, curve: PhaseCurve) -> Joints:
         """Return where the joints go from `_joints` in this period."""
-        raise NotImplementedError
 
 
 class ClampedLaw(RivalLaw[NoSettings]):
-    """The closed-form inverse, with each joint cut at its greatest rate.
-
-    Parameters
-    ----------
-    settings : NoSettings
-        None.
-    model : GaitModel
-        The robot; it says what a joint's greatest rate is.
-    period : float
-        The loop's, s.
-    """
+    """The closed-form inverse, with each joint cut at its greatest rate."""
 
     Settings = NoSettings
     name = "clamp"
@@ -100,15 +82,6 @@ class DampedSettings:
 
 class DampedLaw(RivalLaw[DampedSettings]):
     """Damped least squares towards the path, each leg on its own.
-
-    Parameters
-    ----------
-    settings : DampedSettings
-        The damping.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
 
     References
     ----------

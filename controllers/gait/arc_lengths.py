@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.gait.curve import PhaseCurve
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import Phase
 
 Array = NDArray[np.float64]

@@ -4,26 +4,21 @@ In Python a step takes 15 µs, compiled one; `PhaseCurve` compiles what it calls
 """
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from controllers.compiled import inlined
+from controllers.compiled import PlainNumbers, inlined
 from controllers.gait.phases import LegPath
 from controllers.gait.types import Joints
 from controllers.singularity.one_path import one_rate, two_starts
 from controllers.singularity.two_link import two_link_frame, two_link_parts
 
-Array = NDArray[np.float64]
-
 Angles = tuple[float, float, float, float, float, float, float]
 """Knee, ankle pitch and ankle roll of the right and of the left leg, rad; path parameter."""
 
 DONE, NOTHING_MOVES, TANGENTIAL = 0, 1, 2
-"""What became of a step."""
+"""Outcomes of a step."""
 
-_PER_LEG = 7
 _STRAIGHT = 1e-9
 """sin(knee) below which both legs count as straight together: rounding of the last step."""
 _LONGEST_PIECE, _MOST_PIECES = 2e-3, 100
@@ -32,7 +27,7 @@ _LONGEST_PIECE, _MOST_PIECES = 2e-3, 100
 
 
 class Step(NamedTuple):
-    """Where a step led.
+    """The end of a step along the curve.
 
     Parameters
     ----------
@@ -50,12 +45,23 @@ class Step(NamedTuple):
     outcome: int
 
 
-def pack(thigh: float, shank: float, right: LegPath, left: LegPath, leading: int) -> Array:
-    """Return what the kernel needs of a phase, in its order."""
-    values = [thigh, shank, float(leading)]
-    for path in (right, left):
-        values += [float(path.moves), *path.travel, path.lift, path.bob, path.share]
-    return np.array(values)
+@dataclass(frozen=True)
+class PhaseNumbers(PlainNumbers):
+    """The numbers of a phase that a step is computed with.
+
+    Parameters
+    ----------
+    thigh, shank : float
+        Lengths, m.
+    right, left, leading : LegPath
+        Of either leg, and of the one that goes farther.
+    """
+
+    thigh: float
+    shank: float
+    right: LegPath
+    left: LegPath
+    leading: LegPath
 
 
 @inlined
@@ -100,11 +106,10 @@ def upright_ray(
 
 
 @inlined
-def _tangent(phase: Array, leg: int, xi: float) -> tuple[float, float, float]:
+def _tangent(path: LegPath, xi: float) -> tuple[float, float, float]:
     # As LegPath.tangent.
-    k = 3 + _PER_LEG * leg
-    z = phase[k + 3]
-    lift, bob, share = phase[k + 4], phase[k + 5], phase[k + 6]
+    x, y, z = path.travel[0], path.travel[1], path.travel[2]
+    lift, bob, share = path.lift, path.bob, path.share
     if lift != 0.0:
         z -= lift * math.pi * math.cos(math.pi * xi)
     if bob != 0.0:
@@ -112,22 +117,22 @@ def _tangent(phase: Array, leg: int, xi: float) -> tuple[float, float, float]:
         if s < 1.0:
             slope = bob * 6.0 * s * (1.0 - s) / share
             z += slope if xi < 0.5 else -slope
-    return phase[k + 1], phase[k + 2], z
+    return x, y, z
 
 
 @inlined
 def _ray(
-    phase: Array, y: Angles
+    phase: PhaseNumbers, y: Angles
 ) -> tuple[float, float, float, float, float, float, float, float, int]:
     """Return the rates of the six angles and of the path, the norm of all joints, the outcome."""
-    thigh, shank, xi = phase[0], phase[1], y[6]
+    thigh, shank, xi = phase.thigh, phase.shank, y[6]
     a = b = c = right = 0.0
     d = e = f = left = 0.0
-    x, across, up = _tangent(phase, 0, xi)
+    x, across, up = _tangent(phase.right, xi)
     moves_right = x != 0.0 or across != 0.0 or up != 0.0
     if moves_right:
         a, b, c, right = upright_ray(thigh, shank, y[0], y[1], y[2], x, across, up)
-    x, across, up = _tangent(phase, 1, xi)
+    x, across, up = _tangent(phase.left, xi)
     moves_left = x != 0.0 or across != 0.0 or up != 0.0
     if moves_left:
         d, e, f, left = upright_ray(thigh, shank, y[3], y[4], y[5], x, across, up)
@@ -153,13 +158,13 @@ def _ray(
 
 
 @inlined
-def _speed(phase: Array, xi: float) -> float:
-    x, y, z = _tangent(phase, int(phase[2]), xi)
+def _speed(phase: PhaseNumbers, xi: float) -> float:
+    x, y, z = _tangent(phase.leading, xi)
     return math.sqrt(x * x + y * y + z * z)
 
 
 @inlined
-def _slope(phase: Array, y: Angles, by_path: bool) -> tuple[Angles, int]:
+def _slope(phase: PhaseNumbers, y: Angles, by_path: bool) -> tuple[Angles, int]:
     a, b, c, d, e, f, path, norm, outcome = _ray(phase, y)
     s = 1.0 / (path * _speed(phase, y[6])) if by_path else 1.0 / norm
     return (s * a, s * b, s * c, s * d, s * e, s * f, s * path), outcome
@@ -179,7 +184,7 @@ def _ahead(y: Angles, h: float, k: Angles) -> Angles:
 
 
 @inlined
-def rates(phase: Array, joints: Joints, xi: float) -> tuple[float, float]:
+def rates(phase: PhaseNumbers, joints: Joints, xi: float) -> tuple[float, float]:
     """Return the norm of the twelve joint rates and the path's speed (m), up to one scale."""
     y = (joints[3], joints[4], joints[5], joints[9], joints[10], joints[11], xi)
     _, _, _, _, _, _, path, norm, _ = _ray(phase, y)
@@ -187,7 +192,7 @@ def rates(phase: Array, joints: Joints, xi: float) -> tuple[float, float]:
 
 
 @inlined
-def _pieces(phase: Array, y: Angles, length: float, by_path: bool) -> int:
+def _pieces(phase: PhaseNumbers, y: Angles, length: float, by_path: bool) -> int:
     """Return in how many pieces a step keeps both legs on one path; one at usual speeds."""
     turn = abs(length)
     if by_path:
@@ -201,14 +206,14 @@ def _pieces(phase: Array, y: Angles, length: float, by_path: bool) -> int:
 
 @inlined
 def follow(
-    phase: Array, joints: Joints, xi: float, length: float, by_path: bool, period: float
+    phase: PhaseNumbers, joints: Joints, xi: float, length: float, by_path: bool, period: float
 ) -> Step:
     """Go on along the ray by the classical Runge-Kutta rule, in pieces that are short enough.
 
     Parameters
     ----------
-    phase : ndarray
-        See `pack`.
+    phase : PhaseNumbers
+        Where the legs go.
     joints : tuple of float
         All twelve, rad.
     xi : float

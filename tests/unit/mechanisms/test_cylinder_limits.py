@@ -1,0 +1,208 @@
+"""Each limit of a pair of cylinders: nothing on the bound, a fault beside it, the right name."""
+
+import math
+
+import pytest
+from pneumatic_fakes import AGE, HOME, MISMATCH, PERIOD, REACH, SPEED, TINY, PairBench
+
+from rig.hal import EmergencyStop, LimitExceeded, SafetyError, StaleReading
+
+DEVICES = {
+    "regulators": "regulators",
+    "agonist": "encoder-agonist",
+    "antagonist": "encoder-antagonist",
+}
+
+
+def test_the_position_is_half_the_difference_of_the_rods_and_grows_as_the_agonist_pulls_in():
+    bench = PairBench()
+    bench.place(-0.0625 * HOME, 0.1875 * HOME)
+    bench.regulators.reads = (11e3, 22e3)
+    assert bench.cycle(0.5) == (0.5, 0.125 * HOME, 11e3, 22e3)
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_a_reading_may_be_as_old_as_its_limit(device):
+    bench = PairBench()
+    bench.cycle(1.0)
+    getattr(bench, device).t = 1.0 - AGE
+    bench.cycle(1.0, fresh=False)
+
+
+@pytest.mark.parametrize(("device", "name"), DEVICES.items())
+def test_the_device_whose_reading_is_too_old_is_blamed(device, name):
+    bench = PairBench()
+    for other in DEVICES:  # these are older than need be, and not to blame
+        getattr(bench, other).t = 1.0 - 0.5 * AGE
+    getattr(bench, device).t = 1.0 - AGE - TINY
+    with pytest.raises(StaleReading) as caught:
+        bench.cycle(1.0, fresh=False)
+    assert (caught.value.device, caught.value.bound) == (name, AGE)
+    assert caught.value.age == AGE + TINY
+
+
+def test_of_several_old_readings_the_oldest_is_blamed():
+    for oldest, name in DEVICES.items():
+        bench = PairBench()
+        for device in DEVICES:
+            getattr(bench, device).t = -2.0 * AGE
+        getattr(bench, oldest).t = -3.0 * AGE
+        with pytest.raises(StaleReading) as caught:
+            bench.pair.read(0.0)
+        assert (caught.value.device, caught.value.age) == (name, 3.0 * AGE)
+
+
+def test_of_readings_that_are_equally_old_the_first_device_is_blamed():
+    bench = PairBench()
+    with pytest.raises(StaleReading, match=r"^encoder-agonist: "):
+        bench.pair.read(1.0)
+    bench.agonist.t = 1.0
+    with pytest.raises(StaleReading, match=r"^encoder-antagonist: "):
+        bench.pair.read(1.0)
+
+
+def test_the_emergency_stop_is_heeded_before_anything_else():
+    bench = PairBench()
+    bench.move_to(2.0 * REACH)
+    bench.stop.pressed, bench.stop.t = True, -1.0
+    with pytest.raises(EmergencyStop, match="pressed or its circuit is open"):
+        bench.cycle(0.0, fresh=False)
+
+
+def test_a_stop_that_is_not_read_any_more_is_a_fault_of_its_own():
+    bench = PairBench()
+    bench.stop.t = -AGE
+    bench.cycle(0.0, fresh=False)
+    bench.stop.t = -AGE - TINY
+    with pytest.raises(StaleReading) as caught:
+        bench.cycle(0.0, fresh=False)
+    assert (caught.value.device, caught.value.age, caught.value.bound) == (
+        "emergency stop",
+        AGE + TINY,
+        AGE,
+    )
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("where", [0, 1, 2])
+def test_a_reading_that_is_not_a_number_is_a_fault(where, bad):
+    bench = PairBench()
+    pressures = [1e5, 1e5]
+    if where == 2:
+        bench.agonist.extension = bad
+    else:
+        pressures[where] = bad
+    bench.regulators.reads = tuple(pressures)
+    with pytest.raises(SafetyError, match="not a number"):
+        bench.cycle(0.0)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_position_may_reach_its_limit_and_not_pass_it(sign):
+    bench = PairBench()
+    bench.move_to(sign * REACH)
+    bench.cycle(0.0)
+    bench.move_to(sign * (REACH + TINY))
+    with pytest.raises(LimitExceeded) as caught:
+        bench.cycle(PERIOD)
+    error = caught.value
+    assert error.quantity == "position of the pair"
+    assert (error.value, error.lower, error.upper, error.unit) == (
+        sign * (REACH + TINY),
+        -REACH,
+        REACH,
+        "m",
+    )
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_rods_may_disagree_by_the_limit_and_not_by_more(sign):
+    bench = PairBench()
+    bench.place(sign * MISMATCH, sign * MISMATCH)
+    bench.cycle(0.0)
+    bench.place(sign * (MISMATCH + TINY), sign * (MISMATCH + TINY))
+    with pytest.raises(LimitExceeded) as caught:
+        bench.cycle(PERIOD)
+    error = caught.value
+    assert error.quantity == "mismatch of the two rods (a wire is slack or an encoder wrong)"
+    assert (error.value, error.lower, error.upper, error.unit) == (
+        sign * (MISMATCH + TINY),
+        -MISMATCH,
+        MISMATCH,
+        "m",
+    )
+
+
+@pytest.mark.parametrize("frozen", ["agonist", "antagonist"])
+def test_a_rod_that_has_not_moved_since_they_agreed_is_named(frozen):
+    bench = PairBench()
+    bench.cycle(0.0)
+    moves = 2.0 * MISMATCH + 2.0 * TINY
+    bench.place(*((0.0, moves) if frozen == "agonist" else (moves, 0.0)))
+    with pytest.raises(LimitExceeded, match=rf"\(encoder-{frozen} is frozen\)"):
+        bench.cycle(PERIOD)
+
+
+@pytest.mark.parametrize(
+    ("short_of_half", "cause"),
+    [(TINY, "encoder-antagonist is frozen"), (0.0, "a wire is slack or an encoder wrong")],
+)
+def test_rods_agree_below_half_of_the_limit(short_of_half, cause):
+    bench = PairBench()
+    bench.cycle(0.0)
+    both = 0.5 * MISMATCH - short_of_half
+    bench.place(both, both)
+    bench.cycle(PERIOD)
+    bench.place(both + 3.0 * MISMATCH, both)  # the antagonist stands since then, not since home
+    with pytest.raises(LimitExceeded) as caught:
+        bench.cycle(2.0 * PERIOD)
+    assert f"({cause})" in str(caught.value)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_pair_may_go_as_fast_as_its_limit_and_not_faster(sign):
+    window = 2.0**-6
+    for beyond, fault in ((0.0, False), (TINY, True)):
+        bench = PairBench()
+        bench.cycle(0.0)
+        bench.move_to(sign * (SPEED * window + beyond))
+        if not fault:
+            bench.cycle(window)
+            continue
+        with pytest.raises(LimitExceeded) as caught:
+            bench.cycle(window)
+        error = caught.value
+        assert error.quantity == "speed of the pair"
+        assert error.value == sign * (SPEED + TINY / window)
+        assert (error.lower, error.upper, error.unit) == (-SPEED, SPEED, "m/s")
+
+
+def test_the_speed_is_judged_over_ten_milliseconds():
+    bench = PairBench()
+    bench.cycle(0.0)
+    bench.move_to(0.8 * REACH)
+    bench.cycle(math.nextafter(0.01, 0.0))
+    with pytest.raises(LimitExceeded, match="speed of the pair"):
+        bench.cycle(0.01)
+
+
+def test_each_window_of_speed_starts_where_the_last_one_ended():
+    bench = PairBench()
+    window = 2.0**-6
+    bench.cycle(0.0)
+    bench.cycle(window)  # at rest
+    bench.move_to(SPEED * window + TINY)
+    with pytest.raises(LimitExceeded) as caught:
+        bench.cycle(2.0 * window)
+    assert caught.value.value == SPEED + TINY / window
+
+
+def test_a_new_motion_forgets_where_the_pair_was():
+    bench = PairBench()
+    state = bench.cycle(0.0)
+    bench.move_to(0.9 * REACH)
+    bench.pair.start_limiting(state)
+    bench.cycle(0.01)  # would be fast
+    bench.move_to(-0.9 * REACH)
+    with pytest.raises(LimitExceeded, match="speed"):
+        bench.cycle(0.02)

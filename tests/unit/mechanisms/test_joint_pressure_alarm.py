@@ -1,0 +1,171 @@
+"""A regulator that is stuck: how far, for how long, and which words for which signs."""
+
+import math
+
+import pytest
+from joint_fakes import CHANNELS
+
+from rig.hal import SafetyError
+from rig.mechanisms.joint.alarms.pressures import PressureWatch
+from rig.mechanisms.joint.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import RegulatorModel
+
+STEP, TIME, DEVIATION, START = 2.0**-10, 2.0**-6, 40e3, 200e3
+CYCLES = round(TIME / STEP)
+"""So many cycles a pressure may be off."""
+ATTENTIVE = {"deviation": DEVIATION, "time": TIME}
+
+
+class Bench:
+    """Regulators that were well and have held one pressure."""
+
+    def __init__(self, response=None, **alarm):
+        self.watch = PressureWatch(
+            PressureAlarm(**(ATTENTIVE | alarm)), response or RegulatorModel(), CHANNELS, "valves"
+        )
+        self.now = 0.0
+        self.watch.send((START,) * 4)
+        self.pass_by(2)
+
+    def pass_by(self, cycles, **off):
+        """Let time pass with some channels off what they should be, Pa."""
+        for _ in range(cycles):
+            self.now += STEP
+            self.watch.check(tuple([START + off.get(name, 0.0) for name in CHANNELS]), self.now)
+
+    def what(self, **off):
+        """Return what is said as soon as it has lasted."""
+        self.pass_by(CYCLES, **off)
+        with pytest.raises(SafetyError) as caught:
+            self.pass_by(1, **off)
+        return str(caught.value)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_a_pressure_may_be_off_by_the_deviation_for_ever(channel, sign):
+    bench = Bench()
+    bench.pass_by(10 * CYCLES, **{channel: sign * DEVIATION})
+    bench.pass_by(CYCLES, **{channel: sign * (DEVIATION + 1.0)})
+    with pytest.raises(SafetyError, match=rf"^valves: .*regulator of {channel}.* \[{channel}: "):
+        bench.pass_by(1, **{channel: sign * (DEVIATION + 1.0)})
+
+
+def test_the_message_has_the_numbers_and_their_bounds():
+    assert Bench().what(ch3=50e3) == (
+        "valves: the regulator of ch3 is stuck open: its pressure rises [ch3: 250 kPa, setpoint "
+        "200 kPa, +50 kPa off a healthy regulator for 0.017 s, at most 40 kPa for 0.015625 s]"
+    )
+
+
+def test_a_pressure_that_was_well_meanwhile_has_its_time_again():
+    bench = Bench()
+    for _ in range(3):
+        bench.pass_by(CYCLES, ch2=-50e3)
+        bench.pass_by(1)
+    bench.what(ch2=-50e3)
+
+
+def test_the_channel_that_was_off_first_is_the_one_that_is_told_of():
+    bench = Bench()
+    bench.pass_by(1, ch4=50e3)
+    with pytest.raises(SafetyError, match=r"\[ch4: "):
+        bench.pass_by(CYCLES, ch1=45e3, ch4=50e3)
+
+
+def test_the_signs_say_what_is_stuck():
+    moved = 0.25 * DEVIATION
+    assert "ch1 is stuck open: its pressure rises" in Bench().what(ch1=50e3)
+    assert "ch1 is stuck venting, or its tube is off: its pressure falls" in Bench().what(ch1=-50e3)
+    # The setpoint moves and the pressure hardly does: by a quarter of the deviation.
+    for setpoint, way, said, beyond in (
+        (START - 100e3, 1.0, "stuck closed: its pressure stays", "stuck open"),
+        (START + 100e3, -1.0, "stuck closed, or its chamber leaks: its pres", "stuck venting"),
+    ):
+        for extra, words in ((0.0, said), (1.0, beyond)):
+            bench = Bench()
+            bench.watch.send((START, setpoint, START, START))
+            with pytest.raises(SafetyError) as caught:
+                while True:
+                    was_well = bench.watch._channels[1].well_at
+                    gone = was_well < bench.now  # from then on it has moved
+                    bench.pass_by(1, ch2=way * (moved + extra) if gone else 0.0)
+            assert f"the regulator of ch2 is {words}" in str(caught.value)
+
+
+def test_several_that_fall_short_are_the_supply():
+    half = 0.5 * DEVIATION
+    assert "supply pressure is lost: ch1, ch4 fall short" in Bench().what(
+        ch1=-50e3, ch4=-half - 1.0
+    )
+    assert "the regulator of ch1" in Bench().what(ch1=-50e3, ch4=-half)
+    assert "supply pressure is lost: ch1, ch2, ch3, ch4 fall short" in Bench().what(
+        ch1=-50e3, ch2=-50e3, ch3=-50e3, ch4=-50e3
+    )
+    # What is worst is not short of anything: the others are not the supply's.
+    assert "the regulator of ch2 is stuck open" in Bench().what(ch1=-45e3, ch2=50e3, ch3=-45e3)
+
+
+def test_of_two_that_are_off_the_further_one_is_named():
+    assert "the regulator of ch3 is stuck open" in Bench().what(ch1=45e3, ch3=50e3)
+
+
+def test_a_suspicion_needs_half_of_the_deviation():
+    bench = Bench()
+    bench.pass_by(1, ch2=0.5 * DEVIATION, ch3=-0.5 * DEVIATION)
+    assert bench.watch.suspicion() is None
+    bench.pass_by(1, ch2=0.5 * DEVIATION + 1.0)
+    said = bench.watch.suspicion()
+    assert said.startswith("valves: the regulator of ch2 is stuck ")
+    assert said.endswith("[ch2: +20 kPa off a healthy regulator, at most 40 kPa]")
+    bench.pass_by(1, ch2=10e3, ch3=-0.5 * DEVIATION - 1.0)
+    assert "the regulator of ch3" in bench.watch.suspicion()
+    fresh = PressureWatch(PressureAlarm(), RegulatorModel(), CHANNELS, "valves")
+    assert fresh.suspicion() is None
+
+
+def follow(response, model, deviation, duration=0.3):
+    """Let pressures answer a step of setpoints as `model` says; the watch believes in `response`.
+
+    The model is the closed form of second order under, at or above critical damping.
+    """
+    bench = Bench(response, deviation=deviation, time=STEP)
+    bench.watch.send((START + 100e3,) * 4)
+    rate, damping = model
+    began = bench.now
+    while bench.now < began + duration:
+        t = bench.now + STEP - began
+        root = math.sqrt(abs(damping**2 - 1.0)) * rate
+        if damping < 1.0:
+            both = math.cos(root * t), math.sin(root * t) / root
+        else:
+            both = math.cosh(root * t), math.sinh(root * t) / root
+        share = 1.0 - math.exp(-damping * rate * t) * (both[0] + damping * rate * both[1])
+        bench.pass_by(1, **dict.fromkeys(CHANNELS, 100e3 * share))
+
+
+@pytest.mark.parametrize("model", [(40.0, 0.7), (40.0, 1.3), (60.0, 0.9)])
+def test_a_healthy_regulator_is_of_second_order(model):
+    response = RegulatorModel(*model)
+    follow(response, model, 2.5e3)
+    rate, damping = model
+    for other in ((1.15 * rate, damping), (0.85 * rate, damping), (rate, 1.2 * damping)):
+        with pytest.raises(SafetyError):
+            follow(response, other, 2.5e3)
+
+
+def test_time_that_stands_still_or_goes_back_starts_anew():
+    for step in (0.0, -1.0):
+        bench = Bench()
+        bench.pass_by(CYCLES, ch1=50e3)
+        bench.now += step
+        bench.watch.check((START + 50e3, *(START,) * 3), bench.now)
+        # It has just been well where it is; 50 kPa over its setpoint it would be on its way down.
+        bench.watch.send((START + 50e3, *(START,) * 3))
+        bench.pass_by(3 * CYCLES, ch1=50e3)
+
+
+def test_nothing_is_expected_before_the_first_setpoints():
+    watch = PressureWatch(PressureAlarm(**ATTENTIVE), RegulatorModel(), CHANNELS, "valves")
+    for cycle in range(5 * CYCLES):
+        watch.check((cycle * 50e3,) * 4, cycle * STEP)

@@ -1,0 +1,233 @@
+"""Which wire or encoder is blamed when the rods do not agree, and in which words."""
+
+import math
+
+import pytest
+from joint_fakes import BASE, UPRIGHT, WireBench, off, residual_of, rods_at
+
+from rig.hal import SafetyError
+
+TILTED = rods_at(0.3, 0.4)
+FAR = rods_at(0.8, 0.4)
+OPPOSITE = {1: 3, 2: 4, 3: 1, 4: 2}
+REST_EXTENSION = 30e-3
+
+
+def swapped(rods, one, other):
+    order = list(rods)
+    order[one - 1], order[other - 1] = order[other - 1], order[one - 1]
+    return tuple(order)
+
+
+def blame(*history, pressures=(BASE,) * 4, rods=None, least_pull=55e3, watch=None):
+    """Return what is said of the last of some rods, one check after the other."""
+    bench = WireBench(grace=math.inf, residual=1e-6, least_pull=least_pull)
+    if watch is not None:
+        bench.watch._limits = bench.watch._limits._replace(**watch)
+    for place in history:
+        bench.check(place, pressures)
+    last = history[-1] if rods is None else rods
+    return bench.watch._explain(last, last, pressures, bench.now)
+
+
+# One wire or encoder ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_a_rod_that_runs_in_has_a_slack_wire(number):
+    wrong = off(TILTED, number, 2e-3)
+    assert blame(TILTED, wrong) == f"the wire of ch{number} is slack or cut, by 2.00 mm"
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_a_rod_that_stays_out_has_a_wire_that_is_caught(number):
+    names = sorted((number, OPPOSITE[number]))  # near upright opposite ones look the same
+    assert blame(TILTED, off(TILTED, number, -2e-3)) == (
+        " or ".join(f"the wire of ch{k}" for k in names)
+        + " is caught, or its encoder is off, by 2.00 mm"
+    )
+
+
+def test_another_rod_is_suspected_if_it_explains_more_than_half():
+    """Far out the opposite rod leaves 0.53 of the residual, or 0.39 of another one."""
+    assert blame(FAR, off(FAR, 4, -2e-3)).startswith("the wire of ch4 is caught")
+    assert blame(FAR, off(FAR, 3, -2e-3)).startswith("the wire of ch1 or the wire of ch3 is caught")
+
+
+def test_two_wrong_rods_are_explained_by_none():
+    wrong = off(off(TILTED, 1, 2e-3), 2, 2e-3)
+    assert blame(TILTED, wrong) == "more than one wire is slack, or the ring is twisted"
+
+
+@pytest.mark.parametrize(("times", "clear"), [(2.02, True), (1.98, False)])
+@pytest.mark.parametrize("number", [1, 3])
+def test_of_two_suspects_the_one_that_ran_twice_as_fast_let_go(number, times, clear):
+    """Both ran in, at some time; what is off does not show which of them is too far in."""
+    run = 1e-3
+    history = [
+        TILTED,
+        off(TILTED, OPPOSITE[number], run),
+        TILTED,
+        off(TILTED, number, times * run),
+        off(TILTED, number, times * run),
+    ]
+    said = blame(*history, pressures=(0.0,) * 4)
+    if clear:
+        assert said == f"the wire of ch{number} is slack or cut, by {times:.2f} mm"
+    else:
+        assert said == f"the wire of ch1 or ch3 is slack or its anchor slips, by {times:.2f} mm"
+
+
+def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
+    wrong = off(TILTED, 1, 2e-3)
+    faster = off(TILTED, 3, 5e-3)
+    said = blame(TILTED, faster, TILTED, wrong, wrong, pressures=(0.0,) * 4)
+    assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
+
+
+@pytest.mark.parametrize(("cycles", "blamed"), [(512, 3), (513, 1)])
+def test_runs_are_remembered_for_512_cycles(cycles, blamed):
+    bench = WireBench(grace=math.inf)
+    wrong = off(TILTED, 1, 2e-3)
+    for rods in (TILTED, off(TILTED, 3, 5e-3), TILTED, wrong):
+        bench.check(rods)
+    for _ in range(cycles - 4):
+        bench.now += 2.0**-10
+        bench.watch.follow(wrong, bench.now)
+    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
+    assert f"of ch{blamed} " in said
+
+
+@pytest.mark.parametrize(
+    ("extension", "at_its_end"),
+    [(1e-3 + 1e-9, False), (1e-3 - 1e-9, True), (0.0, True), (REST_EXTENSION, False)],
+)
+def test_a_rod_at_either_end_of_its_cylinder_has_lost_its_wire(extension, at_its_end):
+    wrong = off(TILTED, 2, 2e-3)
+    end = "the wire of ch2 is cut or has come off: its rod is at its end"
+    inside = {"home": wrong[1] + extension, "stroke": 60e-3}
+    assert (blame(TILTED, wrong, watch=inside) == end) is at_its_end
+    outside = {"home": wrong[1] + REST_EXTENSION, "stroke": REST_EXTENSION + extension}
+    assert (blame(TILTED, wrong, watch=outside) == end) is at_its_end
+
+
+def settle(speed, pressure, least_pull=55e3):
+    """Return what is said of ch1, whose rod has jumped and then goes on at a speed."""
+    jumped = off(TILTED, 1, 2e-3)
+    going = off(TILTED, 1, 2e-3 + speed * WireBench.STEP)
+    pressures = (pressure, BASE, BASE, BASE)
+    return blame(TILTED, jumped, going, pressures=pressures, least_pull=least_pull)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_rod_that_stands_under_pressure_pulls_on_something_again(way):
+    slipped = "the anchor of ch1 has slipped, or its wire was slack, by"
+    slack = "the wire of ch1 is slack or cut, by"
+    assert settle(way * 0.0499, BASE).startswith(slipped)
+    assert settle(way * 0.0501, BASE).startswith(slack)
+    assert settle(0.0, 55e3).startswith(slipped)
+    assert settle(0.0, 55e3 - 1e-6).startswith(slack)
+    assert settle(0.0, BASE).endswith("by 2.00 mm; it is taut again")
+
+
+def test_after_a_single_check_no_speed_is_known():
+    wrong = off(TILTED, 1, 2e-3)
+    assert blame(wrong).startswith("the anchor of ch1 has slipped")
+
+
+# Encoders that are swapped -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("one", "other"), [(1, 2), (1, 4), (2, 3), (3, 4)])
+def test_neighbours_that_are_swapped_are_told_by_what_the_pressures_did(one, other):
+    """Two swaps fit, and of one of them the rods would have moved against their pull."""
+    pressures = (2.0 * BASE, 0.4 * BASE, 0.6 * BASE, 3.0 * BASE)  # the ring follows them
+    for first in (0, -10):  # from upright, or from where it leant the other way
+        way = [swapped(rods_at(0.03 * k, 0.6), one, other) for k in range(first, 5)]
+        assert blame(*way, pressures=pressures) == f"e{one} and e{other} are swapped"
+
+
+@pytest.mark.parametrize(("checks", "names"), [(256, "e1 and e2"), (257, "e3 and e4")])
+def test_what_the_pressures_did_is_remembered_for_256_checks(checks, names):
+    """Without it one of two possible swaps is as good as the other: it takes the last."""
+    there = swapped(rods_at(0.3, 0.6), 1, 2)
+    history = [UPRIGHT, *[there] * (checks - 1)]
+    assert blame(*history, pressures=(2 * BASE, BASE, BASE, 2 * BASE)) == f"{names} are swapped"
+
+
+def test_opposite_ones_show_no_residual():
+    for one, other in ((1, 3), (2, 4)):
+        assert residual_of(swapped(TILTED, one, other)) < 1e-9
+
+
+@pytest.mark.parametrize(("error", "told"), [(1.5e-3, True), (1.65e-3, False)])
+def test_a_swap_must_leave_less_than_its_share_of_the_residual(error, told):
+    wrong = off(swapped(TILTED, 2, 3), 1, error)
+    assert 0.32 < residual_of(swapped(wrong, 2, 3)) / residual_of(wrong) < 0.39
+    assert ("swapped" in blame(wrong)) is told
+
+
+@pytest.mark.parametrize(("tilt", "told"), [(0.0199, False), (0.0201, True)])
+def test_near_home_the_order_of_the_rods_does_not_show(tilt, told):
+    """The longest way is 0.5 mm there."""
+    rods = swapped(rods_at(tilt, 0.5 * math.pi), 1, 2)
+    assert residual_of(rods) > 0.3e-3
+    assert (WireBench().watch.explain_swap(rods) is not None) is told
+
+
+@pytest.mark.parametrize(("longest", "told"), [(0.5e-3, True), (0.4999999e-3, False)])
+def test_the_longest_way_may_be_just_that(longest, told):
+    rods = swapped(rods_at(0.0198, 0.5 * math.pi), 1, 2)
+    rods = tuple([math.copysign(longest, rod) if abs(rod) > 0.4e-3 else rod for rod in rods])
+    assert (WireBench().watch.explain_swap(rods) is not None) is told
+
+
+@pytest.mark.parametrize(("tilt", "told"), [(0.0265, False), (0.0267, True)])
+def test_a_swap_needs_a_residual_beyond_friction_and_stretch(tilt, told):
+    """It is 0.25 mm there."""
+    rods = swapped(rods_at(tilt, 0.4), 2, 3)
+    assert max(map(abs, rods)) > 0.6e-3
+    assert residual_of(rods) == pytest.approx(0.25e-3, rel=0.01)
+    assert (WireBench().watch.explain_swap(rods) is not None) is told
+
+
+def test_a_swap_comes_before_a_wire_in_the_alarm():
+    bench = WireBench()
+    bench.check(UPRIGHT)
+    with pytest.raises(SafetyError, match=r"^e\d and e\d are swapped \[the four wires"):
+        for _ in range(20):
+            bench.check(swapped(TILTED, 2, 3))
+
+
+# A rod that runs too fast ------------------------------------------------------------------
+
+
+def test_a_rod_that_runs_in_ahead_of_the_others_has_a_cut_wire():
+    watch = WireBench().watch
+    wrong = off(TILTED, 4, 2e-3)
+    assert watch.explain_run(wrong, wrong, 3) == (
+        "the wire of ch4 is slack or cut, or its anchor slips: its rod runs in, 2.00 mm ahead of "
+        "where the other three put it"
+    )
+    behind = off(TILTED, 4, -2e-3)
+    assert watch.explain_run(behind, behind, 3) is None
+
+
+@pytest.mark.parametrize("share", [1.0 + 1e-6, 1.0 - 1e-6])
+def test_a_rod_that_runs_with_the_others_has_its_wire(share):
+    wrong = off(TILTED, 4, 2e-3)
+    watch = WireBench(residual=residual_of(wrong) * share).watch
+    assert (watch.explain_run(wrong, wrong, 3) is None) is (share > 1.0)
+
+
+def test_a_rod_exactly_on_the_limit_has_its_wire():
+    wrong = off(TILTED, 4, 2e-3)
+    watch = WireBench().watch
+    on_it = WireBench(residual=watch._residual_of(wrong)).watch
+    assert watch.explain_run(wrong, wrong, 3) is not None
+    assert on_it.explain_run(wrong, wrong, 3) is None
+
+
+def test_a_rod_that_fits_no_pose_at_all_is_far_ahead():
+    rods = (0.06, 0.0, -0.06, 0.0)
+    assert ", far ahead of where" in WireBench().watch.explain_run(rods, rods, 0)
