@@ -1,7 +1,7 @@
 """The port of a plant: what the simulation needs of the physics of a mechanism."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
 
 class Plant(Protocol):
@@ -35,3 +35,23 @@ class Plant(Protocol):
             There is no such fault.
         """
         ...
+
+
+class PhysicsSettings(Protocol):
+    """The settings of a plant. Inherit it: what has a default need not be written."""
+
+    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
+        """Return the settings of a rig that differs from its profile.
+
+        What the plant has not is left alone.
+
+        Parameters
+        ----------
+        friction : float
+            By which share all friction is greater.
+        stribeck : float
+            By which share the seals' Stribeck velocity is greater.
+        wire_offset : float
+            By how much more the rods are extended when the wires are taut, m.
+        """
+        return self

@@ -149,3 +149,9 @@ class ArmPlantSettings:
     mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.05
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.3
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=2e-3)] = 1e-3
+
+    def perturbed(
+        self, *, friction: float, stribeck: float, wire_offset: float
+    ) -> "ArmPlantSettings":
+        """Return them as they are: an arm has no seals and no wires."""
+        return self

@@ -67,3 +67,9 @@ class LegsPlantSettings:
     stand: tuple[Annotated[float, Unit("rad")], ...] = ()
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
+
+    def perturbed(
+        self, *, friction: float, stribeck: float, wire_offset: float
+    ) -> "LegsPlantSettings":
+        """Return them as they are: legs have no seals and no wires."""
+        return self

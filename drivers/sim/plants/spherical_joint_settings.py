@@ -5,7 +5,7 @@ knowledge; E, an estimate. The joint's own dimensions are the profile's geometry
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
@@ -139,3 +139,13 @@ class SphericalJointPlantSettings:
             raise ValueError(
                 f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
             )
+
+    def perturbed(
+        self, *, friction: float, stribeck: float, wire_offset: float
+    ) -> "SphericalJointPlantSettings":
+        """Return the settings of a joint that differs from its profile."""
+        return replace(
+            self,
+            friction_scale=self.friction_scale * (1.0 + friction),
+            home=self.home + wire_offset,
+        )
