@@ -1,4 +1,4 @@
-"""What a profile and an experiment say, as plain data in SI.
+"""Profiles, experiments and calibrations as plain data in SI.
 
 Nothing heavy is imported here, so that any module may name these types.
 """
@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from annotated_types import Ge, Interval, MinLen, Unit
+
+from rig.config.located import Plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +66,7 @@ class FaultSpec:
 
 @dataclass(frozen=True, slots=True)
 class Perturbation:
-    """By how much the simulated rig may differ from its profile, so that it can be calibrated.
+    """Bounds on how the simulated rig may differ from its profile, so that it can be calibrated.
 
     Each number bounds a uniform draw, once per channel, joint or dimension, from the seed of
     the simulation; 0 draws nothing. What was drawn is known to the simulation alone.
@@ -132,7 +134,7 @@ class Perturbation:
 
 @dataclass(frozen=True, slots=True)
 class SimulationSettings:
-    """What the simulated world has that the plant has not.
+    """The simulated world around the plant: chance, buses, faults.
 
     Parameters
     ----------
@@ -157,7 +159,7 @@ class SimulationSettings:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a calibration came from.
+    """The origin of a calibration.
 
     Parameters
     ----------
@@ -225,7 +227,7 @@ class Calibration:
 
     file: str
     provenance: Provenance
-    replaced: dict[str, Any] = field(default_factory=dict)
+    replaced: Plain = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,7 +284,7 @@ class PlantEntry:
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """What a rig is.
+    """A rig.
 
     Parameters
     ----------
@@ -377,7 +379,7 @@ class ReferenceEntry:
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """What to do with a rig.
+    """A task for a rig.
 
     Parameters
     ----------
