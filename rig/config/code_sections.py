@@ -75,7 +75,7 @@ class Sections:
             self.problems.add(node.mark, f"{what} is {shown(node.plain())}, expected a mapping")
         return False
 
-    def settings_of(self, kind: Kind, name: str, node: Node) -> type | None:
+    def settings_of(self, kind: Kind, name: str, node: Node) -> type[object] | None:
         """Return the settings behind a name that the file gives at a node."""
         try:
             return self.registry.settings(kind, name)

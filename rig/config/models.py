@@ -5,11 +5,14 @@ Nothing heavy is imported here, so that any module may name these types.
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 from annotated_types import Ge, Interval, MinLen, Unit
 
 from rig.config.located import Plain
+
+Settings: TypeAlias = Any
+"""Settings of which only the driver or mechanism that they belong to knows what they hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,13 +258,13 @@ class DeviceEntry:
     driver: str
     bus: str | None
     serial: int | None
-    settings: Any
+    settings: Settings
     calibration: Calibration | None = None
     eds: Path | None = None
-    uncalibrated: Any = None
+    uncalibrated: object = None
 
     @property
-    def nominal(self) -> Any:
+    def nominal(self) -> Settings:
         """The settings as if the device had never been calibrated."""
         return self.settings if self.uncalibrated is None else self.uncalibrated
 
@@ -271,7 +274,7 @@ class BusEntry:
     """A bus: the protocol that is spoken on it, and the settings that go with it."""
 
     protocol: str
-    settings: Any
+    settings: object
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +282,7 @@ class PlantEntry:
     """The simulated physics: a plant's name and its settings."""
 
     model: str
-    settings: Any
+    settings: object
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,19 +316,19 @@ class Profile:
     name: str
     description: str
     mechanism: str
-    mechanism_settings: Any
+    mechanism_settings: Settings
     loop: LoopSettings
     buses: dict[str, BusEntry]
     devices: dict[str, DeviceEntry]
-    controllers: dict[str, Any]
+    controllers: dict[str, object]
     plant: PlantEntry | None
     simulation: SimulationSettings
     files: tuple[Path, ...] = field(default=(), compare=False)
     calibration: Calibration | None = None
-    uncalibrated: Any = None
+    uncalibrated: object = None
 
     @property
-    def nominal_settings(self) -> Any:
+    def nominal_settings(self) -> Settings:
         """The mechanism's settings as if it had never been calibrated."""
         return self.mechanism_settings if self.uncalibrated is None else self.uncalibrated
 
@@ -374,7 +377,7 @@ class ReferenceEntry:
     """The desired motion: a reference's name and its settings."""
 
     kind: str
-    settings: Any
+    settings: object
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ class Registry(Protocol):
         """Return every name of a kind, sorted."""
         ...
 
-    def settings(self, kind: Kind, name: str) -> type:
+    def settings(self, kind: Kind, name: str) -> type[object]:
         """Return the settings dataclass of a name.
 
         Raises

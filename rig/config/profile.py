@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Final
 
 from annotated_types import Ge
 
@@ -44,10 +44,6 @@ PROFILE_KEYS: Final = (
 
 DEFAULT_PROTOCOL: Final = "canopen"
 """What is spoken on a bus whose entry does not say."""
-
-
-Built: TypeAlias = tuple[object, Calibration | None, object]
-"""Settings, what was laid over them, and the settings without it; None where there is none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,7 +258,8 @@ class _Reader:
             uncalibrated=uncalibrated,
         )
 
-    def _mechanism(self) -> Built:
+    def _mechanism(self) -> tuple[object, Calibration | None, object]:
+        """Return its settings, what was laid over them, and the settings without it."""
         node = self._root.get("mechanism")
         name = None if node is None else node.value
         settings = None
@@ -276,8 +273,11 @@ class _Reader:
         entry = self._sections.take(name, required=True)
         if entry is None or not self._sections.is_mapping(entry, name):
             return None, None, None
+        built = build(settings, entry, self._problems)
         calibration = self._calibration(name, self._sections.take("calibration"))
-        return self._built(name, settings, entry, self._bare.get(name), calibration)
+        if built is None:
+            return None, None, None
+        return built, *self._nominal(name, settings, self._bare.get(name), calibration)
 
     def _controller(self, name: str, node: Node) -> object:
         mechanism = self._root.get("mechanism")
@@ -313,35 +313,26 @@ class _Reader:
         file = DeviceDescription.of(settings, own, self._problems)
         if file is not None:
             own, bare = file.complete(own), file.complete(bare)
-        built, calibration, nominal = self._built(
-            name, settings, own, bare, calibration, COMMON_KEYS
-        )
+        built = build(settings, own, self._problems, also=COMMON_KEYS)
         if file is not None and built is not None:
             file.compare(name, built, own)
         if head is None or built is None:
             return None
         path = None if file is None else file.path
+        calibration, nominal = self._nominal(name, settings, bare, calibration)
         return DeviceEntry(driver, head.bus, head.serial, built, calibration, path, nominal)
 
-    def _built(
-        self,
-        name: str,
-        settings: type[object],
-        entry: Node,
-        bare: Node | None,
-        calibration: Calibration | None,
-        also: tuple[str, ...] = (),
-    ) -> Built:
-        """Build settings as they are calibrated and, if they are, as they were before."""
-        built = build(settings, entry, self._problems, also=also)
-        if calibration is None or built is None or bare is None:
-            return built, calibration, None
+    def _nominal(
+        self, name: str, settings: type[object], bare: Node | None, calibration: Calibration | None
+    ) -> tuple[Calibration | None, object]:
+        """Return a calibration with what it replaced, and the settings without it."""
+        if calibration is None or bare is None:
+            return calibration, None
         if name not in self._calibrations:  # a resolved profile says itself what was replaced
-            bare = with_replaced(bare, calibration)
-            return built, calibration, build(settings, bare, self._problems)
+            return calibration, build(settings, with_replaced(bare, calibration), self._problems)
         nominal = build(settings, bare, self._problems)
         replaced = pruned(as_plain(nominal), calibration.replaced)
-        return built, replace(calibration, replaced=replaced), nominal
+        return replace(calibration, replaced=replaced), nominal
 
     def _calibration(self, device: str, node: Node | None) -> Calibration | None:
         """Return what was laid over a device, now or when a resolved profile was written."""
