@@ -1,7 +1,7 @@
 """What comparisons of runs have in common."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NotRequired, TypedDict
 
 import numpy as np
 
@@ -14,6 +14,20 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+class ComparisonRow(TypedDict):
+    """One number of every run, SI; None where a run has none.
+
+    ``refused`` is what stands there for a controller that refused.
+    """
+
+    name: str
+    unit: str
+    bound: float | None
+    bound_kind: str | None
+    values: list[float | str | None]
+    refused: NotRequired[str | None]
+
+
 class Comparison(NamedTuple):
     """A way to draw several runs in one figure.
 
@@ -24,13 +38,12 @@ class Comparison(NamedTuple):
     draw : callable
         Takes the runs and a label for each.
     tabulate : callable, optional
-        Takes the same, and returns rows as `rig.report.compare.compare_metrics` does, whose place
-        they take. A row's ``refused`` is what stands there for a controller that refused.
+        Takes the same; its rows take the place of those of `compare_metrics`.
     """
 
     suits: Callable[[RunData], bool]
     draw: "Callable[[Sequence[RunData], Sequence[str]], Figure]"
-    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[dict[str, Any]]] | None = None
+    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[ComparisonRow]] | None = None
 
 
 def color_of(number: int) -> str:

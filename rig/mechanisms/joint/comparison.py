@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from rig.run_folder import MetricRow
+
     Array = NDArray[np.float64]
 
 
@@ -67,9 +69,10 @@ def _draw_errors(axes: Any, runs: Sequence[RunData]) -> None:
             if np.isfinite(value):
                 write_value(axes, f"{value:.3g}", value, row)
     for row, metric in enumerate(metrics):
-        if metric.get("bound") is not None and metric.get("bound_kind") == "max":
+        bound = metric.get("bound")
+        if bound is not None and metric.get("bound_kind") == "max":
             axes.vlines(
-                1e3 * metric["bound"], row - 0.46, row + 0.46,
+                1e3 * bound, row - 0.46, row + 0.46,
                 color=INK, lw=0.9, ls=(0, (3, 1.5)),
             )  # fmt: skip
     axes.set_xscale("log")
@@ -97,7 +100,7 @@ def _parts(run: RunData) -> list[Any]:
     return [s for s in run.segments if s.name != "all" and not s.name.endswith("last lap")]
 
 
-def _errors(run: RunData) -> list[dict[str, Any]]:
+def _errors(run: RunData) -> "list[MetricRow]":
     """Return the metrics of what was measured, not of what was known beforehand."""
     return [metric for metric in run.metrics if metric.get("measure") in _SHOWN]
 
