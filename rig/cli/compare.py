@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -14,6 +14,7 @@ from rig.cli.tables import print_data
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
+    from rig.report.comparison import ComparisonRow
 
 
 class _Job(NamedTuple):
@@ -244,7 +245,7 @@ def _cell(value: float | str | None, unit: str) -> str:
     return value if isinstance(value, str) else format_quantity(value, unit or "1")
 
 
-def _print_table(labels: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+def _print_table(labels: Sequence[str], rows: Sequence[ComparisonRow]) -> None:
     cells = [["", *labels]]
     for row in rows:
         values = [_cell(value, row["unit"]) for value in row["values"]]

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+    from rig.config.names import Folder
+
+Command = TypeVar("Command", bound=Callable[..., object])
 
 RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
@@ -181,7 +183,7 @@ def _device_names(ctx: click.Context) -> list[str]:
     return re.findall(r"^  ([\w.+-]+):", section[1], re.MULTILINE) if section else []
 
 
-def _names(ctx: click.Context, folder: Any) -> list[str]:
+def _names(ctx: click.Context, folder: Folder) -> list[str]:
     from rig.config.names import find_configs, list_files
     from rig.hal import ConfigurationError
 

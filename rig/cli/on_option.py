@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -21,11 +21,13 @@ class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
 
     name = "backend"
 
-    def get_metavar(self, *_: Any, **__: Any) -> str:
+    def get_metavar(self, *_: object, **__: object) -> str:
         """Return what the help calls the value."""
         return f"[{'|'.join(BACKENDS)}|INTERFACE]"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
         """Return the value if it may be a backend or an interface."""
         text = str(value)
         if text not in BACKENDS and ":" not in text and not any(map(str.isdigit, text)):
@@ -51,18 +53,21 @@ class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
 
     name = "format"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
         """Return the value if it is a format."""
         from rig.assembly.frame_recording import FORMATS
 
-        if value not in FORMATS:
+        text = str(value)
+        if text not in FORMATS:
             self.fail(
-                f"{value!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
+                f"{text!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
                 "write --frames last.",
                 param,
                 ctx,
             )
-        return value
+        return text
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str

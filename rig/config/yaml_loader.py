@@ -109,6 +109,18 @@ def read_source(path: Path) -> Source:
         raise ProfileError([Diagnostic(mark, message)]) from error
 
 
+def read_loosely(path: Path) -> object:
+    """Return what any YAML file holds, by the rules of YAML alone.
+
+    Raises
+    ------
+    OSError, ValueError, yaml.YAMLError
+        It cannot be read.
+    """
+    with path.open("rb") as stream:
+        return yaml.load(stream, Loader=SafeLoader)
+
+
 def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Node:
     """Turn a text into a tree of located values.
 
