@@ -1,4 +1,4 @@
-"""Where a run came from: the checkout, the versions, the machine, the input files."""
+"""The origin of a run: checkout, versions, machine and input files."""
 
 import hashlib
 import os

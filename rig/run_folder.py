@@ -28,7 +28,7 @@ FIGURES = "figures"
 
 
 class RunStatus(StrEnum):
-    """How a run stands or ended."""
+    """The state of a run, or how it ended."""
 
     RUNNING = "running"
     OK = "ok"

@@ -1,4 +1,4 @@
-"""One tree of located values from a file, the files that it extends and the options over it."""
+"""Merge a file, the files that it extends and the options over it into one tree."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

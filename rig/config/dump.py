@@ -1,4 +1,4 @@
-"""Write a profile or experiment as it was understood: everything said, in SI."""
+"""Write a loaded profile or experiment as YAML: every setting, in SI."""
 
 import re
 from dataclasses import fields, is_dataclass

@@ -1,4 +1,4 @@
-"""Load an experiment: what to do with a rig."""
+"""Load an experiment and the options over it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Where a value was written: sources, marks and the tree of located values."""
+"""Values with the place where they were written: sources, marks and nodes."""
 
 import re
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Load a profile: what a rig is."""
+"""Load a profile, its calibrations and the options over it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -73,7 +73,7 @@ class ProfileHead:
 
 @dataclass(frozen=True, slots=True)
 class DeviceHead:
-    """What every device's entry says beside its driver's settings.
+    """The part of a device's entry that is the same for every driver.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What pydantic found, in the words, units and places of the file."""
+"""Translate errors of pydantic into the words, units and places of the file."""
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass

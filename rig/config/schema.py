@@ -1,4 +1,4 @@
-"""JSON Schema of profiles and experiments, for editors: completion, hover texts, first checks."""
+"""Make the JSON Schema of profiles and experiments, for editors."""
 
 from functools import reduce
 from operator import or_

@@ -1,4 +1,4 @@
-"""From a located mapping to an instance of a settings dataclass, strictly.
+"""Build settings dataclasses from located mappings, strictly.
 
 A settings dataclass knows nothing of files: it carries types, `annotated_types` bounds and SI
 units. Here it becomes a pydantic type in which

@@ -1,4 +1,4 @@
-"""Strict YAML: what stands in a file is what it means, and every value knows its place.
+"""Read a strict subset of YAML into values that know their place.
 
 The subset is mappings, lists and scalars. Refused are anchors, aliases, merge keys, tags,
 directives, several documents in a file, duplicate keys and tabs. Plain scalars are

@@ -1,4 +1,4 @@
-"""What comparisons of runs have in common."""
+"""The kinds of comparison, and what they share."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple, NotRequired, TypedDict

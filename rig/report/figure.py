@@ -1,4 +1,4 @@
-"""What figures have in common."""
+"""The kinds of figure, and what they share."""
 
 from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase

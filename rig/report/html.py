@@ -10,7 +10,7 @@ from typing import cast
 
 from rig.config import format_against
 from rig.report.figures import known_figures
-from rig.report.timing import Spread, Timing
+from rig.report.timing import Spread, TimingSummary
 from rig.run_folder import (
     REPORT,
     TIMING,
@@ -63,7 +63,7 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
         _header(folder, title),
         _metrics(folder.metrics(), problems),
         _figures(figures),
-        _timing(cast("Timing", folder.read_json(TIMING))),
+        _timing(cast("TimingSummary", folder.read_json(TIMING))),
         _events(folder.events()),
         _reproduce(manifest),
         _environment(manifest),
@@ -149,14 +149,14 @@ def _figures(figures: Sequence[Path]) -> str:
     return _section("Figures", "\n".join(parts)) if parts else ""
 
 
-def _speed(timing: Timing) -> str:
+def _speed(timing: TimingSummary) -> str:
     """Return how fast the loop ran; nothing for runs that were recorded without it."""
     if "speed" not in timing:
         return ""
     return f"The loop took {timing['took']:.2f} s, {timing['speed']:.3g} times real time. "
 
 
-def _timing(timing: Timing) -> str:
+def _timing(timing: TimingSummary) -> str:
     if not timing.get("stages"):
         return ""
 

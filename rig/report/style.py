@@ -1,4 +1,4 @@
-"""How figures look: sized for a two-column paper, readable in print and by the colour-blind."""
+"""The style of figures: sized for a two-column paper, readable in print and by the colour-blind."""
 
 import re
 from collections.abc import Iterator, Sequence

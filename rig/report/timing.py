@@ -1,4 +1,4 @@
-"""Where the time of the cycles went."""
+"""Summarise the times of the cycle's stages."""
 
 from typing import TYPE_CHECKING, TypedDict
 
@@ -39,7 +39,7 @@ class LongCycle(TypedDict):
     blame: str
 
 
-class Timing(TypedDict, total=False):
+class TimingSummary(TypedDict, total=False):
     """The content of ``timing.json``; ``took`` (s) and ``speed`` are of the run as a whole."""
 
     period: float
@@ -66,12 +66,12 @@ def stage_times(log: "Log") -> "NDArray[np.float64]":
     return np.column_stack([log.column(f"timing.{stage}") for stage in STAGES])
 
 
-def summarise_timing(log: "Log") -> Timing:
+def summarise_timing(log: "Log") -> TimingSummary:
     """Summarise a run's timing for ``timing.json``; ``{}`` if the log has none.
 
     Returns
     -------
-    Timing
+    TimingSummary
         ``period`` (s), ``cycles``, ``missed`` ticks, ``overruns`` (cycles with more work than a
         period), ``stages`` {name: p50, p99, max in s, share of all work}, ``work`` and
         ``lateness`` {p50, p99, max}, and ``worst``: the longest cycles, each with the stage

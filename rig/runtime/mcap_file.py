@@ -1,7 +1,7 @@
-"""What an MCAP file has around its messages: header, schema and channel; index and footer.
+"""The records around the messages of an MCAP file: header, schema, channel; index, footer.
 
 The records are those of the `mcap` library; only their order is ours. Its `Writer` keeps its
-statistics to itself, so it would count none of the messages that `Recorder` packs by itself,
+statistics to itself, so it would count none of the messages that `LogRecorder` packs by itself,
 and the index of a finished log would call the log empty.
 """
 
