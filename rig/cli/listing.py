@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import MANIFEST, RUNS, configs_option, json_option, list_runs
+from rig.cli.names import MANIFEST, configs_option, json_option, list_runs, out_option
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
@@ -41,13 +41,7 @@ class RunEntry(NamedTuple):
 
 @click.command()
 @click.argument("what", type=click.Choice(["rigs", "experiments", "runs"]), required=False)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=RUNS,
-    show_default=True,
-    help="Where run folders live.",
-)
+@out_option
 @configs_option
 @json_option
 def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import click
@@ -12,7 +13,23 @@ if TYPE_CHECKING:
 BACKENDS = ("sim", "virtual", "vcan", "hardware")
 
 
-class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+class _Completed(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A value that is completed from a few names."""
+
+    def names(self) -> Iterable[str]:
+        """Return the names."""
+        return ()
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete a name."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(name) for name in self.names() if name.startswith(incomplete)]
+
+
+class OnBackend(_Completed):
     """One of the backends, or the CAN interface to run on.
 
     What is neither is told here: a channel bears a number (``vcan0``), and anything else has an
@@ -39,16 +56,12 @@ class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
             )
         return text
 
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        """Complete the backends."""
-        from click.shell_completion import CompletionItem
-
-        return [CompletionItem(name) for name in BACKENDS if name.startswith(incomplete)]
+    def names(self) -> Iterable[str]:
+        """Return the backends."""
+        return BACKENDS
 
 
-class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+class FrameFormat(_Completed):
     """A format of frames on file."""
 
     name = "format"
@@ -69,12 +82,8 @@ class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
             )
         return text
 
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        """Complete the formats."""
-        from click.shell_completion import CompletionItem
-
+    def names(self) -> Iterable[str]:
+        """Return the formats."""
         from rig.assembly.frame_recording import FORMATS
 
-        return [CompletionItem(name) for name in FORMATS if name.startswith(incomplete)]
+        return FORMATS
