@@ -1,6 +1,7 @@
 """Everything that can be derived from a run's log, derived again."""
 
 from pathlib import Path
+from typing import cast
 
 from rig.experiment.metrics import (
     Metric,
@@ -51,7 +52,7 @@ def write_report(path: str | Path) -> Path:
             folder.write_metrics(metrics)
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
-    names = folder.read_json(EVALUATION).get("figures") or None
+    names = cast("list[str] | None", folder.read_json(EVALUATION).get("figures") or None)
     figures = [figure for figure in draw_figures(folder.path, names) if figure.suffix == ".png"]
     return write_html(folder, figures, problems)
 
