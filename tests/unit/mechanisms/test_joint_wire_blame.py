@@ -85,6 +85,15 @@ def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
     assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
 
 
+def test_a_run_is_fast_by_its_time_and_not_by_its_way():
+    bench = WireBench(grace=math.inf)
+    wrong = off(TILTED, 1, 2e-3)
+    for rods, steps in ((TILTED, 1), (off(TILTED, 3, 3e-3), 8), (TILTED, 1), (wrong, 1)):
+        bench.check(rods, steps=steps)
+    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
+    assert said.startswith("the wire of ch1 is slack or cut")
+
+
 @pytest.mark.parametrize(("cycles", "blamed"), [(512, 3), (513, 1)])
 def test_runs_are_remembered_for_512_cycles(cycles, blamed):
     bench = WireBench(grace=math.inf)
