@@ -54,6 +54,15 @@ def test_another_rod_is_suspected_if_it_explains_more_than_half():
     assert blame(FAR, off(FAR, 3, -2e-3)).startswith("the wire of ch1 or the wire of ch3 is caught")
 
 
+@pytest.mark.parametrize(("tilt", "alike"), [(0.72, True), (0.76, False)])
+def test_more_than_half_is_half_of_the_residual_over_two_lengths(tilt, alike):
+    """The other rod would leave 0.487 and 0.511 of it."""
+    rods = rods_at(tilt, 0.4)
+    said = blame(rods, off(rods, 4, -2e-3))
+    assert said.startswith("the wire of ch2 or the wire of ch4 is caught") is alike
+    assert said.startswith("the wire of ch4 is caught") is not alike
+
+
 def test_two_wrong_rods_are_explained_by_none():
     wrong = off(off(TILTED, 1, 2e-3), 2, 2e-3)
     assert blame(TILTED, wrong) == "more than one wire is slack, or the ring is twisted"
