@@ -90,8 +90,12 @@ def test_of_two_suspects_the_one_that_ran_twice_as_fast_let_go(number, times, cl
 def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
     wrong = off(TILTED, 1, 2e-3)
     faster = off(TILTED, 3, 5e-3)
-    said = blame(TILTED, faster, TILTED, wrong, wrong, pressures=(0.0,) * 4)
+    history = (TILTED, faster, TILTED, wrong, wrong)
+    weak = (BASE, BASE, 0.0, BASE)
+    said = blame(*history, pressures=weak)
     assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
+    weak = (0.0, BASE, BASE, BASE)
+    assert blame(*history, pressures=weak).startswith("the anchor of ch3 has slipped")
 
 
 def test_a_run_is_fast_by_its_time_and_not_by_its_way():
