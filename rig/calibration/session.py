@@ -26,7 +26,7 @@ from rig.run_folder import FIGURES, RunStatus
 
 
 class Calibrated(NamedTuple):
-    """Findings with the files and figures that a procedure has written.
+    """The result of a procedure: findings, and the files that were written.
 
     Parameters
     ----------

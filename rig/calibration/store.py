@@ -1,4 +1,4 @@
-"""Calibration files: written with their history, compared, and never made worse unasked."""
+"""Calibration files: writing with history, comparing, refusing a worse fit."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ _WORSE = 0.95
 
 
 class Circumstances(NamedTuple):
-    """Facts of a calibration that nobody can compute.
+    """Facts about a calibration that only its operator knows.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def compose(
 ) -> dict[str, Any]:
     """Return the content of a calibration file.
 
-    What other procedures have found of the same device stays, with what was measured then.
+    Values that other procedures have found of the same device stay, with their estimates.
     """
     date = circumstances.now.astimezone(UTC).isoformat(timespec="seconds")
     until = circumstances.now + timedelta(seconds=circumstances.valid_for)
