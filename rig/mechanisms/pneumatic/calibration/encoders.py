@@ -7,7 +7,7 @@ straight line through what the encoder counted.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Rea
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.references import Staircase
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
 
 CALIPER_ACCURACY: Final = 10e-6
 """Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
@@ -47,7 +47,7 @@ class Encoders(Procedure[Recording]):
     name = "encoders"
     title = "zero, direction and scale of the rods' encoders against a caliper"
 
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
+    def __init__(self, pneumatics: PneumaticsOf) -> None:
         self._of = pneumatics
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
@@ -93,7 +93,7 @@ class Encoders(Procedure[Recording]):
         return findings
 
 
-def _stairs(pneumatics: Pneumatics[Any, Any]) -> Staircase:
+def _stairs(pneumatics: AnyPneumatics) -> Staircase:
     half = pneumatics.reach(_SHARE)
     count = _LEVELS // 2 + 1
     up = [half * (-1.0 + 2.0 * k / (count - 1)) for k in range(count)]

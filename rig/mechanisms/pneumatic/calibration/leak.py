@@ -32,7 +32,7 @@ ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristi
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -49,7 +49,7 @@ from rig.mechanisms.pneumatic.calibration.lock_cycles import (
     LockCycles,
     LockScript,
 )
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
 
 ATMOSPHERE: Final = 101_325.0
 _FLOW: Final = 1.185 * 287.05 * 293.15
@@ -109,7 +109,7 @@ class Leak(Procedure[Recording]):
     name = "leak"
     title = "leak of the chambers, locked in for a while"
 
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
+    def __init__(self, pneumatics: PneumaticsOf) -> None:
         self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
@@ -167,7 +167,7 @@ class Leak(Procedure[Recording]):
         )  # fmt: skip
 
 
-def _check_locks(pneumatics: Pneumatics[Any, Any]) -> None:
+def _check_locks(pneumatics: AnyPneumatics) -> None:
     device = pneumatics.regulators
     channels = pneumatics.profile.devices[device].settings.channels
     open_ended = [name for name in pneumatics.channels if channels[name].lock_bit is None]
@@ -180,7 +180,7 @@ def _check_locks(pneumatics: Pneumatics[Any, Any]) -> None:
         )
 
 
-def _cycles(pneumatics: Pneumatics[Any, Any], done: Sequence[str]) -> LockCycles:
+def _cycles(pneumatics: AnyPneumatics, done: Sequence[str]) -> LockCycles:
     rows = [
         (f"{'in' if place > 0 else 'out'} {k + 1}", place, wait)
         for place in (1, -1)
@@ -194,7 +194,7 @@ def _cycles(pneumatics: Pneumatics[Any, Any], done: Sequence[str]) -> LockCycles
 
 
 def _waits(
-    pneumatics: Pneumatics[Any, Any], recording: Recording, cycles: LockCycles, channel: str
+    pneumatics: AnyPneumatics, recording: Recording, cycles: LockCycles, channel: str
 ) -> _Waits:
     """Return what is judged of a chamber.
 

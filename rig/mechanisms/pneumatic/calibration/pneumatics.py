@@ -241,5 +241,6 @@ class Pneumatics(ABC, Generic[Reference, Command]):
             yield f"in force: limits.{name} {shown}"
 
 
-AnyPneumatics = Callable[[Profile], Pneumatics[Any, Any]]
+AnyPneumatics = Pneumatics[Any, Any]
+PneumaticsOf = Callable[[Profile], AnyPneumatics]
 """The class of a mechanism's `Pneumatics`, which the shared procedures are made with."""

@@ -21,7 +21,7 @@ from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 SWEEPS: Final = 2
@@ -47,7 +47,7 @@ class Regulators(Procedure[Recording]):
     name = "regulators"
     title = "set-point and monitor of the regulators against a gauge"
 
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
+    def __init__(self, pneumatics: PneumaticsOf) -> None:
         self._of = pneumatics
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
@@ -91,7 +91,7 @@ class Regulators(Procedure[Recording]):
         data.require(names)
         sides = np.array(ways, float)
         entry = profile.devices[pneumatics.regulators]
-        values: dict[str, Any] = {}
+        values: dict[str, object] = {}
         estimates: list[Estimate] = []
         residuals: list[Array] = []
         panels: list[Panel] = []
@@ -147,7 +147,7 @@ class Regulators(Procedure[Recording]):
         )  # fmt: skip
 
 
-def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: AnyPneumatics, sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name, pressure and side (+1 from below) of the steps of one sweep."""
     spacing = (pneumatics.highest - pneumatics.lowest) / (LEVELS + 1)
     # Each sweep has levels of its own: the converter's steps then err independently.

@@ -13,7 +13,7 @@ The mean of a joint's rods hardly depends on how the ring stands. For the single
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from rig.calibration.estimates import Estimate, Fit
 from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 from rig.mechanisms.pneumatic.calibration.wire_fit import Level, fit_wires
 
@@ -80,7 +80,7 @@ class Wires(Procedure[Recording]):
     name = "wires"
     title = "wire offset, stiffness and pretension"
 
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
+    def __init__(self, pneumatics: PneumaticsOf) -> None:
         self._of = pneumatics
 
     def believed_stiffness(self, profile: Profile) -> float | None:
@@ -188,7 +188,7 @@ def _stiffness(compliance: Estimate, base_pull: float) -> tuple[Estimate, Estima
     return compliance.inverse("wire.stiffness", "N/m"), stretch
 
 
-def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) -> list[Level]:
+def _levels(pneumatics: AnyPneumatics, recording: Recording, sweep: int) -> list[Level]:
     """Return all steps of a sweep.
 
     A step that is only passed is not recorded. It lacks as much of its setpoint as recorded steps
@@ -211,7 +211,7 @@ def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) 
     ]  # fmt: skip
 
 
-def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: AnyPneumatics, sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name (empty: not recorded), pressure and side (0: not on a line) of a sweep's steps."""
     low, high = pneumatics.lowest, 0.9 * pneumatics.highest
     spacing = (high - low) / (LEVELS + 5)
