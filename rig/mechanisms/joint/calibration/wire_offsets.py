@@ -44,13 +44,7 @@ _MOST: Final = math.radians(10.0)
 
 
 class JointWires(Wires):
-    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself."""
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
         """Return the inclinometer on the ring, read along both axes where sweeps end."""

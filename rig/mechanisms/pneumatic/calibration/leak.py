@@ -39,7 +39,7 @@ import numpy as np
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.lock_cycles import (
@@ -49,7 +49,7 @@ from rig.mechanisms.pneumatic.calibration.lock_cycles import (
     LockCycles,
     LockScript,
 )
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 
 ATMOSPHERE: Final = 101_325.0
 _FLOW: Final = 1.185 * 287.05 * 293.15
@@ -97,20 +97,11 @@ class _Waits(NamedTuple):
     volume: Array
 
 
-class Leak(Procedure[Recording]):
-    """Procedure for the leak of every chamber.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Leak(PneumaticProcedure):
+    """Procedure for the leak of every chamber."""
 
     name = "leak"
     title = "leak of the chambers, locked in for a while"
-
-    def __init__(self, pneumatics: PneumaticsOf) -> None:
-        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the waits that are not done.

@@ -22,10 +22,10 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import PneumaticsOf
+from rig.mechanisms.pneumatic.calibration.pneumatics import PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 REPEATS: Final = 16
@@ -36,20 +36,11 @@ _LEAST: Final = 0.3
 _BOUND: Final = 3e3
 
 
-class Response(Procedure[Recording]):
-    """Procedure for step response and dead time of the regulators.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Response(PneumaticProcedure):
+    """Procedure for step response and dead time of the regulators."""
 
     name = "response"
     title = "step response and dead time of the regulators"
-
-    def __init__(self, pneumatics: PneumaticsOf) -> None:
-        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the repetitions that are not done."""

@@ -18,10 +18,10 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticsOf
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 from rig.mechanisms.pneumatic.calibration.wire_fit import Level, fit_wires
 
@@ -68,20 +68,11 @@ class WireEstimates(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-class Wires(Procedure[Recording]):
-    """Procedure for wire offset, stiffness and pretension.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Wires(PneumaticProcedure):
+    """Procedure for wire offset, stiffness and pretension."""
 
     name = "wires"
     title = "wire offset, stiffness and pretension"
-
-    def __init__(self, pneumatics: PneumaticsOf) -> None:
-        self._of = pneumatics
 
     def believed_stiffness(self, profile: Profile) -> float | None:
         """Return the wires' stiffness that the profile has, N/m; None if it has none."""
