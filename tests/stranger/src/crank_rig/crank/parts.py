@@ -14,4 +14,8 @@ PARTS = MechanismParts(
     },
     references={"crank-turns": f"{_HERE}.references:CrankTurns"},
     plants={"crank": PlantModel(f"{_HERE}.plant:CrankPlantSettings", f"{_HERE}.plant:CrankPlant")},
+    measures=(f"{_HERE}.measures:CRANK_MEASURES",),
+    figures=(f"{_HERE}.figures:CRANK_FIGURES",),
+    comparisons=(f"{_HERE}.figures:CRANK_COMPARISON",),
+    procedures=(f"{_HERE}.calibration:RodZero",),
 )
