@@ -9,7 +9,7 @@ from rig.mechanisms.joint.calibration.lens import Lens
 
 def procedures(profile: Profile) -> dict[str, "Procedure | Lens"]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
-    every = REGISTRY.procedures(profile.mechanism)
+    every = REGISTRY.procedures(profile.mechanism, Procedure)
     return {procedure.name: procedure for procedure in every if procedure.targets(profile)}
 
 

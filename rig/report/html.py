@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rig.config import format_against
+from rig.report.data import mechanism_of
 from rig.report.figures import known_figures
 from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
 
@@ -52,7 +53,7 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     sections = [
         _header(folder, title),
         _metrics(folder.read_json(METRICS).get("metrics", []), problems),
-        _figures(figures),
+        _figures(figures, mechanism_of(folder)),
         _timing(folder.read_json(TIMING)),
         _events(folder.events()),
         _reproduce(manifest),
@@ -121,8 +122,8 @@ def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> s
     return _section("Metrics", table + (f'<ul class="problems">{notes}</ul>' if notes else ""))
 
 
-def _figures(figures: Sequence[Path]) -> str:
-    parts, known = [], known_figures()
+def _figures(figures: Sequence[Path], mechanism: str | None) -> str:
+    parts, known = [], known_figures(mechanism)
     for figure in figures:
         content = figure.read_bytes()
         data = base64.b64encode(content).decode()

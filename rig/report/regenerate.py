@@ -73,7 +73,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     problems: list[str] = []
     for name, spec in specs.items():
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts)
+            metrics += evaluate(log, segments, {name: spec}, facts, content.get("mechanism"))
         except MetricError as error:
             problems.append(str(error))
     return metrics, problems

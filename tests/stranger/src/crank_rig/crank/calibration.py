@@ -13,9 +13,9 @@ from typing import Annotated
 
 import numpy as np
 from annotated_types import Gt, Unit
-from crank_rig.crank.types import CrankReference
 
 from controllers.minimum_jerk import minimum_jerk
+from crank_rig.crank.types import CrankReference
 from rig.assembly import make_controller
 from rig.calibration.estimates import fit
 from rig.calibration.instruments import Instrument
@@ -74,9 +74,7 @@ class TwistMoves(ScriptedMotion[CrankReference]):
         """Return where the cranks should be at `t`."""
         k = min(int(t / self._hold), len(self._levels) - 2)
         into = t - k * self._hold
-        twist, speed, _ = minimum_jerk(
-            self._levels[k], self._levels[k + 1], 0.3 * self._hold, into
-        )
+        twist, speed, _ = minimum_jerk(self._levels[k], self._levels[k + 1], 0.3 * self._hold, into)
         return CrankReference((0.5 * math.pi, 0.5 * math.pi + twist), (0.0, speed))
 
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from crank_rig.crank.references import CrankTurns, TurningCranks
 from crank_rig.crank.settings import CrankSettings
 from crank_rig.crank.types import AXES, CrankCommand, CrankModel, CrankReference, CrankState
-
 from rig.hal import Column, Controller, Device, LimitExceeded
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from annotated_types import Gt, MinLen, Unit
-from crank_rig.crank.types import CrankReference
 
 from controllers.minimum_jerk import minimum_jerk
+from crank_rig.crank.types import CrankReference
 from rig.hal import Motion, Segment
 
 PEAK = 1.875

@@ -4,7 +4,6 @@ from math import inf
 
 from crank_rig.tecno.codec import MOST, decode_monitors, encode_setpoints
 from crank_rig.tecno.settings import MONITORS, PROFILE, SETPOINTS, TecnoSettings
-
 from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs

@@ -5,7 +5,6 @@ that a mistake in one shows against the other.
 """
 
 from crank_rig.tecno.settings import TecnoSettings
-
 from drivers.sim.direct.regulators import RegulatorPort, SimulatedRegulators
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.object_dictionary import UNSIGNED32, Variable
@@ -70,7 +69,11 @@ def emulate(
 
 
 def simulate(
-    name: str, settings: TecnoSettings, plant: RegulatorPort, channels: tuple[int, ...], clock: Clock
+    name: str,
+    settings: TecnoSettings,
+    plant: RegulatorPort,
+    channels: tuple[int, ...],
+    clock: Clock,
 ) -> SimulatedRegulators:
     """Return regulators straight on the plant, with the bank's range and resolution."""
     return SimulatedRegulators(
