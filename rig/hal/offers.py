@@ -11,7 +11,11 @@ def members_of(protocol: type) -> tuple[tuple[str, bool], ...]:
         if base.__module__ in ("builtins", "typing"):
             continue
         own = vars(base)
-        found |= {name: False for name in own if not name.startswith("_")}
+        found |= {
+            name: isinstance(member, property)
+            for name, member in own.items()
+            if not name.startswith("_")
+        }
         for name in own.get("__annotations__", {}):
             if not name.startswith("_"):
                 found.setdefault(name, True)
@@ -22,7 +26,8 @@ def lacking(thing: object, protocol: type) -> tuple[str, ...]:
     """Return the members of a protocol that a class or an instance of one does not have.
 
     What a class only inherits from the protocol itself, without a default, it does not have. What
-    the protocol only annotates may be set by a constructor, so a class need not have it.
+    the protocol annotates or has as a property may be set by a constructor: a class need not have
+    it, if its instances do.
     """
     kind = thing if isinstance(thing, type) else type(thing)
     unwritten = kind.__dict__.get("__abstractmethods__", frozenset())

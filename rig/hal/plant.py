@@ -16,6 +16,9 @@ class Plant(Protocol):
     channel_names: tuple[str, ...]
     """What devices may be wired to: chambers, rods, axes."""
 
+    known_faults: tuple[str, ...]
+    """Names that `inject` understands; empty if nothing of it breaks."""
+
     truth_columns: Sequence[tuple[str, str]]
     """Names and SI units of what `truth` returns."""
 

@@ -7,22 +7,18 @@ from annotated_types import Ge, Gt, Unit
 
 from crank_rig.crank.types import CrankCommand, CrankModel, CrankReference, CrankState
 
+from controllers.base import Law
+
 
 @dataclass(frozen=True, slots=True)
 class IndependentSettings:
     """The law has nothing to set."""
 
 
-class Independent:
+class Independent(Law[IndependentSettings, CrankModel, CrankReference, CrankState, CrankCommand]):
     """Each crank follows its own reference, whatever the other one does."""
 
     Settings = IndependentSettings
-
-    def __init__(self, settings: IndependentSettings, model: CrankModel, period: float) -> None:
-        pass
-
-    def compile(self) -> None:
-        """There is nothing to compile."""
 
     def reset(self, state: CrankState) -> None:
         """There is nothing to forget."""
@@ -48,7 +44,9 @@ class CrossCoupledSettings:
     max_trim: Annotated[float, Unit("rad"), Gt(0)] = 0.05
 
 
-class CrossCoupled:
+class CrossCoupled(
+    Law[CrossCoupledSettings, CrankModel, CrankReference, CrankState, CrankCommand]
+):
     """Trims both references against each other until the rod is no longer strained.
 
     References
@@ -60,13 +58,11 @@ class CrossCoupled:
     Settings = CrossCoupledSettings
 
     def __init__(self, settings: CrossCoupledSettings, model: CrankModel, period: float) -> None:
+        super().__init__(settings, model, period)
         self._step = settings.gain * period
         self._most = settings.max_trim
         self._rod_zero = model.rod_zero
         self._trim = 0.0
-
-    def compile(self) -> None:
-        """There is nothing to compile."""
 
     def reset(self, state: CrankState) -> None:
         """Start without a trim: the first command is the reference, where the cranks are."""

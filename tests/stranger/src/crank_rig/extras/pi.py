@@ -5,6 +5,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Unit
 
+from controllers.base import Law
 from controllers.cylinder.types import (
     PairCommand,
     PairEstimate,
@@ -26,16 +27,17 @@ class PiSettings:
         Pa/(m s).
     """
 
-    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 8e6
-    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 3e7
+    proportional: Annotated[float, Unit("Pa/m"), Ge(0)] = 3e7
+    integral: Annotated[float, Unit("Pa/(m s)"), Ge(0)] = 2e8
 
 
-class Pi:
+class Pi(Law[PiSettings, PairModel, PairReference, PairState, PairCommand]):
     """PI on the pair's position, around the base pressure."""
 
     Settings = PiSettings
 
     def __init__(self, settings: PiSettings, model: PairModel, period: float) -> None:
+        super().__init__(settings, model, period)
         self._proportional = settings.proportional
         self._integral_step = settings.integral * period
         self._base = model.base_pressure
@@ -44,9 +46,6 @@ class Pi:
         self._measured: float | None = None
         self.estimate = PairEstimate(0.0, 0.0)
         """Nothing: the law estimates neither velocity nor disturbance."""
-
-    def compile(self) -> None:
-        """There is nothing to compile."""
 
     def reset(self, state: PairState) -> None:
         """Start bumplessly: the first command is the measured differential."""
