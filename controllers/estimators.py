@@ -310,7 +310,7 @@ class ForceObserver(PlainNumbers):
 
 
 class StandstillDetector(PlainNumbers):
-    """Whether something stands still: it has moved less than a distance within a time.
+    """A detector of standstill: less than a distance has been moved within a time.
 
     Parameters
     ----------

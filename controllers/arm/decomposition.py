@@ -14,7 +14,7 @@ from controllers.singularity.two_link import Frame, two_link_frame, two_link_par
 
 
 class Scale(NamedTuple):
-    """How much of the commanded twist is done, with the quotient that the elbow needs.
+    """Shares of the commanded twist, with the quotient that the elbow needs.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from controllers.motion import InfeasibleMotion
 
 
 class Switch(NamedTuple):
-    """What b and its rate are where the hand enters the region; it leaves with ``b, -rate``.
+    """b and its rate where the hand enters the region; it leaves with ``b, -rate``.
 
     Parameters
     ----------

@@ -37,10 +37,8 @@ from controllers.arm.turn_back import (
     time_at_depth,
     turn_back,
 )
-from controllers.arm.types import Joints
+from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
-
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +144,7 @@ class EscPaper(ArmLaw[EscPaperSettings]):
 
 @dataclass(frozen=True, slots=True)
 class EscSettings:
-    """What the law may be asked to leave out.
+    """Parts of the law that may be left out.
 
     Parameters
     ----------
@@ -303,7 +301,7 @@ def _integrated(
         after = advance_joints(rates, t, q, period, now)
         if left(t + period, after) <= 0.0:
             last, _ = bisect_period(rates, t, q, period, lambda at, there: left(at, there) > 0.0)
-            yield Sample(advance_joints(rates, t, q, last), _AT_REST, 0.0, 0.0, command)
+            yield Sample(advance_joints(rates, t, q, last), AT_REST, 0.0, 0.0, command)
             end.duration = t + last
             return
         q, t = after, t + period

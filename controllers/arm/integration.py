@@ -17,9 +17,9 @@ LONGEST_STEP = 5e-3
 
 def _step_joints(rates: Rates, t: float, q: Joints, h: float, k1: Joints) -> Joints:
     half = 0.5 * h
-    k2 = rates(t + half, _moved(q, k1, half))
-    k3 = rates(t + half, _moved(q, k2, half))
-    k4 = rates(t + h, _moved(q, k3, h))
+    k2 = rates(t + half, moved(q, k1, half))
+    k3 = rates(t + half, moved(q, k2, half))
+    k4 = rates(t + h, moved(q, k3, h))
     sixth = h / 6.0
     q1, q2, q3, q4, q5, q6 = (
         x + sixth * (a + 2.0 * (b + c) + d) for x, a, b, c, d in zip(q, k1, k2, k3, k4, strict=True)
@@ -71,7 +71,8 @@ def advance_joints(
     return q
 
 
-def _moved(q: Joints, rate: Joints, h: float) -> Joints:
+def moved(q: Joints, rate: Joints, h: float) -> Joints:
+    """Return the joints (rad) after `h` seconds at constant rates (rad/s)."""
     return (
         q[0] + h * rate[0],
         q[1] + h * rate[1],

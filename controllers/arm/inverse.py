@@ -11,7 +11,7 @@ _TURN = 2.0 * math.pi
 
 
 class Branch(NamedTuple):
-    """Which of the eight solutions: the sign of c (shoulder), of S3 (elbow) and of S5 (wrist)."""
+    """One of the eight solutions: the signs of c (shoulder), of S3 (elbow) and of S5 (wrist)."""
 
     shoulder: int
     elbow: int

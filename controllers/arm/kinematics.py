@@ -40,7 +40,7 @@ class Dimensions(NamedTuple):
 
 
 class Indices(NamedTuple):
-    """What vanishes at the three singularities: det J = -a2 a3 S3 c S5.
+    """Factors of det J that vanish at the three singularities: det J = -a2 a3 S3 c S5.
 
     Parameters
     ----------

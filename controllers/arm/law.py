@@ -9,14 +9,12 @@ from controllers.arm.kinematics import dimensions_of
 from controllers.arm.plan import ArmPlan, Sample, make_plan
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import ArmCommand, ArmReference, ArmState, Joints
+from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
-
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class MotionEnd:
-    """How a law's motion ended; a law fills it in.
+    """The end of a motion, which its law fills in.
 
     Attributes
     ----------
@@ -45,15 +43,6 @@ class ArmLaw(
     `prepare` runs the law through the whole motion and keeps nothing but the path; `update` runs
     it again, one period per call whatever the clock says: a late cycle is a cycle later, not a
     jump. The law moves the commanded joints; that the measured ones follow is for the drives.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the law.
-    model : ArmGeometry
-        Dimensions and limits.
-    period : float
-        The loop's period, s.
     """
 
     name: ClassVar[str]
@@ -116,7 +105,7 @@ class ArmLaw(
         sample = next(self._motion, None)
         if sample is None:
             end = reference.positions if self._last is None else self._last.positions
-            return ArmCommand(end, _AT_REST)
+            return ArmCommand(end, AT_REST)
         self._last = sample
         return ArmCommand(sample.positions, sample.velocities)
 

@@ -20,7 +20,7 @@ _FINE = 2e-3
 
 @dataclass(frozen=True, slots=True)
 class LookAheadSettings:
-    """How much of the limits is used.
+    """Shares of the limits that are used.
 
     Parameters
     ----------

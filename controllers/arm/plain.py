@@ -14,14 +14,14 @@ from annotated_types import Ge, Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.arm.decomposition import full_scale, joint_rates
+from controllers.arm.integration import moved
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import Joints, Twist
+from controllers.arm.types import AT_REST, Joints, Twist
 from controllers.arm.vectors import along, minus, rotation_error
 
-_AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _HALTED = 1e-2
 
 
@@ -60,15 +60,15 @@ class _PoseLaw(ArmLaw[Following]):
             share = self.share(q)
             command = trajectory.twist(tau)
             if share < _HALTED:
-                yield Sample(q, _AT_REST, 0.0, 0.0, command)
+                yield Sample(q, AT_REST, 0.0, 0.0, command)
                 end.duration, end.outcome = t, "halts"
                 return
             rates = self.rates(q, self._wanted(q, trajectory, tau, share))
             yield Sample(q, rates, share, share, command)
             step = min(self.period, (trajectory.duration - tau) / share)
-            q = _moved(q, rates, step)
+            q = moved(q, rates, step)
             t, tau = t + step, tau + share * step
-        yield Sample(q, _AT_REST, 0.0, 0.0, trajectory.twist(tau))
+        yield Sample(q, AT_REST, 0.0, 0.0, trajectory.twist(tau))
         end.duration = t
 
     def _wanted(self, q: Joints, trajectory: Trajectory, tau: float, share: float) -> Twist:
@@ -88,7 +88,7 @@ class _InverseLaw(_PoseLaw[Following]):
     def rates(self, q: Joints, twist: Twist) -> Joints:
         """Return ``J^-1`` times the twist; at the singularity itself the arm waits."""
         if math.sin(q[2] + self.arm.elbow_angle) == 0.0:
-            return _AT_REST
+            return AT_REST
         return joint_rates(self.arm, q, twist.linear, twist.angular, full_scale(self.arm, q))
 
 
@@ -191,7 +191,7 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
 
 @dataclass(frozen=True, slots=True)
 class ServoHaltSettings(InverseSettings):
-    """Where the hand is slowed and where it halts.
+    """Conditions of J at which the hand is slowed and halts.
 
     Parameters
     ----------
@@ -225,8 +225,3 @@ class ServoHalt(_InverseLaw[ServoHaltSettings]):
         settings = self.settings
         share: float = (settings.halt - condition) / (settings.halt - settings.slow)
         return min(max(share, 0.0), 1.0)
-
-
-def _moved(q: Joints, rates: Joints, h: float) -> Joints:
-    q1, q2, q3, q4, q5, q6 = (a + h * b for a, b in zip(q, rates, strict=True))
-    return q1, q2, q3, q4, q5, q6

@@ -21,6 +21,7 @@ from controllers.arm.axis_path import AxisPath
 from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.trajectory import Trajectory
+from controllers.arm.types import AT_REST
 
 Array = NDArray[np.float64]
 
@@ -32,7 +33,7 @@ _ACCELERATION_SHARE = 0.98
 
 
 class Timing(NamedTuple):
-    """When the joint path is where.
+    """The timing of an axis path.
 
     Parameters
     ----------
@@ -170,5 +171,5 @@ def follow_axis_path(
     for q, rate, (linear, angular), tau in zip(joints, rates, scales, gone, strict=True):
         yield Sample(tuple(q), tuple(rate), linear, angular, trajectory.command_at(tau))
     last = tuple(path.joints(np.array([path.length]))[0].tolist())
-    yield Sample(last, (0.0,) * 6, 0.0, 0.0, trajectory.command_at(gone[-1]))
+    yield Sample(last, AT_REST, 0.0, 0.0, trajectory.command_at(gone[-1]))
     end.duration = timing.duration

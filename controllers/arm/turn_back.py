@@ -12,7 +12,7 @@ from controllers.arm.law import Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
-from controllers.arm.types import Joints, Twist, Vector
+from controllers.arm.types import AT_REST, Joints, Twist, Vector
 from controllers.motion import InfeasibleMotion
 
 _TOUCHING = 1e-6
@@ -142,7 +142,7 @@ def turn_back(
         if distance(after) <= 0.0:
             left = instant(lambda there: distance(there) > 0.0)
             last = sample(advance_joints(rates, t, q, left - t))
-            yield last._replace(velocities=(0.0,) * 6, linear=0.0, angular=0.0)
+            yield last._replace(velocities=AT_REST, linear=0.0, angular=0.0)
             end.duration = left
             end.marks = {"region": tuple(borders)}
             return
@@ -204,7 +204,7 @@ def dwelling(
         now = joint_rates(arm, q, linear, still, scale)
         yield Sample(q, now, scale.linear, 1.0, command)
         q, t = moved(now, q, t, min(t + period, finish)), t + period
-    yield Sample(q, (0.0,) * 6, 0.0, 0.0, command)
+    yield Sample(q, AT_REST, 0.0, 0.0, command)
     end.duration = finish
     end.marks = {"region": (enter, leave)}
 

@@ -7,24 +7,25 @@ Rotation = tuple[Vector, Vector, Vector]
 """Rows of a rotation matrix, base from tool."""
 Joints = tuple[float, float, float, float, float, float]
 """One value per joint, q1 … q6."""
+AT_REST: Joints = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Pose(NamedTuple):
-    """Where the tool is: position of its point (m) and rotation, base from tool."""
+    """Pose of the tool: position of its point (m) and rotation, base from tool."""
 
     position: Vector
     rotation: Rotation
 
 
 class Twist(NamedTuple):
-    """How the tool moves, in the base's axes: linear (m/s) and angular (rad/s) velocity."""
+    """Velocity of the tool in the base's axes: linear (m/s) and angular (rad/s) velocity."""
 
     linear: Vector
     angular: Vector
 
 
 class ArmState(NamedTuple):
-    """What is measured of an arm in one cycle.
+    """Measurements of an arm in one cycle.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ class ArmState(NamedTuple):
 
 
 class ArmReference(NamedTuple):
-    """What an arm should do in one cycle.
+    """The wanted motion of an arm in one cycle.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class ArmReference(NamedTuple):
 
 
 class ArmCommand(NamedTuple):
-    """What the joints are told: positions (rad) and velocities (rad/s)."""
+    """Setpoints of the joints: positions (rad) and velocities (rad/s)."""
 
     positions: Joints
     velocities: Joints

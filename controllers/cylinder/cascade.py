@@ -27,10 +27,11 @@ class CascadeSettings:
     velocity_rate : float
         Acceleration asked for over the velocity error, rad/s.
     tuned_viscous : float, optional
-        Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. A pair that has
-        more of it is damped better and bears more, so the rate grows with the fourth root of what
-        a calibration finds, from half to twice as much: on the simulated joint other powers track
-        less well with 0.7 or with 1.3 times the friction. None: the rate is the same for any.
+        Viscous friction of the pair that `velocity_rate` was tuned with, N s/m. Friction damps the
+        pair, so with more of it the loop stays stable at a higher rate. The rate is multiplied by
+        the fourth root of the calibrated friction over this one, a ratio that is kept between 0.5
+        and 2. With 0.7 and with 1.3 times the friction, other powers track less well on the
+        simulated joint. None: the rate does not depend on the friction.
     integral : float
         N/(m s), while the reference moves.
     hold_integral : float
@@ -94,15 +95,6 @@ class Cascade(PairLaw[CascadeSettings]):
     """Position over velocity over force, with an observer, feedforward, integral and lead.
 
     The law itself is `CascadeLaw`: numbers, which run as Python until `compile` is called.
-
-    Parameters
-    ----------
-    settings : CascadeSettings
-        Bandwidths and gains.
-    model : PairModel
-        Pressures, area, mass, friction, regulators.
-    period : float
-        The loop's period, s.
 
     Notes
     -----

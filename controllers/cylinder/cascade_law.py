@@ -24,8 +24,8 @@ _CREEP_SPEED = 3e-3
 it needs no push, and would overshoot with one."""
 
 _DAMPED, _DAMPED_LEAST, _DAMPED_MOST = 0.25, 0.5, 2.0
-"""Power of the viscous friction with which the gain grows that a pair bears, and between which
-shares of what it was tuned with: beyond them nobody has tried it."""
+"""The velocity gain grows with this power of the viscous friction over that of the tuning. The
+ratio is kept between these two: beyond them it has not been tried."""
 
 # What the law calls of its parts. They take a record for their `self` as they take an object.
 _sticks = inlined(StandstillDetector.update)

@@ -13,7 +13,7 @@ from controllers.cylinder.types import PairModel
 
 
 class DifferentialRange(PlainNumbers):
-    """What differential both chambers can take around the base pressure, and its split.
+    """The differential that both chambers can take around the base pressure, and its split.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ _LEAST_SCALE, _MOST_SCALE = 0.25, 3.0
 
 @dataclass(frozen=True, slots=True)
 class FeedforwardSettings:
-    """What share of the modelled friction is fed forward, and how it turns round.
+    """Share of the modelled friction that is fed forward, and the way it turns round.
 
     Parameters
     ----------

@@ -20,17 +20,7 @@ Output = tuple[float, float, float, float, float]
 
 
 class PairLaw(Law[Chosen, PairModel, PairReference, PairState, PairCommand]):
-    """A position controller of one antagonistic pair.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Gains of the law.
-    model : PairModel
-        Pressures, area, mass, friction, regulators.
-    period : float
-        The loop's period, s.
-    """
+    """A position controller of one antagonistic pair."""
 
     _step: Callable[[float, float, float, float, float, float], Output]
     """Takes the measured position (m), the agonist's over the antagonist's pressure (Pa), position,

@@ -39,15 +39,6 @@ class PidSettings:
 class Pid(PairLaw[PidSettings]):
     """PID with a filtered derivative and clamped anti-windup.
 
-    Parameters
-    ----------
-    settings : PidSettings
-        Gains.
-    model : PairModel
-        Pressures and area.
-    period : float
-        The loop's period, s.
-
     References
     ----------
     K. J. Åström, T. Hägglund, "Advanced PID control", ISA, 2006, chapters 3 (filtered derivative,

@@ -62,17 +62,7 @@ class PidFrictionSettings:
 
 
 class PidFriction(PairLaw[PidFrictionSettings]):
-    """PID on an estimated velocity, with friction feedforward, regulator lead and dither.
-
-    Parameters
-    ----------
-    settings : PidFrictionSettings
-        Gains.
-    model : PairModel
-        Pressures, area, friction, regulators.
-    period : float
-        The loop's period, s.
-    """
+    """PID on an estimated velocity, with friction feedforward, regulator lead and dither."""
 
     Settings = PidFrictionSettings
 

@@ -59,15 +59,6 @@ class SuperTwistingSettings:
 class SuperTwisting(PairLaw[SuperTwistingSettings]):
     """Second-order sliding mode on ``s = v_ref - v + lambda (x_ref - x)``.
 
-    Parameters
-    ----------
-    settings : SuperTwistingSettings
-        Surface and gains.
-    model : PairModel
-        Pressures, area, mass, regulators.
-    period : float
-        The loop's period, s.
-
     References
     ----------
     A. Levant, "Sliding order and sliding accuracy in sliding mode control", Int. J. Control 58(6),

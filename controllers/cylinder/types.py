@@ -12,7 +12,7 @@ from annotated_types import Ge, Gt, Unit
 
 
 class PairState(NamedTuple):
-    """What is measured of a pair in one cycle.
+    """Measurements of a pair in one cycle.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class PairState(NamedTuple):
 
 
 class PairReference(NamedTuple):
-    """What a pair should do: position (m), velocity (m/s), acceleration (m/s²)."""
+    """The wanted motion of a pair: position (m), velocity (m/s), acceleration (m/s²)."""
 
     position: float
     velocity: float
@@ -46,7 +46,7 @@ class PairCommand(NamedTuple):
 
 
 class PairEstimate(NamedTuple):
-    """What a controller believes of a pair.
+    """A controller's estimate of a pair.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class PairEstimate(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class PairModel:
-    """What a controller believes of the pair (nominal; the plant is perturbed around it).
+    """Nominal mechanics of the pair, which its controllers compute with.
 
     Parameters
     ----------

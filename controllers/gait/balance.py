@@ -17,7 +17,7 @@ _LINKS_PER_LEG = 5
 
 
 class LinkCentres(NamedTuple):
-    """Where the masses are.
+    """Centres of mass.
 
     Parameters
     ----------

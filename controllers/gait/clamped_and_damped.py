@@ -25,17 +25,7 @@ Array = NDArray[np.float64]
 
 
 class RivalLaw(GaitLaw[Chosen]):
-    """Constant speed along the path; the joints are a matter of their own.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the rival.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-    """
+    """Constant speed along the path; the joints are a matter of their own."""
 
     def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
         super().__init__(settings, model, period)
@@ -62,17 +52,7 @@ class RivalLaw(GaitLaw[Chosen]):
 
 
 class ClampedLaw(RivalLaw[NoSettings]):
-    """The closed-form inverse, with each joint cut at its greatest rate.
-
-    Parameters
-    ----------
-    settings : NoSettings
-        None.
-    model : GaitModel
-        The robot; it says what a joint's greatest rate is.
-    period : float
-        The loop's, s.
-    """
+    """The closed-form inverse, with each joint cut at its greatest rate."""
 
     Settings = NoSettings
     name = "clamp"
@@ -102,15 +82,6 @@ class DampedSettings:
 
 class DampedLaw(RivalLaw[DampedSettings]):
     """Damped least squares towards the path, each leg on its own.
-
-    Parameters
-    ----------
-    settings : DampedSettings
-        The damping.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
 
     References
     ----------

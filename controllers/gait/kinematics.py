@@ -94,8 +94,7 @@ def jacobian(geometry: LegGeometry, leg: int, q: LegAngles) -> NDArray[np.float6
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 4: J_R and J_L of eq. (3).
+    Kameta et al., section 4: J_R and J_L of eq. (3).
     """
     (x, y, z), rotation = waist_from_foot(geometry, leg, q)
     s5, c5 = math.sin(q[4]), math.cos(q[4])

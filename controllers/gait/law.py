@@ -71,19 +71,10 @@ PaceMaker = Callable[[TimedPhase], Pace]
 class GaitLaw(
     PlanningLaw[Chosen, GaitModel, LegsReference, LegsState, LegsCommand, LegsMotion, GaitPlan]
 ):
-    """What the laws have in common: phases in their order, one period per update.
+    """A law of the legs: phases in their order, one period per update.
 
     The path parameter belongs to the law, not to the clock: an update moves on by exactly one
     period, so a late cycle holds the motion and loses no distance.
-
-    Parameters
-    ----------
-    settings : dataclass
-        Of the law.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
     """
 
     name: ClassVar[str]

@@ -31,8 +31,7 @@ class InverseLaw(GaitLaw[NoSettings]):
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", eq. (1) and Fig. 4 (a).
+    Kameta et al., eq. (1) and Fig. 4 (a).
     """
 
     Settings = NoSettings
@@ -54,7 +53,7 @@ class MinimumJerkLaw(GaitLaw[NoSettings]):
 
 @dataclass(frozen=True, slots=True)
 class LimitedNormSettings:
-    """Where the joint rates are cut.
+    """Bound of the joint rates.
 
     Parameters
     ----------
@@ -74,8 +73,7 @@ class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 4 and Fig. 4 (b).
+    Kameta et al., section 4 and Fig. 4 (b).
     """
 
     Settings = LimitedNormSettings
@@ -116,8 +114,7 @@ class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 5 and Fig. 4 (c).
+    Kameta et al., section 5 and Fig. 4 (c).
     """
 
     Settings = TrapezoidNormSettings

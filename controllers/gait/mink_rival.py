@@ -39,15 +39,6 @@ class MinkSettings:
 class MinkLaw(RivalLaw[MinkSettings]):
     """Both soles as tasks under a fixed waist, every joint's rate bounded, one step per period.
 
-    Parameters
-    ----------
-    settings : MinkSettings
-        Costs and solver.
-    model : GaitModel
-        The robot.
-    period : float
-        The loop's, s.
-
     Raises
     ------
     InfeasibleMotion

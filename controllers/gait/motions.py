@@ -98,8 +98,7 @@ class WalkSettings(GaitRequest):
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 5 and Fig. 5.
+    Kameta et al., section 5 and Fig. 5.
     """
 
     landings: Annotated[int, Interval(ge=1, le=50)] = 3

@@ -21,7 +21,7 @@ _REST: Joints = (0.0,) * 12
 
 
 class PhaseCurve:
-    """What the joints go through in one phase, followed step by step.
+    """The curve of the joints in one phase, followed step by step.
 
     Parameters
     ----------
@@ -46,8 +46,7 @@ class PhaseCurve:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", eq. (2) and (3): one path parameter for both legs keeps them synchronised.
+    Kameta et al., eq. (2) and (3): one path parameter for both legs keeps them synchronised.
 
     Notes
     -----

@@ -17,7 +17,7 @@ Angles = tuple[float, float, float, float, float, float, float]
 """Knee, ankle pitch and ankle roll of the right and of the left leg, rad; path parameter."""
 
 DONE, NOTHING_MOVES, TANGENTIAL = 0, 1, 2
-"""What became of a step."""
+"""Outcomes of a step."""
 
 _STRAIGHT = 1e-9
 """sin(knee) below which both legs count as straight together: rounding of the last step."""
@@ -27,7 +27,7 @@ _LONGEST_PIECE, _MOST_PIECES = 2e-3, 100
 
 
 class Step(NamedTuple):
-    """Where a step led.
+    """The end of a step along the curve.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class LegPath(PlainNumbers):
 
 
 class Phase(NamedTuple):
-    """What waist and feet do, in the ground's frame: x ahead, y to the left.
+    """The motion of waist and feet, in the ground's frame: x ahead, y to the left.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ class PlanSegment(NamedTuple):
 
 
 class PlannedPhase(NamedTuple):
-    """What became of a phase.
+    """A phase as it was planned.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class PlannedPhase(NamedTuple):
 
 
 class Balance(NamedTuple):
-    """How safely the robot stands at each sample.
+    """Margins of the robot's balance at each sample.
 
     Parameters
     ----------

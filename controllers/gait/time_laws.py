@@ -18,7 +18,7 @@ from controllers.motion import InfeasibleMotion
 
 
 class PaceSummary(NamedTuple):
-    """What a pace has decided.
+    """The bound and the speed of a pace.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class PaceSummary(NamedTuple):
 
 
 class Pace(Protocol):
-    """How one phase passes."""
+    """The time law of one phase."""
 
     summary: PaceSummary
 
@@ -122,8 +122,7 @@ class LimitedNormPace:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 4: the total distance is kept by raising the speed before the
+    Kameta et al., section 4: the total distance is kept by raising the speed before the
     neighbourhood of the singularity.
     """
 
@@ -208,8 +207,7 @@ class TrapezoidNormPace:
 
     References
     ----------
-    Kameta, Sekiguchi, Tsumaki and Nenchev, "Walking control around singularity using the SC
-    approach", section 5: trapezoidal interpolation of the joint-rate norm.
+    Kameta et al., section 5: trapezoidal interpolation of the joint-rate norm.
     """
 
     def __init__(self, arcs: Arcs, cycles: int, period: float, ramp: float, most: float) -> None:

@@ -12,7 +12,7 @@ Joints = tuple[float, ...]
 
 
 class LegsState(NamedTuple):
-    """What is measured of the legs in one cycle.
+    """Measurements of the legs in one cycle.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class LegsState(NamedTuple):
 
 
 class LegsReference(NamedTuple):
-    """What the legs should do in this cycle.
+    """The wanted motion of the legs in one cycle.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class LegsReference(NamedTuple):
 
 
 class LegsCommand(NamedTuple):
-    """Where the joints should be at the end of this period, and how fast they got there.
+    """Positions of the joints at the end of this period, and their rates on the way.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class LegsCommand(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class BalanceSettings:
-    """What counts as balanced.
+    """Bounds of balance.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class BalanceSettings:
 
 @dataclass(frozen=True, slots=True)
 class GaitModel:
-    """What a law is told of the robot.
+    """The robot's geometry and the bounds of its balance, which its laws compute with.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from controllers.compiled import inlined
 
 
 class Frame(NamedTuple):
-    """Where the tip is, and what moving it along its radius costs.
+    """The place of the tip, and what moving it along its radius costs.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ _ZERO = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class CameraLoopSettings:
-    """How the reference is corrected.
+    """Gain and limits of the correction of the reference.
 
     Parameters
     ----------

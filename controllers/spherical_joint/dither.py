@@ -31,7 +31,7 @@ _REST_SPEED = 0.5e-3
 
 @dataclass(frozen=True, slots=True)
 class DitherSettings:
-    """How the tensions are shaken.
+    """Amplitude and frequency of the dither of the tensions.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class DitherSettings:
 
 @dataclass(frozen=True, slots=True)
 class PathDitherSettings:
-    """How the ring is shaken along its path.
+    """Amplitude and frequency of the dither along the path.
 
     Parameters
     ----------

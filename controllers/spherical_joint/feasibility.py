@@ -57,7 +57,7 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class JointBounds:
-    """What a profile allows the joint.
+    """Bounds that a profile sets to the joint.
 
     Parameters
     ----------

@@ -67,7 +67,7 @@ class SearchConstants(PlainNumbers):
 
 
 class ForwardPose(NamedTuple):
-    """Where the ring points, and how far the wires are from saying the same.
+    """The ring's axis, and by how much the four wires disagree about it.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ _HALF_POWER = 0.2624
 
 @dataclass(frozen=True, slots=True)
 class LearningSettings:
-    """How quickly and how finely one signal is learnt.
+    """Gain and resolution with which one signal is learnt.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class LearningSettings:
 
 @dataclass(frozen=True, slots=True)
 class StopSettings:
-    """When learning ends by itself.
+    """Conditions under which learning ends by itself.
 
     Parameters
     ----------

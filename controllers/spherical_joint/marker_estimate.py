@@ -27,7 +27,7 @@ _GAP = 0.5
 
 @dataclass(frozen=True, slots=True)
 class MarkerEstimateSettings:
-    """How the camera is trusted, and when something is wrong.
+    """Trust in the camera, and bounds beyond which something is wrong.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ class MarkerEstimateSettings:
 
 
 class MarkerEstimate(NamedTuple):
-    """Where the marker is believed to be, and what speaks against it.
+    """The estimated place of the marker, and what speaks against it.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ degrees changes them by some 0.5 %."""
 
 @dataclass(frozen=True, slots=True)
 class JointLearningSettings:
-    """What is learnt over the laps of a repeated motion.
+    """Signals that are learnt over the laps of a repeated motion.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class JointLearningSettings:
 
 @dataclass(frozen=True, slots=True)
 class PoseControlSettings:
-    """What all pose controllers have in common.
+    """Settings of every pose controller.
 
     Parameters
     ----------
@@ -132,15 +132,6 @@ Posed = TypeVar("Posed", bound=PoseControlSettings)
 
 class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCommand]):
     """Inverse kinematics, two pair laws, two mean pressures.
-
-    Parameters
-    ----------
-    settings : PoseControlSettings
-        With the settings of the pair's law as `pair`.
-    model : JointModel
-        Geometry, cylinders, friction, tension limits.
-    period : float
-        The loop's period, s.
 
     References
     ----------

@@ -25,7 +25,7 @@ Remembered = tuple[Quadruple, Quadruple, Quadruple, Quadruple]
 """See `remembered`."""
 
 FOUND, NO_POSE, NO_TENSIONS = range(3)
-"""How a step went."""
+"""Outcomes of a step."""
 
 
 @dataclass(frozen=True)

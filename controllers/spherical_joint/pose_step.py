@@ -27,7 +27,7 @@ from controllers.spherical_joint.wires import InverseKinematics
 
 
 class Step(NamedTuple):
-    """What the laws and the estimate of the marker need of a cycle.
+    """A cycle's inputs to the laws and to the estimate of the marker.
 
     Parameters
     ----------

@@ -50,7 +50,7 @@ def lifted(tensions: Quadruple, shares: Quadruple, least: float) -> Quadruple:
 
 
 class PoseTensions(NamedTuple):
-    """What the wires' tensions do to the ring in one pose.
+    """The effect of the wires' tensions on the ring in one pose.
 
     Parameters
     ----------

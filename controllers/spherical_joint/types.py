@@ -33,7 +33,7 @@ class CameraSample(NamedTuple):
 
 
 class JointState(NamedTuple):
-    """What is measured of the joint in one cycle.
+    """Measurements of the joint in one cycle.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class JointState(NamedTuple):
 
 
 class Lap(NamedTuple):
-    """Where in a repeated motion a reference is.
+    """The place of a reference in a repeated motion.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Lap(NamedTuple):
 
 
 class JointReference(NamedTuple):
-    """What the ring should do, whatever the convention of the pose.
+    """The wanted motion of the ring, whatever the convention of the pose.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class JointCommand(NamedTuple):
 
 
 class JointEstimate(NamedTuple):
-    """What a controller believes of the joint.
+    """A controller's estimate of the joint.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ class JointEstimate(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class JointModel:
-    """What a controller believes of the joint (nominal; the plant is perturbed around it).
+    """Nominal mechanics of the joint, which its controllers compute with.
 
     Parameters
     ----------

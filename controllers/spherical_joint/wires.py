@@ -31,7 +31,7 @@ class Wires(Protocol):
 
 
 class WireMotion(NamedTuple):
-    """How the four wires are to move: shortening from home (m), its rate and acceleration."""
+    """The wanted motion of the four wires: shortening from home (m), its rate and acceleration."""
 
     position: Quadruple
     velocity: Quadruple

@@ -1,4 +1,4 @@
-"""CAN interfaces behind one seam, `rig.hal.CanBus`."""
+"""CAN interfaces behind one seam, `rig.hal.FastCanBus`."""
 
 from drivers.can.interfaces import close_bus, open_bus
 

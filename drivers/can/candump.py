@@ -8,7 +8,7 @@ hexadecimal digits, or 8 where it is extended or an error class; ``id#R`` is a r
 
 import re
 from collections.abc import Iterable, Iterator
-from typing import Final, NamedTuple
+from typing import Final
 
 from drivers.can.frame import (
     ERROR_FLAG,
@@ -17,6 +17,7 @@ from drivers.can.frame import (
     REMOTE_FLAG,
     STANDARD_MASK,
 )
+from rig.hal.frames import LoggedFrame
 
 _LINE: Final = re.compile(
     r"\(\s*(\d+\.\d+)\)\s+(\S+)\s+"  # time and channel
@@ -24,27 +25,6 @@ _LINE: Final = re.compile(
     r"(?:\s+[RT])?\s*",  # direction, of newer candumps and of python-can
     re.IGNORECASE,
 )
-
-
-class LoggedFrame(NamedTuple):
-    """A frame and where and when it was seen.
-
-    Attributes
-    ----------
-    time : float
-        Seconds since the epoch, or since whatever its recorder chose.
-    channel : str
-        The bus.
-    can_id : int
-        With the flags of `drivers.can.frame`.
-    data : bytes
-        0 … 8 bytes.
-    """
-
-    time: float
-    channel: str
-    can_id: int
-    data: bytes
 
 
 def format_frame(can_id: int, data: bytes) -> str:

@@ -8,13 +8,13 @@ deterministic.
 import errno
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from drivers.can.errors import BusErrors
-from drivers.can.fast_path import Drain, Send, backlog_of, drain_of, drops_of, send_of
+from drivers.can.fast_path import Drain, Send
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.can.interfaces import close_bus
-from rig.hal import CanBus, Clock
+from rig.hal import Clock, FastCanBus
 
 Handler = Callable[[bytes, float], None]
 
@@ -89,7 +89,7 @@ class CyclicCanBus(ABC):
         self,
         name: str,
         settings: BusSettings,
-        open_bus: Callable[[], CanBus],
+        open_bus: Callable[[], FastCanBus],
         clock: Clock,
         period: float | None = None,
     ) -> None:
@@ -99,7 +99,7 @@ class CyclicCanBus(ABC):
         self._receive_limit = settings.receive_limit
         self._max_refused = settings.max_refused
         self._open_bus = open_bus
-        self._bus: CanBus | None = None
+        self._bus: FastCanBus | None = None
         self._handlers: dict[int, Handler] = {}
         self._cyclic: list[CyclicFrame] = []
         self._errors = BusErrors(name, settings.max_refused)
@@ -149,14 +149,10 @@ class CyclicCanBus(ABC):
         """
         if self._bus is not None:
             return
-        bus: Any = self._open_bus()
-        self._bus = bus
-        self._drain, self._send = drain_of(bus), send_of(bus)
-        self._backlog = backlog_of(bus)
+        self._bus = bus = self._open_bus()
+        self._drain, self._send, self._backlog = bus.drain, bus.send_data, bus.backlog
         self._out_before = self._frames_out
-        accept = getattr(bus, "accept", None)
-        if accept is not None:
-            accept(self._handlers)
+        bus.accept(self._handlers)
         self._errors = BusErrors(self.name, self._max_refused)
 
     def close(self) -> None:
@@ -164,10 +160,9 @@ class CyclicCanBus(ABC):
         bus, self._bus = self._bus, None
         if bus is None:
             return
-        self._dropped += drops_of(bus)()
+        self._dropped += bus.count_dropped()
         # What a kernel's filters held back is the master's own frames and the unknown ones.
-        held_back = getattr(bus, "count_others", int)()
-        self._unknown += max(0, held_back - (self._frames_out - self._out_before))
+        self._unknown += max(0, bus.count_others() - (self._frames_out - self._out_before))
         try:
             if self._farewell is not None:
                 self._send(*self._farewell)

@@ -8,15 +8,11 @@ frames that one look at a bus brings are one write, and so is each frame that is
 import contextlib
 import os
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Final
 
 from drivers.can.candump import format_frame
-from drivers.can.fast_path import drain_of, flagged_id, send_of
-from rig.hal import CanBus, Clock, ConfigurationError, Frame
-
-_TOLD: Final = ("backlog", "channel", "count_dropped", "count_others", "fileno")
+from rig.hal import Clock, ConfigurationError, FastCanBus
 
 
 class FrameLog:
@@ -53,7 +49,7 @@ class FrameLog:
         except OSError as error:
             raise ConfigurationError(f"cannot record frames in {path}: {error.strerror}") from error
 
-    def tap(self, name: str, clock: Clock, bus: CanBus) -> CanBus:
+    def tap(self, name: str, clock: Clock, bus: FastCanBus) -> FastCanBus:
         """Return a bus that records what passes through it.
 
         Parameters
@@ -62,7 +58,7 @@ class FrameLog:
             What the file calls it.
         clock : Clock
             The rig's.
-        bus : CanBus
+        bus : FastCanBus
             Open; it is owned from now on.
         """
         return RecordedBus(name, clock, bus, self)
@@ -109,8 +105,8 @@ class FrameLog:
             data = data[os.write(self._fd, data) :]
 
 
-class RecordedBus:
-    """A CAN interface whose frames are recorded; satisfies `rig.hal.CanBus`.
+class RecordedBus(FastCanBus):
+    """A CAN interface whose frames are recorded.
 
     What is received bears the time at which it was taken from the interface, on the rig's
     clock, moved to the wall clock's origin at the opening.
@@ -121,22 +117,22 @@ class RecordedBus:
         What the file calls it.
     clock : Clock
         The rig's.
-    bus : CanBus
+    bus : FastCanBus
         The interface itself.
     log : FrameLog
         Where the frames go.
     """
 
-    def __init__(self, name: str, clock: Clock, bus: CanBus, log: FrameLog) -> None:
+    def __init__(self, name: str, clock: Clock, bus: FastCanBus, log: FrameLog) -> None:
         self._bus = bus
         self._name = name.replace(" ", "_")
         self._now = clock.now
         self._origin = log.origin(clock)
         self._write = log.write
-        self._drain = drain_of(bus)
-        self._send = send_of(bus)
+        self._drain = bus.drain
+        self._send = bus.send_data
 
-    def drain(self, limit: int = 256) -> Sequence[tuple[int, bytes]]:
+    def drain(self, limit: int) -> list[tuple[int, bytes]]:
         """Return the waiting frames, at most `limit`, as (identifier with flags, data)."""
         frames = self._drain(limit)
         if frames:
@@ -147,32 +143,24 @@ class RecordedBus:
     def send_data(self, can_id: int, data: bytes) -> None:
         """Queue a frame given by identifier (with flags) and data."""
         self._send(can_id, data)
-        self._record(can_id, data)
+        head = f"({self._origin + self._now():.6f}) {self._name} "
+        self._write(f"{head}{format_frame(can_id, data)}\n", 1)
 
-    def send(self, msg: Frame, timeout: float | None = None) -> None:
-        """Queue a frame."""
-        self.send_data(flagged_id(msg), bytes(msg.data))
-
-    def recv(self, timeout: float | None = None) -> Frame | None:
-        """Return the next frame, or None after `timeout` (s)."""
-        frame = self._bus.recv(timeout)
-        if frame is not None:
-            self._record(flagged_id(frame), bytes(frame.data))
-        return frame
-
-    def accept(self, ids: Iterable[int]) -> None:
+    def accept(self, can_ids: Iterable[int]) -> None:
         """Do nothing: what nobody here waits for belongs on file too."""
+
+    def backlog(self) -> int:
+        """Return how many frames the interface has not taken yet."""
+        return self._bus.backlog()
+
+    def count_dropped(self) -> int:
+        """Return how many frames were lost since nobody took them in time."""
+        return self._bus.count_dropped()
+
+    def fileno(self) -> int:
+        """Return what to wait for, or -1."""
+        return self._bus.fileno()
 
     def shutdown(self) -> None:
         """Release the interface."""
         self._bus.shutdown()
-
-    def __getattr__(self, name: str) -> Any:
-        """Return what the interface tells of itself; no other way for frames than this class."""
-        if name not in _TOLD:
-            raise AttributeError(name)
-        return getattr(self._bus, name)
-
-    def _record(self, can_id: int, data: bytes) -> None:
-        head = f"({self._origin + self._now():.6f}) {self._name} "
-        self._write(f"{head}{format_frame(can_id, data)}\n", 1)

@@ -4,8 +4,9 @@ import contextlib
 import logging
 from typing import Any, Protocol, cast
 
+from drivers.can.fast_path import AdaptedBus
 from drivers.can.socketcan import open_socketcan
-from rig.hal import CanBus, ConnectionFailed
+from rig.hal import CanBus, ConnectionFailed, FastCanBus
 
 _CONFINED: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
 """Options that are not the profile's to choose. Multicast with no hops never leaves the host: a
@@ -50,7 +51,7 @@ class InterfaceSettings(Protocol):
         ...
 
 
-def open_bus(settings: InterfaceSettings) -> CanBus:
+def open_bus(settings: InterfaceSettings) -> FastCanBus:
     """Open the interface that a profile names.
 
     Configuration files and environment variables of python-can are not read: the profile
@@ -81,10 +82,10 @@ def open_bus(settings: InterfaceSettings) -> CanBus:
             f"{error or type(error).__name__}{_advise(settings.interface, str(error))}",
         ) from error
     # A Message's attributes are a little narrower than the seam's.
-    return cast("CanBus", bus)
+    return AdaptedBus(cast("CanBus", bus))
 
 
-def close_bus(bus: CanBus) -> None:
+def close_bus(bus: FastCanBus) -> None:
     """Release an interface.
 
     One that is gone already, an adapter that was pulled say, may complain; there is nothing left to

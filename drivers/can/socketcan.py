@@ -10,7 +10,6 @@ Linux ``Documentation/networking/can.rst``, sections "RAW protocol sockets" and
 """
 
 import contextlib
-import select
 import socket
 import struct
 from collections.abc import Iterable
@@ -20,14 +19,11 @@ from typing import Final
 from drivers.can.batch import PacketBatch
 from drivers.can.bitrate import bitrate_of
 from drivers.can.frame import (
-    ERROR_FLAG,
     EXTENDED_FLAG,
-    EXTENDED_MASK,
     REMOTE_FLAG,
     STANDARD_MASK,
-    CanFrame,
 )
-from rig.hal import ConnectionFailed, Frame
+from rig.hal import ConnectionFailed, FastCanBus
 
 _FRAME: Final = struct.Struct("=IB3x8s")  # struct can_frame: id with flags, length, data
 _FILTER: Final = struct.Struct("=II")  # struct can_filter: id, mask
@@ -49,11 +45,8 @@ _ARPHRD_CAN: Final = 280  # linux/if_arp.h
 _IFF_UP: Final = 0x1
 
 
-class SocketCanBus:
-    """A CAN bus on a non-blocking socket; satisfies `rig.hal.CanBus`.
-
-    Beside that seam it offers what makes a cycle cheap: `drain` and `send_data`, which speak
-    of a frame as its identifier (with the flags of `drivers.can.frame`) and its bytes.
+class SocketCanBus(FastCanBus):
+    """A CAN bus on a non-blocking socket.
 
     Parameters
     ----------
@@ -75,8 +68,8 @@ class SocketCanBus:
         self._dropped = 0  # of the others, by the kernel
         self._is_can = sock.family == socket.AF_CAN
 
-    def send(self, msg: Frame, timeout: float | None = None) -> None:
-        """Queue a frame.
+    def send_data(self, can_id: int, data: bytes) -> None:
+        """Queue a frame given by identifier (with flags) and data.
 
         Raises
         ------
@@ -84,35 +77,7 @@ class SocketCanBus:
             ENOBUFS or EAGAIN: the queue is full; ENETDOWN: the interface is down. It is
             never tried again here: the next cycle has newer setpoints.
         """
-        can_id = msg.arbitration_id
-        if msg.is_extended_id:
-            can_id |= EXTENDED_FLAG
-        if msg.is_remote_frame:
-            can_id |= REMOTE_FLAG
-        self.send_data(can_id, bytes(msg.data))
-
-    def send_data(self, can_id: int, data: bytes) -> None:
-        """Queue a frame given by identifier (with flags) and data; errors as `send`."""
         self._send(_pack(can_id, len(data), data))
-
-    def recv(self, timeout: float | None = None) -> CanFrame | None:
-        """Return the next frame, or None after `timeout` (s); None waits for ever."""
-        if timeout != 0.0:
-            select.select([self._socket], [], [], timeout)
-        frames = self.drain(1)
-        if not frames:
-            return None
-        can_id, data = frames[0]
-        extended = bool(can_id & EXTENDED_FLAG)
-        error = bool(can_id & ERROR_FLAG)
-        mask = EXTENDED_MASK if extended or error else STANDARD_MASK
-        return CanFrame(
-            can_id & mask & ~(ERROR_FLAG if error else 0),
-            data,
-            is_error_frame=error,
-            is_remote_frame=bool(can_id & REMOTE_FLAG),
-            is_extended_id=extended,
-        )
 
     def drain(self, limit: int = 256) -> list[tuple[int, bytes]]:
         """Return the waiting frames, at most `limit`, as (identifier with flags, data).
@@ -133,13 +98,13 @@ class SocketCanBus:
             return 0
         return _memory_of(self._socket)[_WAITS]  # AF_CAN has no ioctl for it
 
-    def accept(self, ids: Iterable[int]) -> None:
+    def accept(self, can_ids: Iterable[int]) -> None:
         """Have the kernel pass data frames with these 11-bit identifiers only, and errors.
 
         Frames that wait already are not affected. Those that are held back are counted.
         """
         mask = STANDARD_MASK | EXTENDED_FLAG | REMOTE_FLAG
-        wanted = sorted(set(ids))
+        wanted = sorted(set(can_ids))
         if not self._is_can or len(wanted) > _MAX_FILTERS:
             return
         filters = b"".join(_FILTER.pack(can_id, mask) for can_id in wanted)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 from drivers.can.cyclic import CyclicCanBus
 from drivers.canopen.heartbeat import HeartbeatProducer, NmtState
 from drivers.canopen.settings import CanBusSettings
-from rig.hal import CanBus, Clock
+from rig.hal import Clock, FastCanBus
 
 if TYPE_CHECKING:
     from drivers.canopen.network import ThreadlessNetwork
@@ -40,7 +40,7 @@ class CanopenBus(CyclicCanBus):
         self,
         name: str,
         settings: CanBusSettings,
-        open_bus: Callable[[], CanBus],
+        open_bus: Callable[[], FastCanBus],
         clock: Clock,
         period: float | None = None,
     ) -> None:
@@ -61,7 +61,7 @@ class CanopenBus(CyclicCanBus):
         if self._network is None:
             from drivers.canopen.network import ThreadlessNetwork
 
-            self._network = ThreadlessNetwork(self)
+            self._network = ThreadlessNetwork(self, self.settings.sdo_timeout)
         return self._network
 
     def open(self) -> None:

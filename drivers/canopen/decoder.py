@@ -6,16 +6,21 @@ CiA 301 V4.2, sections 7.2 (services) and 7.3.3 (pre-defined connection set).
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Final, Protocol
 
-from drivers.can.decoded import UNKNOWN, Decoded, Value
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, STANDARD_MASK
 from drivers.canopen.described import DescribedNode, Quantity
+from drivers.canopen.device_settings import nodes_of
+from drivers.canopen.eds import read_eds
 from drivers.canopen.emergency import Emergency
 from drivers.canopen.heartbeat import describe_state
 from drivers.canopen.inputs import layout_struct
 from drivers.canopen.mapping import SIZES, STRUCT_CODES, Entry, Layout, layout_size
 from drivers.canopen.sdo_frame import SdoFrame, decode_sdo
+from drivers.canopen.settings import CanBusSettings
+from rig.hal import DriverSettings
+from rig.hal.frames import UNKNOWN, Decoded, Value
 
 _COMMANDS: Final = {
     0x01: "start",
@@ -64,6 +69,35 @@ class ObjectNames(Protocol):
     def number_of(self, index: int, sub: int, node: int) -> int | None:
         """Return its default, if that is a number."""
         ...
+
+
+def make_decoder(
+    bus: CanBusSettings, devices: Iterable[tuple[str, DriverSettings, Path | None]]
+) -> "CanopenDecoder":
+    """Make the decoder of a bus.
+
+    Parameters
+    ----------
+    bus : CanBusSettings
+        Of the bus.
+    devices : iterable of (str, DriverSettings, Path or None)
+        Name, settings and EDS of each device on it. What a driver does not describe shows as
+        frames of nodes without a name.
+
+    Raises
+    ------
+    EdsError
+        An EDS cannot be read.
+    """
+    nodes: list[DescribedNode] = []
+    names: dict[int, ObjectNames] = {}
+    for name, settings, path in devices:
+        described = nodes_of(name, settings)
+        nodes += described
+        if path is not None and described:
+            eds = read_eds(path)
+            names |= {node.node: eds for node in described}
+    return CanopenDecoder(nodes, bus.master_id, names)
 
 
 class CanopenDecoder:

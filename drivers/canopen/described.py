@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from drivers.canopen.mapping import Entry, Layout
+from rig.hal.driver import Keys
 
 
 class Quantity(NamedTuple):
@@ -76,5 +77,5 @@ class DescribedNode:
     transmit: tuple[Layout, ...]
     remap: bool
     quantities: Mapping[Entry, Quantity]
-    origins: Mapping[Entry, tuple[str | int, ...]] = field(default_factory=dict)
+    origins: Mapping[Entry, Keys] = field(default_factory=dict)
     told: tuple[Told, ...] = ()

@@ -17,10 +17,9 @@ from collections import defaultdict
 from collections.abc import Collection
 from typing import Final
 
-from drivers.can.fast_path import drain_of, send_of
-from drivers.can.found import Found
 from drivers.canopen.heartbeat import NmtState, describe_state
-from rig.hal import CanBus, Clock
+from rig.hal import Clock, FastCanBus
+from rig.hal.frames import Found
 
 _NMT_ID: Final = 0x000
 _ENTER_PRE_OPERATIONAL: Final = 0x80
@@ -62,13 +61,13 @@ class _Heard:
 
 
 def survey_canopen(
-    bus: CanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
+    bus: FastCanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
 ) -> list[Found]:
     """Return who answers on an open bus, by node number.
 
     Parameters
     ----------
-    bus : CanBus
+    bus : FastCanBus
         Open; nobody else reads it.
     clock : Clock
         For pauses.
@@ -98,9 +97,9 @@ def survey_canopen(
 
 
 def _ask(
-    bus: CanBus, clock: Clock, heard: _Heard, nodes: range | tuple[int, ...], thing: _Object
+    bus: FastCanBus, clock: Clock, heard: _Heard, nodes: range | tuple[int, ...], thing: _Object
 ) -> None:
-    send = send_of(bus)
+    send = bus.send_data
     for number, node in enumerate(nodes):
         send(0x600 + node, _REQUEST.pack(_UPLOAD, *thing))
         if number % _AT_ONCE == _AT_ONCE - 1:
@@ -113,10 +112,10 @@ def _ask(
     _listen(bus, clock, heard, clock.now() + _AFTERWARDS)
 
 
-def _wake_and_ask(bus: CanBus, clock: Clock, heard: _Heard, nodes: tuple[int, ...]) -> None:
+def _wake_and_ask(bus: FastCanBus, clock: Clock, heard: _Heard, nodes: tuple[int, ...]) -> None:
     """Take nodes to PRE-OPERATIONAL and ask what they are; what they said before is forgotten."""
     for node in nodes:
-        send_of(bus)(_NMT_ID, bytes((_ENTER_PRE_OPERATIONAL, node)))
+        bus.send_data(_NMT_ID, bytes((_ENTER_PRE_OPERATIONAL, node)))
         _listen(bus, clock, heard, clock.now() + _PAUSE)
     before = {node: heard.objects[node].pop(_DEVICE_TYPE, []) for node in nodes}
     _ask(bus, clock, heard, nodes, _DEVICE_TYPE)
@@ -125,10 +124,9 @@ def _wake_and_ask(bus: CanBus, clock: Clock, heard: _Heard, nodes: tuple[int, ..
             heard.objects[node][_DEVICE_TYPE] = answers
 
 
-def _listen(bus: CanBus, clock: Clock, heard: _Heard, until: float) -> None:
-    drain = drain_of(bus)
+def _listen(bus: FastCanBus, clock: Clock, heard: _Heard, until: float) -> None:
     while True:
-        for can_id, data in drain(256):
+        for can_id, data in bus.drain(256):
             heard.take(can_id, data)
         now = clock.now()
         if now >= until:

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.eds import EdsObject, read_eds
 from drivers.canopen.mapping import SIZES, Entry, Layout
+from rig.hal import DeviceFile, DriverSettings
+from rig.hal.driver import Keys, Scalar
 
-Keys = tuple[str | int, ...]
-"""Where a value stands below a device's entry in the profile."""
+Typed = Callable[[Mapping[str, object]], Mapping[tuple[str, ...], tuple[int, int]]]
+Nodes = Callable[[str, DriverSettings], tuple[DescribedNode, ...]]
 
 _CAN_BE_SENT: Final = ("ro", "rw", "rwr", "const")
 _CAN_BE_RECEIVED: Final = ("wo", "rw", "rww")
@@ -36,7 +38,7 @@ class Finding(NamedTuple):
     message: str
 
 
-class DeviceFile:
+class EdsFile(DeviceFile):
     """A device's own EDS beside its settings.
 
     Parameters
@@ -46,6 +48,8 @@ class DeviceFile:
     typed : callable
         ``typed(plain)`` returns, from the settings as they were written, index and sub-index of
         every object whose type is a setting, by the keys of that setting.
+    nodes : callable
+        ``nodes(device, settings)`` returns what the settings want of each node.
 
     Raises
     ------
@@ -53,13 +57,12 @@ class DeviceFile:
         The file cannot be read or understood.
     """
 
-    def __init__(
-        self, path: Path, typed: Callable[[Mapping[str, Any]], Mapping[Keys, tuple[int, int]]]
-    ) -> None:
+    def __init__(self, path: Path, typed: Typed, nodes: Nodes) -> None:
         self.eds = read_eds(path)
         self._typed = typed
+        self._nodes = nodes
 
-    def values(self, plain: Mapping[str, Any]) -> dict[Keys, Any]:
+    def values(self, plain: Mapping[str, object]) -> dict[tuple[str, ...], Scalar]:
         """Return the settings that the file knows, by their keys.
 
         Parameters
@@ -67,7 +70,7 @@ class DeviceFile:
         plain : mapping
             The settings as they were written.
         """
-        known: dict[Keys, Any] = {}
+        known: dict[tuple[str, ...], Scalar] = {}
         for keys, (index, sub) in self._typed(plain).items():
             found = self.eds.find(index, sub)
             if found is not None and found.type in SIZES:
@@ -76,10 +79,10 @@ class DeviceFile:
             known[("remap",)] = False
         return known
 
-    def findings(self, nodes: tuple[DescribedNode, ...]) -> list[Finding]:
+    def findings(self, device: str, settings: DriverSettings) -> list[Finding]:
         """Return everything that the device cannot do, each once."""
-        found = dict.fromkeys(finding for node in nodes for finding in self._compare(node))
-        return list(found)
+        nodes = self._nodes(device, settings)
+        return list(dict.fromkeys(finding for node in nodes for finding in self._compare(node)))
 
     # Inside ---------------------------------------------------------------------------
 

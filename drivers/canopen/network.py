@@ -5,12 +5,10 @@ has come or the rig's clock says that it never will.
 """
 
 import logging
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable
+from typing import Any, Final, Protocol
 
 import canopen
-
-if TYPE_CHECKING:
-    from drivers.canopen.bus import CanopenBus
 
 _SDO_REQUESTS: Final = range(0x601, 0x680)
 _REQUEST_TO_ANSWER: Final = -0x80
@@ -21,18 +19,33 @@ _ATTEMPTS: Final = 3
 logging.getLogger("canopen").addHandler(logging.NullHandler())
 
 
+class PumpedBus(Protocol):
+    """A bus that receives when it is told to."""
+
+    def send(self, can_id: int, data: bytes) -> None:
+        """Send one frame now."""
+        ...
+
+    def wait_until(self, condition: Callable[[], bool], timeout: float) -> bool:
+        """Receive until a condition holds, or for `timeout` (s); return whether it does."""
+        ...
+
+
 class ThreadlessNetwork(canopen.Network):
-    """A `canopen.Network` on a `CanopenBus`.
+    """A `canopen.Network` that sends and receives by a bus of ours.
 
     Parameters
     ----------
-    bus : CanopenBus
+    bus : PumpedBus
         Sends and receives for it.
+    timeout : float
+        How long it waits for an answer, s.
     """
 
-    def __init__(self, bus: "CanopenBus") -> None:
+    def __init__(self, bus: PumpedBus, timeout: float) -> None:
         super().__init__()
-        self._canopen_bus = bus
+        self._pumped_bus = bus
+        self._timeout = timeout
         self._answers: dict[int, int] = {}
         self._requests: dict[int, int] = {}
 
@@ -62,7 +75,7 @@ class ThreadlessNetwork(canopen.Network):
 
     def send_message(self, can_id: int, data: bytes, remote: bool = False) -> None:
         """Send a frame; after an SDO request, receive until it is answered."""
-        bus = self._canopen_bus
+        bus = self._pumped_bus
         answer = can_id + _REQUEST_TO_ANSWER
         waits = can_id in _SDO_REQUESTS and answer in self._answers and data[0] != _ABORT
         before = self._answers.get(answer, 0)
@@ -70,4 +83,4 @@ class ThreadlessNetwork(canopen.Network):
             self._requests[answer] += 1
         bus.send(can_id, bytes(data))
         if waits:
-            bus.wait_until(lambda: self._answers[answer] != before, bus.settings.sdo_timeout)
+            bus.wait_until(lambda: self._answers[answer] != before, self._timeout)

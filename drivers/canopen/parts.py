@@ -6,7 +6,7 @@ PROTOCOL = ProtocolParts(
     settings="drivers.canopen.settings:CanBusSettings",
     bus="drivers.canopen.bus:CanopenBus",
     open="drivers.can:open_bus",
-    load="drivers.canopen.load:check_bus_load",
+    load="drivers.can.load:check_bus_load",
     decoder="drivers.canopen.decoder:make_decoder",
     discovery="drivers.canopen.discovery:survey_canopen",
 )

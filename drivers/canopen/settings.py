@@ -5,9 +5,11 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from rig.hal import BusSettings, Endpoint
+
 
 @dataclass(frozen=True, slots=True)
-class CanBusSettings:
+class CanBusSettings(BusSettings):
     """One CAN interface, and how the master behaves on it.
 
     Parameters
@@ -62,3 +64,7 @@ class CanBusSettings:
                 f"heartbeat_timeout ({self.heartbeat_timeout:g} s) is less than two periods of "
                 f"heartbeat ({self.heartbeat:g} s); one late heartbeat would stop the rig."
             )
+
+    def endpoint(self) -> Endpoint:
+        """Return the interface."""
+        return Endpoint(self.interface, self.channel, self.bitrate)

@@ -1,63 +1,58 @@
 """What a CiA 401 module with regulators exchanges, as data: for decoding, and for its EDS."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
-from drivers.canopen.described import DescribedNode, Quantity
-from drivers.canopen.mapping import Entry, pack
-from drivers.cia401.settings import (
+from drivers.canopen.described import Quantity
+from drivers.canopen.mapping import Entry
+from drivers.cia401.channels import (
     DIGITAL_INPUT,
     DIGITAL_OUTPUT,
     AnalogueSignal,
-    Cia401Settings,
+    RegulatorChannel,
 )
+from rig.hal.driver import Keys
 
-Keys = tuple[str | int, ...]
 
-
-def describe_nodes(settings: Cia401Settings, name: str) -> tuple[DescribedNode, ...]:
-    """Return what the module exchanges and what its counts mean.
+def describe_channels(
+    channels: Mapping[str, RegulatorChannel],
+    supply_bit: int | None,
+    stop: tuple[int, bool] | None,
+) -> tuple[dict[Entry, Quantity], dict[Entry, Keys]]:
+    """Return what the module's counts mean, and which settings ask for them.
 
     Parameters
     ----------
-    settings : Cia401Settings
-        Of the module.
-    name : str
-        The device's name in the profile.
+    channels : mapping of str to RegulatorChannel
+        By name.
+    supply_bit : int or None
+        Of the digital outputs.
+    stop : (int, bool) or None
+        Bit of the digital inputs, and whether it is 0 when the stop is pressed.
     """
     quantities: dict[Entry, Quantity] = {}
     origins: dict[Entry, Keys] = {}
     valves: list[tuple[str, int]] = []
-    if settings.supply_bit is not None:
-        valves.append(("supply", settings.supply_bit))
+    if supply_bit is not None:
+        valves.append(("supply", supply_bit))
         origins[DIGITAL_OUTPUT] = ("supply_bit",)
-    for channel, wired in settings.channels.items():
-        for side, what in (("setpoint", "setpoint"), ("monitor", "pressure")):
-            signal: AnalogueSignal = getattr(wired, side)
-            quantities[signal.entry] = _pressure(f"{channel} {what}", signal)
-            origins[signal.entry] = ("channels", channel, side)
+    for channel, wired in channels.items():
+        setpoint, monitor = wired.setpoint, wired.monitor
+        quantities[setpoint.entry] = _pressure(f"{channel} setpoint", setpoint)
+        quantities[monitor.entry] = _pressure(f"{channel} pressure", monitor)
+        origins[setpoint.entry] = ("channels", channel, "setpoint")
+        origins[monitor.entry] = ("channels", channel, "monitor")
         if wired.lock_bit is not None:
             valves.append((f"{channel} lock", wired.lock_bit))
             origins.setdefault(DIGITAL_OUTPUT, ("channels", channel, "lock_bit"))
     if valves:
         quantities[DIGITAL_OUTPUT] = _valves(valves)
-    if settings.stop_bit is not None:
-        quantities[DIGITAL_INPUT] = _stop(settings.stop_bit, settings.stop_active_low)
+    if stop is not None:
+        quantities[DIGITAL_INPUT] = _stop(*stop)
         origins[DIGITAL_INPUT] = ("stop_bit",)
-    return (
-        DescribedNode(
-            name,
-            settings.node,
-            pack(settings.receive_entries),
-            pack(settings.transmit_entries),
-            settings.remap,
-            quantities,
-            origins,
-        ),
-    )
+    return quantities, origins
 
 
-def typed_objects(plain: Mapping[str, Any]) -> dict[Keys, tuple[int, int]]:
+def typed_objects(plain: Mapping[str, object]) -> dict[tuple[str, ...], tuple[int, int]]:
     """Return the objects whose types are settings, from the settings as they were written.
 
     Parameters
@@ -70,7 +65,7 @@ def typed_objects(plain: Mapping[str, Any]) -> dict[Keys, tuple[int, int]]:
     dict
         Index and sub-index, by the keys of the setting that holds the object's type.
     """
-    found: dict[Keys, tuple[int, int]] = {}
+    found: dict[tuple[str, ...], tuple[int, int]] = {}
     channels = plain.get("channels")
     for name, channel in channels.items() if isinstance(channels, Mapping) else ():
         for side, usual in (("setpoint", 0x6411), ("monitor", 0x6401)):

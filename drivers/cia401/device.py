@@ -21,7 +21,7 @@ from drivers.cia401.codec import (
     setpoint_codec,
     setpoint_encoder,
 )
-from drivers.cia401.settings import Cia401Settings
+from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
     DeviceFault,
@@ -34,7 +34,6 @@ from rig.hal import (
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
-_PROFILE: Final = 401
 _HOLD: Final = 0  # 0x6443
 _TAKE_ERROR_VALUE: Final = 1
 _TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
@@ -188,7 +187,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._forget_setpoints()
         settings, node = self.settings, self._node
         node.connect(
-            profile=_PROFILE,
+            profile=PROFILE,
             vendor=settings.vendor,
             product=settings.product,
             serial=self._serial,

@@ -5,5 +5,5 @@ from rig.hal.parts import DriverParts
 PARTS = DriverParts(
     settings="drivers.cia401.settings:Cia401Settings",
     device="drivers.cia401.device:Cia401Regulators",
-    simulation="drivers.sim.wiring:CIA401",
+    simulation="drivers.sim.nodes.cia401_wiring:WIRING",
 )

@@ -8,7 +8,7 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.cia402.errors import describe_error
-from drivers.cia402.settings import Cia402Settings, DriveSettings
+from drivers.cia402.settings import PROFILE, Cia402Settings, DriveSettings
 from drivers.cia402.setup import (
     MODES,
     check_kind,
@@ -33,7 +33,6 @@ from drivers.cia402.states import (
 from drivers.servos.following_error import FollowingWatch
 from rig.hal import ConnectionFailed, DeviceFault
 
-_PROFILE: Final = 402
 _JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
 
 
@@ -178,7 +177,7 @@ class Cia402Drive:
         self.goal = Goal.DISABLED
         try:
             kind = node.connect(
-                profile=_PROFILE, vendor=shared.vendor, product=shared.product, serial=serial
+                profile=PROFILE, vendor=shared.vendor, product=shared.product, serial=serial
             )
         except ConnectionFailed as error:
             if error.object == "0x1001:00":

@@ -5,5 +5,5 @@ from rig.hal.parts import DriverParts
 PARTS = DriverParts(
     settings="drivers.cia402.settings:Cia402Settings",
     device="drivers.cia402.device:Cia402Servos",
-    simulation="drivers.sim.wiring:CIA402",
+    simulation="drivers.sim.nodes.cia402_wiring:WIRING",
 )

@@ -1,19 +1,21 @@
 """What a profile says of joints on CiA 402 drives."""
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
+from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings
+from rig.hal import Address
+from rig.hal.driver import Keys
 
-if TYPE_CHECKING:
-    from drivers.canopen.eds_check import DeviceFile
+PROFILE: Final = 402
+"""CiA's number of the device profile."""
 
 Mode = Literal["csp", "csv"]
 Feedback = Literal["velocity", "torque", "error_code"]
@@ -30,7 +32,7 @@ _FEEDBACK: Final[dict[str, Entry]] = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DriveSettings(AxisSettings):
+class DriveSettings(FollowingAxisSettings):
     """One joint with its drive.
 
     Parameters
@@ -44,10 +46,6 @@ class DriveSettings(AxisSettings):
         Velocity units for one turn per second of the shaft. None: position units per second.
     acceleration_units : float, optional
         Acceleration units for one turn per second squared. None: position units.
-    deceleration : float
-        Of a quick stop and of every other ramp to standstill, rad/s².
-    following_window, following_time : float
-        How far (rad) and for how long (s) the joint may be from its reference.
     serial : int, optional
         The serial number that the drive must report.
     """
@@ -56,14 +54,11 @@ class DriveSettings(AxisSettings):
     counts_per_turn: Annotated[float, Unit("1"), Gt(0)]
     velocity_units: Annotated[float, Unit("1"), Gt(0)] | None = None
     acceleration_units: Annotated[float, Unit("1"), Gt(0)] | None = None
-    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
-    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
-    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
     serial: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
 
     def __post_init__(self) -> None:
         # A dataclass with slots is a new class, which a bare super() would not find.
-        AxisSettings.__post_init__(self)
+        FollowingAxisSettings.__post_init__(self)
         low, high = RANGES["i32"]
         for angle in self.limits:
             counts = (angle - self.offset) * self.counts_per_radian
@@ -90,7 +85,7 @@ class DriveSettings(AxisSettings):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cia402Settings:
+class Cia402Settings(CanopenDeviceSettings):
     """Joints on CiA 402 drives, one node each, in a cyclic synchronous mode.
 
     Parameters
@@ -156,10 +151,23 @@ class Cia402Settings:
                 f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
             )
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """The joints' names, in order."""
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the joints' names, in order."""
         return tuple(self.joints)
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return the node of each joint's drive."""
+        return tuple(
+            Address(
+                f"{device}.{joint}",
+                drive.node,
+                PROFILE,
+                self.vendor,
+                self.product,
+                serial if drive.serial is None else drive.serial,
+            )
+            for joint, drive in self.joints.items()
+        )
 
     @property
     def receive_layout(self) -> Layout:
@@ -189,29 +197,10 @@ class Cia402Settings:
         """Return what comes besides: names, bytes and rates (Hz), one heartbeat per drive."""
         return tuple((f"{joint} heartbeat", 1, 1.0 / heartbeat) for joint in self.joints)
 
-    @staticmethod
-    def read_eds(path: Path) -> "DeviceFile":
-        """Read the drive's own EDS.
-
-        Raises
-        ------
-        EdsError
-            It cannot be read or understood.
-        """
-        from drivers.canopen.eds_check import DeviceFile
-
-        return DeviceFile(path, lambda _: {})
-
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
-        """Return what each drive exchanges and what its counts mean.
-
-        Parameters
-        ----------
-        name : str
-            The device's name in the profile.
-        """
+        """Return what each drive exchanges and what its counts mean."""
         layouts = self.transmit_layouts
-        origins: dict[Entry, tuple[str | int, ...]] = {_TARGETS[self.mode]: ("mode",)}
+        origins: dict[Entry, Keys] = {_TARGETS[self.mode]: ("mode",)}
         for k, what in enumerate(self.feedback):
             origins[_FEEDBACK[what]] = ("feedback", k)
         return tuple(

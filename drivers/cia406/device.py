@@ -13,12 +13,11 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
-from drivers.cia406.settings import Cia406Settings
+from drivers.cia406.settings import PROFILE, Cia406Settings
 from rig.hal import ConnectionFailed, DeviceFault, LinearEncoder, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
-_PROFILE: Final = 406
 _ROTARY: Final = (1, 2)  # upper word of the device type: single-turn and multi-turn
 _POSITION_UNIT: Final = 1e-9  # of 0x6005:1, m
 _SPEED_UNIT: Final = 1e-5  # of 0x6005:2, m/s
@@ -170,7 +169,7 @@ class Cia406Encoder(LinearEncoder):
         self._armed = False
         settings, node = self.settings, self._node
         kind = node.connect(
-            profile=_PROFILE,
+            profile=PROFILE,
             vendor=settings.vendor,
             product=settings.product,
             serial=self._serial,

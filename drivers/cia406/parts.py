@@ -5,5 +5,5 @@ from rig.hal.parts import DriverParts
 PARTS = DriverParts(
     settings="drivers.cia406.settings:Cia406Settings",
     device="drivers.cia406.device:Cia406Encoder",
-    simulation="drivers.sim.wiring:CIA406",
+    simulation="drivers.sim.nodes.cia406_wiring:WIRING",
 )

@@ -2,16 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
+from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
+from rig.hal import Address
+from rig.hal.driver import Keys
 
-if TYPE_CHECKING:
-    from drivers.canopen.eds_check import DeviceFile
+PROFILE: Final = 406
+"""CiA's number of the device profile."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,7 @@ class SpeedObject:
 
 
 @dataclass(frozen=True, slots=True)
-class Cia406Settings:
+class Cia406Settings(CanopenDeviceSettings):
     """A linear encoder after CiA 406, one rod per node.
 
     The rod's extension is ``± scale · step · counts + offset``.
@@ -143,27 +145,28 @@ class Cia406Settings:
         """Return what the encoder puts on the bus each cycle: names and bytes."""
         return (("TPDO1 position", layout_size(self.transmit_entries)),)
 
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return the encoder's node."""
+        return (Address(device, self.node, PROFILE, self.vendor, self.product, serial),)
+
     @staticmethod
-    def read_eds(path: Path) -> "DeviceFile":
-        """Read the encoder's own EDS.
-
-        Raises
-        ------
-        EdsError
-            It cannot be read or understood.
-        """
-        from drivers.canopen.eds_check import DeviceFile
-
-        return DeviceFile(path, _typed_objects)
+    def typed_objects(plain: Mapping[str, object]) -> dict[tuple[str, ...], tuple[int, int]]:
+        """Return the objects whose types are settings, from the settings as they were written."""
+        found: dict[tuple[str, ...], tuple[int, int]] = {}
+        position, speed = PositionObject(), SpeedObject()
+        for key, usual in (
+            ("position", (position.index, position.sub)),
+            ("speed", (speed.index, speed.sub)),
+        ):
+            written = plain.get(key, {})
+            if isinstance(written, Mapping):  # null: the device has none
+                index, sub = written.get("index", usual[0]), written.get("sub", usual[1])
+                if isinstance(index, int) and isinstance(sub, int):
+                    found[key, "type"] = index, sub
+        return found
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
-        """Return what the encoder exchanges and what its counts mean.
-
-        Parameters
-        ----------
-        name : str
-            The device's name in the profile.
-        """
+        """Return what the encoder exchanges and what its counts mean."""
         factor = -self.scale if self.reversed else self.scale
         position, *others = self.transmit_entries
         quantities = {
@@ -171,7 +174,7 @@ class Cia406Settings:
                 "position", "m", None if self.step is None else factor * self.step, self.offset
             )
         }
-        origins: dict[Entry, tuple[str | int, ...]] = {position: ("position",)}
+        origins: dict[Entry, Keys] = {position: ("position",)}
         told = [Told(0x6005, 1, position, factor * 1e-9)]  # it counts nanometres
         if self.speed is not None:
             speed = others.pop(0)
@@ -194,15 +197,3 @@ class Cia406Settings:
                 tuple(told),
             ),
         )
-
-
-def _typed_objects(plain: Mapping[str, Any]) -> dict[tuple[str | int, ...], tuple[int, int]]:
-    """Return the objects whose types are settings, from the settings as they were written."""
-    found: dict[tuple[str | int, ...], tuple[int, int]] = {}
-    for key, usual in (("position", PositionObject()), ("speed", SpeedObject())):
-        written = plain.get(key, {})
-        if isinstance(written, Mapping):  # null: the device has none
-            index, sub = written.get("index", usual.index), written.get("sub", usual.sub)
-            if isinstance(index, int) and isinstance(sub, int):
-                found[key, "type"] = index, sub
-    return found

@@ -6,12 +6,12 @@ A byte on the wire is 10 bits: start, 8 data, stop. ROBOTIS e-Manual, "DYNAMIXEL
 2.0": a packet has 10 bytes beside its parameters.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final, Protocol
 
-from drivers.canopen.load import BusLoad, FrameLoad
 from drivers.dynamixel.codec import compute_fast_length
-from rig.hal import ConfigurationError
+from drivers.dynamixel.settings import DynamixelSettings
+from rig.hal import BusLoad, FrameLoad
 
 _BITS_PER_BYTE: Final = 10
 _SYNC_OVERHEAD: Final = 14  # of a sync packet: header, id, length, instruction, range, CRC
@@ -43,22 +43,8 @@ class SerialTraffic(Protocol):
         ...
 
 
-class ServoChain(Protocol):
-    """What the load needs to know of a device's settings."""
-
-    @property
-    def joints(self) -> Mapping[str, object]:
-        """Its servos."""
-        ...
-
-    @property
-    def block_size(self) -> int:
-        """Bytes that each servo sends in every cycle."""
-        ...
-
-
 def compute_serial_load(
-    bus: SerialTraffic, devices: Iterable[tuple[str, ServoChain]], rate: float
+    bus: SerialTraffic, devices: Iterable[tuple[str, DynamixelSettings]], rate: float
 ) -> BusLoad:
     """Compute the load of a serial bus.
 
@@ -68,7 +54,7 @@ def compute_serial_load(
     ----------
     bus : SerialTraffic
         Settings of the bus.
-    devices : iterable of (str, ServoChain)
+    devices : iterable of (str, DynamixelSettings)
         Name and settings of each device on it.
     rate : float
         Of the loop, Hz.
@@ -88,16 +74,14 @@ def compute_serial_load(
         else:
             size = servos * (_STATUS_OVERHEAD + block)
             packets.append(("answers", size, servos * bus.turnaround))
-    loads = [
+    return BusLoad.of(
         FrameLoad(name, size, rate, (size * _BITS_PER_BYTE / bus.baudrate + delay) * rate)
         for name, size, delay in packets
-    ]
-    loads.sort(key=lambda packet: -packet.load)
-    return BusLoad(sum(packet.load for packet in loads), tuple(loads))
+    )
 
 
 def check_serial_load(
-    name: str, bus: SerialTraffic, devices: Sequence[tuple[str, ServoChain]], rate: float
+    name: str, bus: SerialTraffic, devices: Sequence[tuple[str, DynamixelSettings]], rate: float
 ) -> BusLoad:
     """Compute the load of a serial bus and refuse it if it is too high.
 
@@ -113,11 +97,8 @@ def check_serial_load(
     ConfigurationError
         The load is above the bus's `max_load`; the message lists what fills it.
     """
-    load = compute_serial_load(bus, devices, rate)
-    if load.total > bus.max_load:
-        raise ConfigurationError(
-            f"bus {name}: the load at {rate:g} Hz and {bus.baudrate:g} bit/s is "
-            f"{100.0 * load.total:.1f} %, at most {100.0 * bus.max_load:g} % is allowed. Raise "
-            f"the baud rate, lower the loop's rate, or use a second bus:\n{load.table()}"
-        )
-    return load
+    return compute_serial_load(bus, devices, rate).check(
+        bus.max_load,
+        f"bus {name}: the load at {rate:g} Hz and {bus.baudrate:g} bit/s",
+        "Raise the baud rate, lower the loop's rate, or use a second bus",
+    )

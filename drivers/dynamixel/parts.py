@@ -5,7 +5,7 @@ from rig.hal.parts import DriverParts, ProtocolParts
 PARTS = DriverParts(
     settings="drivers.dynamixel.settings:DynamixelSettings",
     device="drivers.dynamixel.device:DynamixelServos",
-    simulation="drivers.sim.wiring:DYNAMIXEL",
+    simulation="drivers.sim.dynamixel.wiring:WIRING",
 )
 
 PROTOCOL = ProtocolParts(
@@ -13,5 +13,6 @@ PROTOCOL = ProtocolParts(
     bus="drivers.dynamixel.bus:SerialBus",
     open="drivers.dynamixel.port:open_port",
     load="drivers.dynamixel.load:check_serial_load",
+    line="drivers.sim.dynamixel.line:make_line",
     is_can=False,
 )

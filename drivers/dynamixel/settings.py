@@ -17,10 +17,11 @@ from drivers.dynamixel.registers import (
     ModelName,
 )
 from drivers.servos.axis_settings import AxisSettings
+from rig.hal import Address, BusSettings, DriverSettings, Endpoint
 
 
 @dataclass(frozen=True, slots=True)
-class SerialBusSettings:
+class SerialBusSettings(BusSettings):
     """One serial adapter with a chain of servos, half duplex, 8 data bits, no parity.
 
     Parameters
@@ -65,6 +66,10 @@ class SerialBusSettings:
     max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
     fault_after: Annotated[int, Interval(ge=1, le=10)] = 2
     max_refused: Annotated[int, Ge(0)] = 2
+
+    def endpoint(self) -> Endpoint:
+        """Return the port."""
+        return Endpoint("serial", self.port, self.baudrate)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +132,7 @@ class DynamixelGains:
 
 
 @dataclass(frozen=True, slots=True)
-class DynamixelSettings:
+class DynamixelSettings(DriverSettings):
     """A chain of X-series servos, one per joint.
 
     Parameters
@@ -224,6 +229,14 @@ class DynamixelSettings:
                 f"{name}: its limits are {low:.0f} … {high:.0f} counts on servo {joint.id}, which "
                 f"has 0 … {COUNTS_PER_TURN - 1} in mode position; change offset, limits or mode."
             )
+
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the joints' names, in order."""
+        return tuple(self.joints)
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return each joint's servo, which has no serial number."""
+        return tuple(Address(f"{device}.{name}", its.id) for name, its in self.joints.items())
 
     def model_of(self, joint: DynamixelAxisSettings) -> Model:
         """Return what is known of a joint's model."""

@@ -6,5 +6,5 @@ PARTS = DriverParts(
     settings="drivers.marker_camera.settings:MarkerCameraSettings",
     device="drivers.marker_camera.device:MarkerCameraDriver",
     on_bus=False,
-    simulation="drivers.sim.wiring:MARKER_CAMERA",
+    simulation="drivers.sim.camera.wiring:WIRING",
 )

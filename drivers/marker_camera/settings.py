@@ -9,6 +9,8 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
 
+from rig.hal import DriverSettings
+
 DictionaryName = Literal[
     "4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250", "6x6_50", "6x6_250"
 ]
@@ -103,7 +105,7 @@ class MarkerSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class MarkerCameraSettings:
+class MarkerCameraSettings(DriverSettings):
     """A camera that watches the marker of a joint.
 
     Parameters

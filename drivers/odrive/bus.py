@@ -10,7 +10,7 @@ from math import inf
 from drivers.can.cyclic import CyclicCanBus
 from drivers.can.frame import REMOTE_FLAG
 from drivers.odrive.settings import OdriveBusSettings
-from rig.hal import CanBus, Clock
+from rig.hal import Clock, FastCanBus
 
 
 class OdriveBus(CyclicCanBus):
@@ -29,7 +29,7 @@ class OdriveBus(CyclicCanBus):
         self,
         name: str,
         settings: OdriveBusSettings,
-        open_bus: Callable[[], CanBus],
+        open_bus: Callable[[], FastCanBus],
         clock: Clock,
         period: float | None = None,
     ) -> None:

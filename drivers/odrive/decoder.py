@@ -8,9 +8,9 @@ ODrive Robotics, "CAN Protocol" (CANSimple) of firmware 0.6.
 import struct
 from collections.abc import Callable, Iterable
 from math import tau
+from pathlib import Path
 from typing import Final, NamedTuple
 
-from drivers.can.decoded import UNKNOWN, Decoded, Value
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDARD_MASK
 from drivers.odrive.codec import (
     BROADCAST,
@@ -22,7 +22,9 @@ from drivers.odrive.codec import (
     describe_axis_state,
     describe_errors,
 )
-from drivers.odrive.settings import OdriveAxisSettings, OdriveSettings
+from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, OdriveSettings
+from rig.hal import DriverSettings
+from rig.hal.frames import UNKNOWN, Decoded, Value
 
 _NAMES: Final = {
     0x00: "Get_Version",
@@ -72,6 +74,24 @@ class _Axis(NamedTuple):
         return turns / self.joint.turns_per_radian
 
 
+def make_decoder(
+    bus: OdriveBusSettings, devices: Iterable[tuple[str, DriverSettings, Path | None]]
+) -> "CansimpleDecoder":
+    """Make the decoder of a bus.
+
+    Parameters
+    ----------
+    bus : OdriveBusSettings
+        Of the bus.
+    devices : iterable of (str, DriverSettings, Path or None)
+        Name and settings of each device on it. What is no ODrive to us shows as axes without a
+        name.
+    """
+    return CansimpleDecoder(
+        (name, settings) for name, settings, _ in devices if isinstance(settings, OdriveSettings)
+    )
+
+
 class CansimpleDecoder:
     """Decodes the frames of one bus.
 
@@ -89,7 +109,7 @@ class CansimpleDecoder:
         }
 
     def decode(self, can_id: int, data: bytes) -> Decoded:
-        """Return what a frame says; `drivers.can.decoded.UNKNOWN` if nothing here explains it.
+        """Return what a frame says; `rig.hal.frames.UNKNOWN` if nothing here explains it.
 
         Parameters
         ----------

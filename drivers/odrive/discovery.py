@@ -9,8 +9,6 @@ from collections import defaultdict
 from collections.abc import Collection
 from typing import Final
 
-from drivers.can.fast_path import drain_of, send_of
-from drivers.can.found import Found
 from drivers.can.frame import REMOTE_FLAG, STANDARD_MASK
 from drivers.odrive.codec import (
     Command,
@@ -20,7 +18,8 @@ from drivers.odrive.codec import (
     decode_version,
     describe_axis_state,
 )
-from rig.hal import CanBus, Clock
+from rig.hal import Clock, FastCanBus
+from rig.hal.frames import Found
 
 _EVERYBODY: Final = 0x3F
 _PAUSE: Final = 2e-3  # s
@@ -28,16 +27,16 @@ _COMMANDS: Final = 0x1F
 
 
 def survey_odrives(
-    bus: CanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
+    bus: FastCanBus, clock: Clock, expected: Collection[int] = (), *, listen: float = 1.0
 ) -> list[Found]:
     """Return who answers on an open bus, by node number; see `survey_canopen`."""
     del expected  # an axis answers in every state
     heard: dict[int, dict[int, list[bytes]]] = defaultdict(lambda: defaultdict(list))
-    drain, send = drain_of(bus), send_of(bus)
+    send = bus.send_data
 
     def hear(until: float) -> None:
         while True:
-            for flagged, data in drain(256):
+            for flagged, data in bus.drain(256):
                 if flagged <= STANDARD_MASK:
                     heard[flagged >> 5][flagged & _COMMANDS].append(data)
             now = clock.now()

@@ -5,14 +5,14 @@ from rig.hal.parts import DriverParts, ProtocolParts
 PARTS = DriverParts(
     settings="drivers.odrive.settings:OdriveSettings",
     device="drivers.odrive.device:OdriveServos",
-    simulation="drivers.sim.wiring:ODRIVE",
+    simulation="drivers.sim.nodes.odrive_wiring:WIRING",
 )
 
 PROTOCOL = ProtocolParts(
     settings="drivers.odrive.settings:OdriveBusSettings",
     bus="drivers.odrive.bus:OdriveBus",
     open="drivers.can:open_bus",
-    load="drivers.canopen.load:check_bus_load",
+    load="drivers.can.load:check_bus_load",
     decoder="drivers.odrive.decoder:make_decoder",
     discovery="drivers.odrive.discovery:survey_odrives",
 )

@@ -7,14 +7,16 @@ from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
-from drivers.servos.axis_settings import AxisSettings
+from drivers.can.device_settings import CanDeviceSettings
+from drivers.servos.axis_settings import FollowingAxisSettings
+from rig.hal import Address, BusSettings, Endpoint
 
 _FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
 _I16: Final = 0x7FFF
 
 
 @dataclass(frozen=True, slots=True)
-class OdriveBusSettings:
+class OdriveBusSettings(BusSettings):
     """One CAN interface with nothing but CANSimple devices on it.
 
     Parameters
@@ -49,6 +51,10 @@ class OdriveBusSettings:
     receive_limit: Annotated[int, Ge(1)] = 256
     max_refused: Annotated[int, Ge(0)] = 3
 
+    def endpoint(self) -> Endpoint:
+        """Return the interface."""
+        return Endpoint(self.interface, self.channel, self.bitrate)
+
     @property
     def sync(self) -> bool:
         """Whether the master sends SYNC: there is none."""
@@ -61,7 +67,7 @@ class OdriveBusSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OdriveAxisSettings(AxisSettings):
+class OdriveAxisSettings(FollowingAxisSettings):
     """One joint with its ODrive axis.
 
     Parameters
@@ -74,19 +80,12 @@ class OdriveAxisSettings(AxisSettings):
         Where the ODrive itself limits its motor, turn/s. None: a quarter above `max_speed`.
     current_limit : float
         Greatest motor current, A.
-    deceleration : float
-        With which the joint is brought to a standstill, rad/s².
-    following_window, following_time : float
-        How far (rad) and for how long (s) the joint may be from its reference.
     """
 
     axis: Annotated[int, Interval(ge=0, le=0x3E)]
     serial: Annotated[int, Interval(ge=0, lt=1 << 48)] | None = None
     speed_limit: Annotated[float, Unit("1/s"), Gt(0)] | None = None
     current_limit: Annotated[float, Unit("A"), Gt(0)] = 10.0
-    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
-    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
-    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
 
     @property
     def motor_speed_limit(self) -> float:
@@ -120,7 +119,7 @@ class OdriveEndpoints:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OdriveSettings:
+class OdriveSettings(CanDeviceSettings):
     """Joints on ODrives (firmware 0.6 and later), one axis each, by CANSimple.
 
     Every axis must have its watchdog enabled: setpoints feed it, and it takes the torque away
@@ -183,10 +182,18 @@ class OdriveSettings:
                     "feedforward_scale, or set feedforward to false."
                 )
 
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """The joints' names, in order."""
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the joints' names, in order."""
         return tuple(self.joints)
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return each joint's axis."""
+        return tuple(
+            Address(
+                f"{device}.{joint}", its.axis, serial=serial if its.serial is None else its.serial
+            )
+            for joint, its in self.joints.items()
+        )
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what the master sends each cycle: names and bytes."""

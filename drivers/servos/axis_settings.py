@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Annotated
 
-from annotated_types import Gt, Unit
+from annotated_types import Gt, Interval, Unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,3 +44,20 @@ class AxisSettings:
         """Signed turns of the drive's shaft for one radian of the joint."""
         turns = self.gear / (2.0 * pi)
         return -turns if self.reversed else turns
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FollowingAxisSettings(AxisSettings):
+    """One joint whose drive brakes it, and watches how well it follows.
+
+    Parameters
+    ----------
+    deceleration : float
+        With which the joint is brought to a standstill, rad/s².
+    following_window, following_time : float
+        How far (rad) and for how long (s) the joint may be from its reference.
+    """
+
+    deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
+    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
+    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1

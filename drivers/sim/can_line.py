@@ -6,16 +6,14 @@ frame attribute by attribute, for every receiver, under locks, which took a fift
 
 from collections import deque
 
-from drivers.can.fast_path import flagged_id
-from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, CanFrame
-from rig.hal import Frame
+from rig.hal import FastCanBus
 
 
-class CanLineEnd:
-    """One end of a `CanLine`; satisfies `rig.hal.CanBus`."""
+class CanLineEnd(FastCanBus):
+    """One end of a `CanLine`."""
 
     def __init__(self, name: str) -> None:
-        self.channel_info = name
+        self._name = name
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._other: CanLineEnd | None = None
         self._open = True
@@ -31,7 +29,7 @@ class CanLineEnd:
             This end is closed.
         """
         if not self._open:
-            raise OSError(f"{self.channel_info}: the bus is closed")
+            raise OSError(f"{self._name}: the bus is closed")
         other = self._other
         if other is not None:
             other._waiting.append((can_id, bytes(data)))
@@ -45,31 +43,13 @@ class CanLineEnd:
             This end is closed.
         """
         if not self._open:
-            raise OSError(f"{self.channel_info}: the bus is closed")
+            raise OSError(f"{self._name}: the bus is closed")
         waiting = self._waiting
         if len(waiting) > limit:
             return [waiting.popleft() for _ in range(limit)]
         frames = list(waiting)
         waiting.clear()
         return frames
-
-    def send(self, msg: Frame, timeout: float | None = None) -> None:
-        """Send a frame; see `send_data`."""
-        self.send_data(flagged_id(msg), bytes(msg.data))
-
-    def recv(self, timeout: float | None = None) -> CanFrame | None:
-        """Return the next frame or None, at once: virtual time does not pass here."""
-        frames = self.drain(1)
-        if not frames:
-            return None
-        can_id, data = frames[0]
-        return CanFrame(
-            can_id & EXTENDED_MASK,
-            data,
-            is_error_frame=bool(can_id & ERROR_FLAG),
-            is_remote_frame=bool(can_id & REMOTE_FLAG),
-            is_extended_id=bool(can_id & EXTENDED_FLAG),
-        )
 
     def shutdown(self) -> None:
         """Close this end: what it sent still arrives, what waits for it is lost. Idempotent."""

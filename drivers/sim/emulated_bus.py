@@ -5,11 +5,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
 
-from drivers.can.fast_path import Drain, Send, drain_of, send_of
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.sim.frame_faults import FrameFaults
 from drivers.sim.nodes.bus_node import BusNode
-from rig.hal.bus import CanBus
+from rig.hal import FastCanBus
 
 _BATCH = 256
 """Frames that are taken from the bus at a time."""
@@ -22,7 +21,7 @@ class EmulatedBus:
     ----------
     name : str
         The bus's name in the profile.
-    bus : CanBus
+    bus : FastCanBus
         The simulated end.
     nodes : sequence of BusNode
         With different node numbers.
@@ -42,11 +41,13 @@ class EmulatedBus:
         Two nodes have the same number or name.
     """
 
-    def __init__(self, name: str, bus: CanBus, nodes: Sequence[BusNode]) -> None:
-        for attribute in ("node_id", "name"):
-            values = [getattr(node, attribute) for node in nodes]
+    def __init__(self, name: str, bus: FastCanBus, nodes: Sequence[BusNode]) -> None:
+        for what, values in (
+            ("node_id", [node.node_id for node in nodes]),
+            ("name", [node.name for node in nodes]),
+        ):
             if len(set(values)) != len(values):
-                raise ValueError(f"bus {name}: two nodes have the same {attribute}: {values}")
+                raise ValueError(f"bus {name}: two nodes have the same {what}: {values}")
         self.name = name
         self.bus = bus
         self.nodes = tuple(nodes)
@@ -57,8 +58,6 @@ class EmulatedBus:
             node.send = self._sender(node)
             self.faults.offer(node)
         self._post: Callable[[float, Callable[[float], None]], None]
-        self._take: Drain
-        self._send: Send
         self._random = random.Random(0)
         self._now = 0.0
 
@@ -70,11 +69,10 @@ class EmulatedBus:
         """Join a world: `post(delay, action)` has an action done later, at its time."""
         self._post = post
         self._random = generator
-        self._take, self._send = drain_of(self.bus), send_of(self.bus)
 
     def drain(self, latency: float) -> None:
         """Take what the master sent; it arrives `latency` (s) later."""
-        while frames := self._take(_BATCH):
+        while frames := self.bus.drain(_BATCH):
             for can_id, data in frames:
                 if not can_id & ERROR_FLAG:
                     self._accept(can_id, data, latency)
@@ -172,7 +170,7 @@ class EmulatedBus:
     def _to_master(self, can_id: int, data: bytes, now: float, *, extended: bool = False) -> None:
         if self.monitor is not None:
             self.monitor(now, can_id, data)
-        self._send(can_id | EXTENDED_FLAG if extended else can_id, data)
+        self.bus.send_data(can_id | EXTENDED_FLAG if extended else can_id, data)
 
     def _lost(self) -> bool:
         return self.frame_loss > 0.0 and self._random.random() < self.frame_loss

@@ -10,13 +10,12 @@ import select
 import tty
 from collections.abc import Callable, Sequence
 from time import monotonic, sleep
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from drivers.can import close_bus
 from drivers.sim.dynamixel.line import MemoryPort
 from drivers.sim.emulated_rig import EmulatedRig
-from rig.hal import CanBus, DeviceFault
-from rig.hal.bus import Frame
+from rig.hal import DeviceFault, FastCanBus
 
 IDLE: Final = 2e-3
 """Longest time between two looks at the world while nobody sends, s."""
@@ -51,8 +50,8 @@ class End(Protocol):
         ...
 
 
-class CanEnd:
-    """The simulated end of a CAN interface; satisfies `rig.hal.CanBus` and outlives outages.
+class CanEnd(FastCanBus):
+    """The simulated end of a CAN interface, which outlives outages.
 
     Devices do not end because their bus is down: what cannot be sent is lost and counted.
 
@@ -60,7 +59,7 @@ class CanEnd:
     ----------
     name : str
         The bus's name in the profile.
-    bus : CanBus
+    bus : FastCanBus
         The interface, open. It is owned from now on.
 
     Attributes
@@ -71,19 +70,19 @@ class CanEnd:
         What the interface said when it last refused one, until it takes one again.
     """
 
-    def __init__(self, name: str, bus: CanBus) -> None:
+    def __init__(self, name: str, bus: FastCanBus) -> None:
         self.name = name
         self.received = self.sent = self.lost = 0
         self.trouble: str | None = None
         self._bus = bus
-        self._fd = _descriptor(bus)
+        self._fd = bus.fileno()
 
     def fileno(self) -> int:
         """Return what to wait for, or -1."""
         return self._fd
 
-    def recv(self, timeout: float | None = None) -> Frame | None:
-        """Return the next frame, or None.
+    def drain(self, limit: int) -> list[tuple[int, bytes]]:
+        """Return the waiting frames, at most `limit`.
 
         Raises
         ------
@@ -91,15 +90,14 @@ class CanEnd:
             The interface is gone for good.
         """
         try:
-            frame = self._bus.recv(timeout)
+            frames = self._bus.drain(limit)
         except Exception as error:  # each interface has errors of its own
             self._note(error)
-            return None
-        if frame is not None:
-            self.received += 1
-        return frame
+            return []
+        self.received += len(frames)
+        return frames
 
-    def send(self, msg: Frame, timeout: float | None = None) -> None:
+    def send_data(self, can_id: int, data: bytes) -> None:
         """Send a frame if the interface takes it.
 
         Raises
@@ -108,7 +106,7 @@ class CanEnd:
             The interface is gone for good.
         """
         try:
-            self._bus.send(msg, timeout)
+            self._bus.send_data(can_id, data)
         except Exception as error:
             self.lost += 1
             self._note(error)
@@ -117,7 +115,7 @@ class CanEnd:
             self.trouble = None
 
     def take(self, origin: float) -> None:
-        """Do nothing: the emulated bus itself takes frames, by `recv`."""
+        """Do nothing: the emulated bus itself takes frames, by `drain`."""
 
     def give(self) -> None:
         """Do nothing: frames are sent when the devices send them."""
@@ -272,11 +270,3 @@ class WallClockRig:
             self._pause(min(wait, _POLL))
         else:
             select.select(self._waits, (), (), wait)
-
-
-def _descriptor(bus: Any) -> int:
-    """Return the descriptor of an interface, or -1: not every one of python-can's has one."""
-    try:
-        return int(bus.fileno())
-    except (AttributeError, NotImplementedError, OSError, TypeError):
-        return -1

@@ -66,9 +66,9 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     }
     links = None
     if backend is Backend.VCAN and others:
-        from rig.assembly.simulation_process import reach_cameras
+        from rig.assembly.simulation_process import reach_devices
 
-        links = reach_cameras(profile, others)
+        links = reach_devices(profile, others)
     devices = make_devices(profile, buses, clock, links)
     return Rig(
         profile,

@@ -7,7 +7,7 @@ from typing import Any
 
 from rig.assembly.registry import REGISTRY, load
 from rig.config import BusEntry, Profile
-from rig.hal import Clock, CyclicBus
+from rig.hal import BusLoad, Clock, CyclicBus, DriverSettings
 
 
 def is_can(entry: BusEntry) -> bool:
@@ -56,8 +56,8 @@ def _open_recorded(frames: Any, name: str, clock: Clock, opened: Callable[[], An
     return frames.tap(name, clock, opened())
 
 
-def bus_loads(profile: Profile) -> dict[str, Any]:
-    """Return the worst-case load of each bus of a profile, `drivers.canopen.load.BusLoad`.
+def bus_loads(profile: Profile) -> dict[str, BusLoad]:
+    """Return the worst-case load of each bus of a profile.
 
     Raises
     ------
@@ -72,5 +72,5 @@ def bus_loads(profile: Profile) -> dict[str, Any]:
     }
 
 
-def _devices_on(profile: Profile, bus: str) -> list[tuple[str, Any]]:
+def _devices_on(profile: Profile, bus: str) -> list[tuple[str, DriverSettings]]:
     return [(name, entry.settings) for name, entry in profile.devices.items() if entry.bus == bus]

@@ -11,7 +11,8 @@ from rig.assembly.buses import is_can
 from rig.assembly.frame_recording import FORMATS, FRAMES
 from rig.assembly.on_interfaces import Interfaces
 from rig.config import Profile
-from rig.hal import CanBus, ConfigurationError, ConnectionFailed
+from rig.hal import ConfigurationError, ConnectionFailed, FastCanBus
+from rig.hal.frames import LoggedFrame
 
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
@@ -36,8 +37,8 @@ def frames_of_run(folder: Path) -> Path:
     )
 
 
-def read_frames(path: str | Path, profile: Profile) -> Iterator[Any]:
-    """Yield the `drivers.can.candump.LoggedFrame` of a file.
+def read_frames(path: str | Path, profile: Profile) -> Iterator[LoggedFrame]:
+    """Yield the frames of a file.
 
     Parameters
     ----------
@@ -71,19 +72,15 @@ class Listener:
 
     Parameters
     ----------
-    buses : mapping of str to CanBus
+    buses : mapping of str to FastCanBus
         By name.
     """
 
-    def __init__(self, buses: Mapping[str, CanBus]) -> None:
-        from drivers.can.candump import LoggedFrame
-        from drivers.can.fast_path import drain_of, drops_of
+    def __init__(self, buses: Mapping[str, FastCanBus]) -> None:
 
-        self._logged = LoggedFrame
-        self._drains = [(name, drain_of(bus)) for name, bus in buses.items()]
-        self._drops = [drops_of(bus) for bus in buses.values()]
+        self._buses = buses
 
-    def look(self) -> list[Any]:
+    def look(self) -> list[LoggedFrame]:
         """Return the frames that have come; none after a moment in which there were none.
 
         Raises
@@ -92,20 +89,20 @@ class Listener:
             An interface went down.
         """
         frames = []
-        for name, drain in self._drains:
+        for name, bus in self._buses.items():
             try:
-                found = drain(256)
+                found = bus.drain(256)
             except Exception as error:  # each interface has errors of its own
                 raise ConnectionFailed(name, f"the interface failed: {error}") from error
             now = time.time()
-            frames += [self._logged(now, name, can_id, data) for can_id, data in found]
+            frames += [LoggedFrame(now, name, can_id, data) for can_id, data in found]
         if not frames:
             time.sleep(_LOOK_EVERY)
         return frames
 
     def count_dropped(self) -> int:
         """Return how many frames came faster than they were looked at, and are lost."""
-        return sum(count() for count in self._drops)
+        return sum(bus.count_dropped() for bus in self._buses.values())
 
 
 @contextlib.contextmanager
@@ -151,7 +148,7 @@ class _Buses:
         return self._only or self._names.get(channel, channel)
 
 
-def _read_candump(path: str | Path) -> Iterator[Any]:
+def _read_candump(path: str | Path) -> Iterator[LoggedFrame]:
     from drivers.can.candump import parse_lines
 
     if str(path) == STDIN:
@@ -161,10 +158,9 @@ def _read_candump(path: str | Path) -> Iterator[Any]:
         yield from parse_lines(lines, str(path))
 
 
-def _read_vector(path: Path) -> Iterator[Any]:
+def _read_vector(path: Path) -> Iterator[LoggedFrame]:
     import can
 
-    from drivers.can.candump import LoggedFrame
     from drivers.can.fast_path import flagged_id
 
     is_binary = path.suffix.lower() == ".blf"

@@ -1,6 +1,7 @@
 """Rigs without hardware: the only place outside of `drivers.sim` that knows the simulation."""
 
 import contextlib
+import dataclasses
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -9,7 +10,7 @@ from rig.assembly.buses import is_can, make_bus
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY, load
 from rig.assembly.rig import Backend, Rig
-from rig.config import DeviceEntry, Perturbation, Profile
+from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError
 from rig.hal.columns import Column
 
@@ -35,11 +36,18 @@ def make_plant(profile: Profile) -> Any:
     if profile.simulation.perturbation == Perturbation():
         extra = () if geometry is None else (geometry,)
         return plant(settings, seed, *extra)
-    from drivers.sim.perturbation import PerturbedPlant, draw, perturb_geometry, perturb_plant
+    from drivers.sim.perturbation import draw, perturb_geometry, perturb_plant
 
-    draws = draw(profile.simulation.perturbation, seed)
+    draws = draw(_bounds(profile), seed)
     extra = () if geometry is None else (perturb_geometry(geometry, draws),)
-    return PerturbedPlant(plant(perturb_plant(settings, draws), seed, *extra), draws)
+    made = plant(perturb_plant(settings, draws), seed, *extra)
+    if any(draws.leaks):
+        made.set_leaks(draws.leaks[: len(made.channel_names)])
+    return made
+
+
+def _bounds(profile: Profile) -> dict[str, float]:
+    return dataclasses.asdict(profile.simulation.perturbation)
 
 
 def _truth_columns(plant: Any) -> tuple[Column, ...]:
@@ -49,30 +57,48 @@ def _truth_columns(plant: Any) -> tuple[Column, ...]:
     )
 
 
-def _simulation(name: str, entry: DeviceEntry) -> Any:
-    path = REGISTRY.driver(entry.driver).simulation
-    if path is None:
-        raise ConfigurationError(f"{name}: there is no simulated device for {entry.driver}")
-    return load(path)
+def install(profile: Profile, plant: Any, name: str) -> tuple[Any, Any]:
+    """Return a device's `drivers.sim.wiring` object, and the device as it is built in.
 
-
-def _wire(profile: Profile, plant: Any, name: str) -> tuple[Any, tuple[int, ...]]:
-    from drivers.sim.wiring import plant_channels
+    Raises
+    ------
+    ConfigurationError
+        There is no simulated device for its driver, or the plant has no channel for it.
+    """
+    from drivers.sim.perturbation import draw
+    from drivers.sim.wiring import Installed, plant_channels
 
     entry = profile.devices[name]
+    bounds, seed = _bounds(profile), profile.simulation.seed
+    row = REGISTRY.driver(entry.driver)
+    path = row.simulation
+    if path is None and entry.bus is not None:
+        path = REGISTRY.protocol(profile.buses[entry.bus].protocol).nodes
+    if path is None:
+        raise ConfigurationError(
+            f"{name}: there is no simulated device for {entry.driver}; name one in the driver's "
+            "row (DriverParts.simulation)"
+        )
+    wiring = load(path)
+    of = Installed(
+        name,
+        entry.settings,
+        plant,
+        nominal=entry.nominal,
+        serial=entry.serial,
+        seed=seed,
+        bounds=bounds,
+    )
+    if not row.on_bus:
+        return wiring, of
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     wired = mechanism.wiring(profile.mechanism_settings)
-    own = tuple(getattr(entry.settings, "channels", getattr(entry.settings, "joints", ())))
-    return _simulation(name, entry), plant_channels(name, wired, plant, own)
-
-
-def reality_of(profile: Profile, name: str, plant: Any) -> dict[str, Any]:
-    """Return what is true of a simulated device without a bus, whatever its driver believes."""
-    entry, simulation = profile.devices[name], profile.simulation
-    real: dict[str, Any] = _simulation(name, entry).reality(
-        entry.nominal, plant, simulation.perturbation, simulation.seed
-    )
-    return real
+    own = entry.settings.channel_names()
+    channels = plant_channels(name, wired, plant.channel_names, own)
+    port = plant
+    if wiring.perturb is not None and profile.simulation.perturbation != Perturbation():
+        port = wiring.perturb(plant, draw(bounds, seed))
+    return wiring, dataclasses.replace(of, plant=port, channels=channels)
 
 
 def board_renderer(
@@ -92,10 +118,11 @@ def board_renderer(
         Side of one, m.
     """
     from drivers.sim.camera.board import BoardRenderer
+    from drivers.sim.camera.wiring import true_camera
 
-    real = reality_of(profile, name, make_plant(profile))
-    seed = profile.simulation.seed
-    return BoardRenderer(real["scene"], real["optics"], columns, rows, square, seed).render
+    _, of = install(profile, make_plant(profile), name)
+    camera = true_camera(of)
+    return BoardRenderer(camera.scene, camera.optics, columns, rows, square, of.seed).render
 
 
 def build_sim(profile: Profile) -> Rig:
@@ -107,17 +134,10 @@ def build_sim(profile: Profile) -> Rig:
     devices: dict[str, Any] = {}
     clock = SimClock(plant)
     for name, entry in profile.devices.items():
-        if not REGISTRY.driver(entry.driver).on_bus:
-            devices[name] = _simulation(name, entry).simulate(
-                name, entry.settings, plant, clock, profile.simulation.seed, serial=entry.serial,
-                **reality_of(profile, name, plant),
-            )  # fmt: skip
-            continue
-        wiring, channels = _wire(profile, plant, name)
-        port = plant
-        if entry.calibration is not None and wiring.correct is not None:
-            port = wiring.correct(entry.nominal, entry.settings, plant, channels)
-        devices[name] = wiring.simulate(name, entry.settings, port, channels, clock)
+        wiring, of = install(profile, plant, name)
+        if entry.bus is not None and entry.calibration is not None and wiring.correct is not None:
+            of = dataclasses.replace(of, plant=wiring.correct(of))
+        devices[name] = wiring.simulate(of, clock)
     if profile.simulation.faults:
         targets = {**devices, "plant": plant}
         with checking_faults():
@@ -136,15 +156,32 @@ def build_sim(profile: Profile) -> Rig:
 
 
 def emulate_nodes(profile: Profile, plant: Any, bus: str) -> list[Any]:
-    """Make the emulated node of every device on a bus, with ports to the plant."""
+    """Make the emulated nodes of every device on a bus, with ports to the plant."""
     nodes: list[Any] = []
     for name, entry in profile.devices.items():
         if entry.bus == bus:
-            wiring, channels = _wire(profile, plant, name)
+            wiring, of = install(profile, plant, name)
             # Wired as the maker says: a calibration is the driver's knowledge of it.
-            made = wiring.emulate(name, entry.nominal, plant, channels, entry.serial or 0)
-            nodes += made if isinstance(made, tuple) else (made,)
+            nodes += wiring.emulate(of)
     return nodes
+
+
+def emulate_line(profile: Profile, bus: str, nodes: list[Any]) -> Any:
+    """Make the simulated end of a bus that is no CAN.
+
+    Raises
+    ------
+    ConfigurationError
+        Its protocol has none.
+    """
+    entry = profile.buses[bus]
+    path = REGISTRY.protocol(entry.protocol).line
+    if path is None:
+        raise ConfigurationError(
+            f"bus {bus}: there is no simulated {entry.protocol} bus; name one in the protocol's "
+            "row (ProtocolParts.line)"
+        )
+    return load(path)(bus, entry.settings, nodes)
 
 
 def build_virtual(profile: Profile, frames: Any = None) -> Rig:
@@ -159,7 +196,6 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
     """
     from drivers.sim.can_line import CanLine
     from drivers.sim.clock import SimClock
-    from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulated_rig import EmulatedRig
 
@@ -173,21 +209,13 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
             emulated.append(EmulatedBus(bus, wire.nodes_end, nodes))
             ports[bus] = wire.open
         else:
-            line = EmulatedSerialBus(bus, spoken.settings.baudrate, nodes)
+            line = emulate_line(profile, bus, nodes)
             emulated.append(line)
-            ports[bus] = partial(getattr, line, "port")
-    links = {
-        name: _simulation(name, entry).emulate(
-            name,
-            entry.settings,
-            plant,
-            profile.simulation.seed,
-            serial=entry.serial,
-            **reality_of(profile, name, plant),
-        )
-        for name, entry in profile.devices.items()
-        if not REGISTRY.driver(entry.driver).on_bus
-    }
+            ports[bus] = partial(_port_of, line)
+    links = {}
+    for name in devices_without_bus(profile):
+        wiring, of = install(profile, plant, name)
+        links[name] = wiring.emulate(of)
     with checking_faults():
         world = EmulatedRig(
             plant,
@@ -214,6 +242,17 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
         truth_columns=_truth_columns(plant),
         truth=plant.truth,
     )
+
+
+def devices_without_bus(profile: Profile) -> list[str]:
+    """Return the devices that hang on no bus, by name."""
+    return [
+        name for name, entry in profile.devices.items() if not REGISTRY.driver(entry.driver).on_bus
+    ]
+
+
+def _port_of(line: Any) -> Any:
+    return line.port
 
 
 @contextlib.contextmanager

@@ -7,7 +7,15 @@ from typing import Any, NamedTuple
 
 from rig.assembly.buses import is_can
 from rig.assembly.on_interfaces import Interfaces
-from rig.assembly.simulated import checking_faults, emulate_nodes, make_plant, reality_of
+from rig.assembly.registry import REGISTRY, load
+from rig.assembly.simulated import (
+    checking_faults,
+    devices_without_bus,
+    emulate_line,
+    emulate_nodes,
+    install,
+    make_plant,
+)
 from rig.config import Profile
 from rig.hal import ConfigurationError
 
@@ -55,7 +63,6 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
         An interface is missing or down.
     """
     from drivers.can import open_bus
-    from drivers.sim.dynamixel.line import EmulatedSerialBus
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulated_rig import EmulatedRig
     from drivers.sim.wall_clock import CanEnd, TerminalEnd, WallClockRig
@@ -76,13 +83,13 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
                 emulated.append(EmulatedBus(name, end, nodes))
                 channels[name] = settings.channel
             else:
-                line = EmulatedSerialBus(name, entry.settings.baudrate, nodes)
+                line = emulate_line(profile, name, nodes)
                 end = TerminalEnd(name, line.port)
                 emulated.append(line)
                 channels[name] = end.path
             stack.callback(end.close)
             ends[name] = end
-        cameras = _serve_cameras(profile, plant, channels, stack)
+        cameras = _serve_devices(profile, plant, next(iter(channels.values())), stack)
         # The interface has a latency of its own.
         simulation = dataclasses.replace(profile.simulation, bus_latency=0.0)
         with checking_faults():
@@ -102,8 +109,8 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
         yield Simulation(served, ends, channels, cameras, left_out)
 
 
-def reach_cameras(profile: Profile, interfaces: Interfaces) -> dict[str, Any]:
-    """Return what links a profile's cameras to those of `rig simulate`, by the device's name.
+def reach_devices(profile: Profile, interfaces: Interfaces) -> dict[str, Any]:
+    """Return what links a profile's devices without a bus to those of `rig simulate`, by name.
 
     Parameters
     ----------
@@ -112,33 +119,23 @@ def reach_cameras(profile: Profile, interfaces: Interfaces) -> dict[str, Any]:
     interfaces : mapping
         Of every CAN bus; those of the simulation.
     """
-    from drivers.sim.camera.wiring import reach_marker_camera
-
     channel = next(iter(interfaces.values()))["channel"]
-    return {name: reach_marker_camera(name, channel) for name in _cameras(profile)}
+    links: dict[str, Any] = {}
+    for name in devices_without_bus(profile):
+        path = REGISTRY.driver(profile.devices[name].driver).simulation
+        reach = None if path is None else load(path).reach
+        if reach is not None:
+            links[name] = reach(name, channel)
+    return links
 
 
-def _cameras(profile: Profile) -> list[str]:
-    return [name for name, entry in profile.devices.items() if entry.driver == "marker-camera"]
-
-
-def _serve_cameras(
-    profile: Profile, plant: Any, channels: dict[str, str], stack: contextlib.ExitStack
+def _serve_devices(
+    profile: Profile, plant: Any, channel: str, stack: contextlib.ExitStack
 ) -> dict[str, Any]:
-    from drivers.sim.camera.wiring import serve_marker_camera
-
-    cameras: dict[str, Any] = {}
-    for name in _cameras(profile):
-        entry = profile.devices[name]
-        camera = serve_marker_camera(
-            name,
-            entry.settings,
-            plant,
-            profile.simulation.seed,
-            next(iter(channels.values())),
-            serial=entry.serial,
-            **reality_of(profile, name, plant),
-        )
-        stack.callback(camera.close)
-        cameras[name] = camera
-    return cameras
+    served: dict[str, Any] = {}
+    for name in devices_without_bus(profile):
+        wiring, of = install(profile, plant, name)
+        if wiring.serve is not None:
+            served[name] = wiring.serve(of, channel)
+            stack.callback(served[name].close)
+    return served

@@ -1,27 +1,13 @@
 """Who answers on a profile's CAN buses, and whether that is what the profile says."""
 
 import dataclasses
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rig.assembly.buses import is_can
 from rig.assembly.on_interfaces import Interfaces
+from rig.assembly.registry import REGISTRY, load
 from rig.config import Profile
-from rig.hal import DeviceFault, MonotonicClock
-
-_PROFILES = {"cia401": 401, "cia406": 406, "cia402": 402}
-"""Drivers and the CiA device profile that they need on the other side."""
-
-
-class Expected(NamedTuple):
-    """A node that the profile says is there."""
-
-    name: str
-    node: int
-    profile: int | None
-    vendor: int | None
-    product: int | None
-    serial: int | None
+from rig.hal import Address, DeviceFault, DriverSettings, MonotonicClock
+from rig.hal.frames import Found
 
 
 class Answer(NamedTuple):
@@ -35,7 +21,7 @@ class Answer(NamedTuple):
         The number.
     name : str
         The device, and its joint, of the profile; empty for one that it does not know.
-    found : drivers.can.found.Found or None
+    found : Found or None
         What answered.
     differences : tuple of str
         In words; empty if all is as it should be.
@@ -44,7 +30,7 @@ class Answer(NamedTuple):
     bus: str
     node: int
     name: str
-    found: Any
+    found: Found | None
     differences: tuple[str, ...]
 
 
@@ -69,13 +55,14 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
 
     answers: list[Answer] = []
     for name, entry in profile.buses.items():
-        if not is_can(entry):
+        path = REGISTRY.protocol(entry.protocol).discovery
+        if path is None:
             continue
         expected = expected_on(profile, name)
-        numbers = [item.node for item in expected]
+        numbers = [item.number for item in expected]
         bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
         try:
-            found = _surveyor(entry.protocol)(bus, MonotonicClock(), numbers)
+            found: list[Found] = load(path)(bus, MonotonicClock(), numbers)
         except Exception as error:  # each interface has errors of its own
             raise _refusal(name, error) from error
         finally:
@@ -94,32 +81,19 @@ def _refusal(bus: str, error: Exception) -> DeviceFault:
     return DeviceFault(bus, str(error) if fault is None else fault.what)
 
 
-def expected_on(profile: Profile, bus: str) -> list[Expected]:
+def expected_on(profile: Profile, bus: str) -> list[Address]:
     """Return the nodes that a profile says are on a bus."""
-    nodes: list[Expected] = []
+    nodes: list[Address] = []
     for name, entry in profile.devices.items():
-        if entry.bus != bus:
-            continue
-        settings = entry.settings
-        common = (
-            _PROFILES.get(entry.driver),
-            getattr(settings, "vendor", None),
-            getattr(settings, "product", None),
-        )
-        if hasattr(settings, "node"):
-            nodes.append(Expected(name, settings.node, *common, entry.serial))
-        for joint, its in getattr(settings, "joints", {}).items():
-            number = getattr(its, "node", getattr(its, "axis", None))
-            if number is not None:
-                nodes.append(
-                    Expected(f"{name}.{joint}", number, *common, getattr(its, "serial", None))
-                )
+        if entry.bus == bus:
+            settings: DriverSettings = entry.settings
+            nodes += settings.addresses(name, entry.serial)
     return nodes
 
 
-def compare(bus: str, expected: list[Expected], found: dict[int, Any]) -> list[Answer]:
+def compare(bus: str, expected: list[Address], found: dict[int, Found]) -> list[Answer]:
     """Return what is expected and what else answers, by node number."""
-    wanted = {item.node: item for item in expected}
+    wanted = {item.number: item for item in expected}
     return [
         Answer(
             bus,
@@ -132,7 +106,7 @@ def compare(bus: str, expected: list[Expected], found: dict[int, Any]) -> list[A
     ]
 
 
-def _differences(expected: Expected | None, found: Any) -> tuple[str, ...]:
+def _differences(expected: Address | None, found: Found | None) -> tuple[str, ...]:
     if found is None:
         return ("does not answer",)
     differences = []
@@ -153,13 +127,3 @@ def _differences(expected: Expected | None, found: Any) -> tuple[str, ...]:
         if wanted is not None and found.answers and seen != wanted:
             differences.append(f"{what} {wanted} expected")
     return tuple(differences)
-
-
-def _surveyor(protocol: str) -> Callable[..., list[Any]]:
-    if protocol == "cansimple":
-        from drivers.odrive.discovery import survey_odrives
-
-        return survey_odrives
-    from drivers.canopen.discovery import survey_canopen
-
-    return survey_canopen

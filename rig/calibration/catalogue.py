@@ -1,19 +1,18 @@
 """The procedures of a rig."""
 
 from rig.assembly import REGISTRY
-from rig.calibration.procedure import Procedure
+from rig.calibration.procedure import AnyProcedure
 from rig.config import Profile
 from rig.hal import ConfigurationError
-from rig.mechanisms.joint.calibration.lens import Lens
 
 
-def procedures(profile: Profile) -> dict[str, "Procedure | Lens"]:
+def procedures(profile: Profile) -> dict[str, AnyProcedure]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
     every = REGISTRY.procedures(profile.mechanism, Procedure)
     return {procedure.name: procedure for procedure in every if procedure.targets(profile)}
 
 
-def pick(profile: Profile, names: tuple[str, ...]) -> list["Procedure | Lens"]:
+def pick(profile: Profile, names: tuple[str, ...]) -> list[AnyProcedure]:
     """Return procedures by name, in their own order.
 
     Raises

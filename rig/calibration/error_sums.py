@@ -8,12 +8,13 @@ drawn evenly between them (6.4.2), what was found from few repetitions from Stud
 (6.4.9), and the interval is that of the drawn sums (7.7).
 """
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
-from rig.calibration.estimates import CONFIDENCE
+from rig.calibration.estimates import CONFIDENCE, Estimate
 
 _DRAWS: Final = 40_000
 """The interval's bounds are then right to about 1 %."""
@@ -42,3 +43,18 @@ def half_width(
         if part:
             total += part * random.uniform(-np.sqrt(3.0), np.sqrt(3.0), _DRAWS)
     return float(np.quantile(np.abs(total), CONFIDENCE))
+
+
+def estimate_of_sum(
+    name: str,
+    value: float,
+    unit: str,
+    sampled: float,
+    freedom: float,
+    normal: float = 0.0,
+    even: Sequence[float] = (),
+) -> Estimate:
+    """Return an estimate whose error is a sum of independent ones; see `half_width`."""
+    half = half_width(sampled, freedom, normal, even)
+    std = math.hypot(sampled, normal, *even)
+    return Estimate(name, value, unit, std, value - half, value + half)

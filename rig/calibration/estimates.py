@@ -1,12 +1,12 @@
 """Estimates with honest intervals: what a fit or a set of repetitions says, and how well."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from rig.calibration.arrays import Array, Indices
+from rig.calibration.recording import CalibrationRefused
 
 CONFIDENCE = 0.95
 """Of every interval."""
@@ -36,6 +36,12 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
+    def inverse(self, name: str, unit: str) -> "Estimate":
+        """Return the estimate of 1 over the value; the interval need not be symmetrical."""
+        value = 1.0 / self.value
+        std = value**2 * self.std
+        return Estimate(name, value, unit, std, 1.0 / self.high, 1.0 / self.low)
+
 
 class Fit(NamedTuple):
     """A least-squares fit.
@@ -55,11 +61,11 @@ class Fit(NamedTuple):
         without blocks.
     """
 
-    values: "NDArray[np.float64]"
-    covariance: "NDArray[np.float64]"
+    values: Array
+    covariance: Array
     freedom: float
-    residuals: "NDArray[np.float64]"
-    blocks: "Sequence[NDArray[np.float64]]" = ()
+    residuals: Array
+    blocks: Sequence[Array] = ()
 
     def freedom_of(self, gradient: Sequence[float]) -> float:
         """Return the degrees of freedom of a function of the parameters.
@@ -109,11 +115,11 @@ def interval(name: str, value: float, unit: str, std: float, freedom: float) -> 
 
 
 def fit(
-    residuals: "Callable[[NDArray[np.float64]], NDArray[np.float64]]",
+    residuals: Callable[[Array], Array],
     start: Sequence[float],
     scale: Sequence[float],
     *,
-    groups: "NDArray[Any] | None" = None,
+    groups: Array | Indices | None = None,
 ) -> Fit:
     """Fit parameters by least squares.
 
@@ -169,7 +175,27 @@ def fit(
     return Fit(found.x, covariance, float(len(names) - 1), r, blocks)
 
 
-def _inverse_root(matrix: "NDArray[np.float64]") -> "NDArray[np.float64]":
+def fit_or_refuse(
+    what: str,
+    residuals: Callable[[Array], Array],
+    start: Sequence[float],
+    scale: Sequence[float],
+    groups: Array | Indices | None = None,
+) -> Fit:
+    """Fit as `fit` does.
+
+    Raises
+    ------
+    CalibrationRefused
+        The data do not determine the parameters of `what`.
+    """
+    try:
+        return fit(residuals, start, scale, groups=groups)
+    except ValueError as error:
+        raise CalibrationRefused(f"{what}: {error}") from error
+
+
+def _inverse_root(matrix: Array) -> Array:
     """Return the inverse of a symmetric matrix's root; directions that the fit took whole are out.
 
     A block of which the fit has taken a direction altogether says nothing about it.
@@ -180,7 +206,7 @@ def _inverse_root(matrix: "NDArray[np.float64]") -> "NDArray[np.float64]":
     return np.asarray(root @ vectors[:, keep].T)
 
 
-def differ(residuals: "NDArray[np.float64]", groups: "NDArray[Any]", sure: float) -> bool:
+def differ(residuals: Array, groups: Array | Indices, sure: float) -> bool:
     """Return whether blocks of residuals differ by more than chance explains (F test).
 
     Parameters

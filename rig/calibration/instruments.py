@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rig.calibration.procedure import Readings
-from rig.calibration.recording import TRUTH
+from rig.calibration.recording import TRUTH, CalibrationRefused
 from rig.config.quantities import UnitError, parse_quantity
 from rig.experiment.metrics import evaluation_from_json
 from rig.run_folder import EVALUATION, RunFolder
@@ -95,6 +95,36 @@ def ask(instruments: Sequence[Instrument], prompt: Callable[[str], str]) -> Read
                 readings.setdefault(instrument.name, {})[stretch] = value
                 break
     return readings
+
+
+def shown_in(
+    readings: Readings, name: str, stretches: Sequence[str], lack: str, of: str = "stretches"
+) -> list[float]:
+    """Return what an instrument showed in stretches.
+
+    Parameters
+    ----------
+    readings : mapping
+        Of all instruments.
+    name : str
+        Of the instrument.
+    stretches : sequence of str
+        Where it was to be read.
+    lack, of : str
+        Beginning of the sentence that says that it was not read, and what stretches are.
+
+    Raises
+    ------
+    CalibrationRefused
+        It was not read everywhere.
+    """
+    shown = readings.get(name, {})
+    lacking = [stretch for stretch in stretches if stretch not in shown]
+    if lacking:
+        raise CalibrationRefused(
+            f"{lack} in {len(lacking)} of {len(stretches)} {of}, first in {lacking[0]!r}"
+        )
+    return [shown[stretch] for stretch in stretches]
 
 
 def parse_reading(text: str, unit: str) -> float:

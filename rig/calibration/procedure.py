@@ -1,25 +1,24 @@
 """What a procedure is: an excitation within the rig's limits, and what its log says."""
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
-from rig.calibration.recording import Recording
+from rig.calibration.recording import NoFiles
 from rig.config import Profile
 from rig.hal.motion import Motion
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from rig.calibration.instruments import Instrument
 
 Readings = Mapping[str, Mapping[str, float]]
-"""Of reference instruments: by quantity, then by stretch; SI."""
+"""What reference instruments showed: by quantity, then by stretch; SI."""
 
 
 class Panel(NamedTuple):
-    """Data, fit, residuals and what was believed before, for the page of a calibration.
+    """Data, fit, residuals and the belief before, for the page of a calibration.
 
     Parameters
     ----------
@@ -40,16 +39,16 @@ class Panel(NamedTuple):
     x_label: str
     y_label: str
     residual_label: str
-    x: "NDArray[np.float64]"
-    y: "NDArray[np.float64]"
-    fit: "NDArray[np.float64]"
-    before: "NDArray[np.float64]"
+    x: Array
+    y: Array
+    fit: Array
+    before: Array
     residual_scale: float = 1.0
-    curve: "tuple[NDArray[np.float64], NDArray[np.float64]] | None" = None
+    curve: tuple[Array, Array] | None = None
 
 
 class Finding(NamedTuple):
-    """What a recording says of one device or of the mechanism.
+    """A result for one device or for the mechanism.
 
     Parameters
     ----------
@@ -74,9 +73,9 @@ class Finding(NamedTuple):
     """
 
     target: str
-    values: Mapping[str, Any]
+    values: Mapping[str, object]
     estimates: Sequence[Estimate]
-    residuals: "NDArray[np.float64]"
+    residuals: Array
     unit: str
     bound: float
     blocks: int
@@ -85,7 +84,7 @@ class Finding(NamedTuple):
 
 
 class Excitation(NamedTuple):
-    """What moves, and who moves it.
+    """A motion to be recorded, and the controller that follows it.
 
     Parameters
     ----------
@@ -93,12 +92,14 @@ class Excitation(NamedTuple):
         Dataclass of the reference, for the run folder.
     motion : Motion
         What is followed.
-    controller : object
-        Who follows it.
+    controller : Controller
+        Who follows it; a script follows itself.
     controller_name : str
         For the run folder.
     profile : Profile
         The rig's, with what this excitation needs otherwise.
+    describe : callable
+        Yields what moves and how far, for the preview.
     notes : sequence of str
         What is otherwise, for the preview.
     approach : float
@@ -107,18 +108,65 @@ class Excitation(NamedTuple):
         What somebody has to do by hand before it; there may be more of it after.
     """
 
-    settings: Any
-    motion: Motion[Any]
-    controller: Any
+    settings: object
+    motion: Motion[object]
+    controller: object
     controller_name: str
     profile: Profile
+    describe: Callable[[], Iterator[str]]
     notes: Sequence[str] = ()
     approach: float = 2.0
     placing: str = ""
 
 
-class Procedure(Protocol):
-    """One procedure of a mechanism."""
+class Evidence(Protocol):
+    """What a calibration rests on: a recording, or images."""
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files."""
+        ...
+
+    @property
+    def samples(self) -> int:
+        """How much is in them."""
+        ...
+
+    def sha256(self) -> str:
+        """Return the digest of the files."""
+        ...
+
+
+class FilesOffered(NamedTuple):
+    """Files that somebody hands over to a procedure without a motion.
+
+    Parameters
+    ----------
+    source : Path or None
+        A folder or a file; None if there is none.
+    board : str
+        The board that images show, as in ``"10x7x8mm"``.
+    simulated : bool
+        Whether the rig is simulated, so that the procedure may make its own files.
+    out : Path
+        Where run folders live.
+    """
+
+    source: Path | None
+    board: str
+    simulated: bool
+    out: Path
+
+
+Data = TypeVar("Data", bound=Evidence)
+
+
+class Procedure(Protocol[Data]):
+    """One procedure of a mechanism. Inherit it: what has a default need not be written.
+
+    It either moves the rig (`excite`), and its data are a `Recording`; or it moves nothing, and
+    reads its data from files (`read_files`).
+    """
 
     @property
     def name(self) -> str:
@@ -131,27 +179,47 @@ class Procedure(Protocol):
         ...
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the files that it writes: devices, or the mechanism."""
-        ...
+        """Return the files that it writes, devices or the mechanism; default: the mechanism."""
+        return (profile.mechanism,)
 
     def instruments(self, profile: Profile) -> "Sequence[Instrument]":
-        """Return the reference instruments that somebody has to read."""
-        ...
+        """Return the reference instruments that somebody has to read; default: none."""
+        return ()
 
-    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
-        """Return what is to be done, without the stretches that are done."""
-        ...
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation | None:
+        """Return what is to be done without the stretches that are done; None: nothing moves.
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
-        """Return what a recording says.
+        Raises
+        ------
+        RigLacks
+            The rig has not what it takes.
+        """
+        return None
+
+    def describe_files(self, files: FilesOffered) -> Iterator[str]:
+        """Yield what a procedure without a motion will read."""
+        return iter(())
+
+    def read_files(self, profile: Profile, files: FilesOffered) -> tuple[Data, Path]:
+        """Return what a procedure without a motion rests on, and its run folder.
+
+        Raises
+        ------
+        NoFiles
+            There are none.
+        CalibrationRefused
+            They do not suffice.
+        """
+        raise NoFiles(f"{self.name} reads no files")
+
+    def identify(self, profile: Profile, data: Data, readings: Readings) -> Sequence[Finding]:
+        """Return what the data say.
 
         Parameters
         ----------
         profile : Profile
-            The one that it was recorded under.
-        recording : Recording
+            The one that they were recorded under.
+        data : Recording or other Evidence
             Without the simulation's truth.
         readings : mapping
             Of the reference instruments.
@@ -159,9 +227,13 @@ class Procedure(Protocol):
         Raises
         ------
         CalibrationRefused
-            What was recorded does not suffice; says what is missing.
+            They do not suffice; says what is missing.
         """
         ...
+
+
+AnyProcedure = Procedure[Any]
+"""A procedure, whatever its data are."""
 
 
 def quantity(value: float, unit: str) -> str:

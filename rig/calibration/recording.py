@@ -3,10 +3,10 @@
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import evaluation_from_json
 from rig.hal import RigError
@@ -14,27 +14,28 @@ from rig.hal.motion import Segment
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import Log, LogError, read_log
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 TRUTH = "truth."
 
 
 class CalibrationRefused(RigError):
-    """What was recorded does not suffice, or is worse than what there is; nothing was changed."""
+    """The data do not suffice, or their fit is worse than the one in force; nothing was changed."""
 
 
 class RigLacks(CalibrationRefused):
     """The rig has not what the procedure takes; nothing was moved."""
 
 
-class Stretch(Mapping[str, "NDArray[np.float64]"]):
+class NoFiles(CalibrationRefused):
+    """There are no files to read; what is in force stays."""
+
+
+class Stretch(Mapping[str, Array]):
     """The rows of one segment, column by column; ``"t"`` is seconds since its reference began."""
 
-    def __init__(self, columns: dict[str, "NDArray[np.float64]"]) -> None:
+    def __init__(self, columns: dict[str, Array]) -> None:
         self._columns = columns
 
-    def __getitem__(self, name: str) -> "NDArray[np.float64]":
+    def __getitem__(self, name: str) -> Array:
         try:
             return self._columns[name]
         except KeyError:

@@ -9,7 +9,15 @@ from rig.assembly import Backend, check_profile
 from rig.calibration import instruments, store
 from rig.calibration.instrument_files import read_file
 from rig.calibration.page import draw_page
-from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
+from rig.calibration.procedure import (
+    AnyProcedure,
+    Data,
+    Evidence,
+    Excitation,
+    Finding,
+    Procedure,
+    Readings,
+)
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
 from rig.experiment.plan import Plan
@@ -18,7 +26,7 @@ from rig.run_folder import FIGURES, RunStatus
 
 
 class Calibrated(NamedTuple):
-    """What came of a procedure.
+    """Findings with the files and figures that a procedure has written.
 
     Parameters
     ----------
@@ -35,7 +43,7 @@ class Calibrated(NamedTuple):
     figures: Sequence[Path]
 
 
-def plan_of(procedure: Procedure, excitation: Excitation) -> Plan:
+def plan_of(procedure: AnyProcedure, excitation: Excitation) -> Plan:
     """Return an excitation as what the runtime runs."""
     check_profile(excitation.profile)
     kind = type(excitation.settings).__name__.lower()
@@ -53,7 +61,7 @@ def plan_of(procedure: Procedure, excitation: Excitation) -> Plan:
 
 
 def record(
-    procedure: Procedure,
+    procedure: AnyProcedure,
     profile: Profile,
     backend: Backend,
     out: Path,
@@ -86,19 +94,14 @@ def record(
     done = Recording.of(earlier).names if earlier else ()
     while True:
         excitation = procedure.excite(profile, done)
-        if not excitation.motion.segments:
+        if excitation is None or not excitation.motion.segments:
             return result, folders
         if excitation.placing and place is not None and not place(excitation.placing):
             return result, folders
         result = run_experiment(
-            plan_of(procedure, excitation),
-            backend,
-            out,
-            on=on,
-            watcher=watcher,
-            report=False,
-            heed_calibrations=False,
-        )
+            plan_of(procedure, excitation), backend, out,
+            on=on, watcher=watcher, report=False, heed_calibrations=False,
+        )  # fmt: skip
         folders.append(result.path)
         # What is placed by hand comes run by run, as long as each one gets somewhere.
         if not excitation.placing or result.status is not RunStatus.OK:
@@ -109,7 +112,7 @@ def record(
 
 
 def read_instruments(
-    procedure: Procedure,
+    procedure: AnyProcedure,
     profile: Profile,
     folders: Sequence[Path],
     *,
@@ -144,45 +147,71 @@ def read_instruments(
     return instruments.ask(wanted, prompt)
 
 
+def recorded(folders: Sequence[Path]) -> Recording:
+    """Return what run folders hold.
+
+    Raises
+    ------
+    CalibrationRefused
+        No stretch was recorded to its end.
+    """
+    recording = Recording.of(folders)
+    if not recording.names:
+        raise CalibrationRefused("nothing was recorded to its end")
+    return recording
+
+
 def conclude(
-    procedure: Procedure,
+    procedure: Procedure[Data],
     profile: Profile,
-    folders: Sequence[Path],
+    data: Data,
+    folder: Path,
     readings: Readings,
     circumstances: store.Circumstances,
-    configs: Path,
     search: Sequence[Path],
     *,
     replace: bool = False,
 ) -> Calibrated:
     """Identify, draw the page and write the files.
 
+    Parameters
+    ----------
+    procedure, profile
+        What was done on what.
+    data : Evidence
+        What it rests on.
+    folder : Path
+        The run folder that the page goes to.
+    readings : mapping
+        Of the reference instruments.
+    circumstances : Circumstances
+        For the files.
+    search : sequence of Path
+        The configuration folders; the files are written into the first.
+    replace : bool
+        Replace a better or an unreadable calibration.
+
     Raises
     ------
     CalibrationRefused
-        The recording does not suffice, or its fit is worse than the one in force. The page is
-        drawn whenever there is a fit.
+        The data do not suffice, or the fit is worse than the one in force. The page is drawn
+        whenever there is a fit.
     """
-    recording = Recording.of(folders)
-    if not folders or not recording.names:
-        raise CalibrationRefused("nothing was recorded to its end")
     # What is true of a simulated rig, and how it is drawn, is no business of an identification.
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
-    findings = procedure.identify(seen, recording, readings)
+    findings = procedure.identify(seen, data, readings)
     return keep(
-        procedure.name, findings, profile, recording, folders[-1], circumstances, configs, search,
-        replace=replace,
-    )  # fmt: skip
+        procedure.name, findings, profile, data, folder, circumstances, search, replace=replace
+    )
 
 
 def keep(
     name: str,
     findings: Sequence[Finding],
     profile: Profile,
-    source: store.RawData,
+    source: Evidence,
     folder: Path,
     circumstances: store.Circumstances,
-    configs: Path,
     search: Sequence[Path],
     *,
     replace: bool = False,
@@ -208,8 +237,5 @@ def keep(
             store.check_not_worse(finding, name, old)
         contents.append(store.compose(finding, name, profile, source, circumstances, old))
     for finding, content in zip(findings, contents, strict=True):
-        files.append(store.write(configs, profile.name, finding.target, content))
+        files.append(store.write(search[0], profile.name, finding.target, content))
     return Calibrated(findings, files, figures)
-
-
-__all__ = ["Calibrated", "conclude", "keep", "plan_of", "read_instruments", "record"]

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
 
-from rig.calibration.procedure import Finding
+from rig.calibration.procedure import Evidence, Finding
 from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
 from rig.config.calibration import HISTORY, check_seal, find_calibration, seal
@@ -27,7 +27,7 @@ _WORSE = 0.95
 
 
 class Circumstances(NamedTuple):
-    """What nobody can compute.
+    """Facts of a calibration that nobody can compute.
 
     Parameters
     ----------
@@ -47,29 +47,11 @@ class Circumstances(NamedTuple):
     now: datetime
 
 
-class RawData(Protocol):
-    """What a calibration rests on: a recording, or images."""
-
-    @property
-    def paths(self) -> tuple[Path, ...]:
-        """The files."""
-        ...
-
-    @property
-    def samples(self) -> int:
-        """How much is in them."""
-        ...
-
-    def sha256(self) -> str:
-        """Return the digest of the files."""
-        ...
-
-
 def compose(
     finding: Finding,
     procedure: str,
     profile: Profile,
-    recording: RawData,
+    data: Evidence,
     circumstances: Circumstances,
     old: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
@@ -93,7 +75,7 @@ def compose(
         "date": date,
         "operator": circumstances.operator,
         "serial": None if entry is None else entry.serial,
-        "samples": recording.samples,
+        "samples": data.samples,
         "blocks": finding.blocks,
         "residual_rms": _short(rms),
         "residual_max": _short(largest),
@@ -104,8 +86,8 @@ def compose(
         ),
         "parent": None if old is None else _name(finding.target, old),
         "software": f"rig-controller {metadata.version('rig-controller')}",
-        "log": ", ".join(str(path) for path in recording.paths),
-        "log_sha256": recording.sha256(),
+        "log": ", ".join(str(path) for path in data.paths),
+        "log_sha256": data.sha256(),
         "conditions": dict(circumstances.conditions),
     }
     measured = [

@@ -16,11 +16,12 @@ from rig.cli.on_option import OnBackend
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
-    from rig.calibration.procedure import Procedure
+    from rig.assembly import Backend
+    from rig.calibration.procedure import AnyProcedure
     from rig.calibration.session import Calibrated
     from rig.calibration.store import Circumstances
     from rig.config import Profile
-    from rig.mechanisms.joint.calibration.lens import Lens
+    from rig.experiment.run import Result
 
 _DAY = 86_400.0
 
@@ -81,7 +82,6 @@ def calibrate(rig: str, **options: Any) -> int:
     from rig.assembly import REGISTRY
     from rig.calibration.catalogue import pick, procedures
     from rig.config import load_profile
-    from rig.mechanisms.joint.calibration.lens import Lens
 
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
     known = procedures(profile)
@@ -93,101 +93,103 @@ def calibrate(rig: str, **options: Any) -> int:
     for procedure in chosen:
         # Each builds on what the one before has found.
         profile = load_profile(rig, REGISTRY, options["overrides"], search)
-        if isinstance(procedure, Lens):
-            code = _calibrate_lens(procedure, profile, search, options)
-        else:
-            code = _calibrate(procedure, profile, search, options)
+        code = _calibrate(procedure, profile, search, options)
         if code:
             return code
     return 0
 
 
 def _calibrate(
-    procedure: Procedure, profile: Profile, search: Sequence[Path], options: dict[str, Any]
+    procedure: AnyProcedure, profile: Profile, search: Sequence[Path], options: dict[str, Any]
 ) -> int:
-    from rig.assembly import Backend, backend_of
-    from rig.calibration.recording import CalibrationRefused, RigLacks
-    from rig.calibration.session import conclude, read_instruments, record
-    from rig.cli.progress import ProgressLine
+    from rig.assembly import backend_of
+    from rig.calibration.preview import preview
+    from rig.calibration.procedure import FilesOffered
+    from rig.calibration.recording import CalibrationRefused, NoFiles, Recording, RigLacks
+    from rig.calibration.session import conclude, read_instruments, recorded
     from rig.run_folder import RunStatus
 
-    on: str = options["on"]
-    backend = backend_of(on)
+    backend, folders = backend_of(options["on"]), list(options["earlier"])
+    files = FilesOffered(options["views"], options["board"], backend.is_simulated, options["out"])
     try:
-        _preview(procedure, profile, options["earlier"])
+        done = Recording.of(folders).names if folders else ()
+        excitation = procedure.excite(profile, done)
     except RigLacks as lack:
         click.echo(f"{procedure.name}: {lack}", err=True)
         return 0 if options["every"] else 3  # the others do not need it
-    if options["dry_run"]:
-        return 0
-    if not options["yes"] and not _agreed():
-        return 2
-    with ProgressLine(f"calibrate {procedure.name}", on) as line:
-        result, folders = record(
-            procedure, profile, backend, options["out"],
-            on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
-            place=None if backend.is_simulated else _Placing(asks=not options["yes"]),
-        )  # fmt: skip
-    if result is not None and result.status is not RunStatus.OK:
-        again = " ".join(f"--from {path}" for path in folders)
-        click.echo(f"{result.status}: {result.message}", err=True)
-        click.echo(
-            "nothing was changed; what was recorded is kept, go on with: "
-            f"rig calibrate {profile.name} {procedure.name} {again}",
-            err=True,
-        )
-        return result.exit_code
     try:
+        for sentence in preview(procedure, profile, excitation, files):
+            click.echo(sentence, err=True)
+        if options["dry_run"]:
+            return 0
+        if excitation is None:  # nothing moves, so nobody is asked
+            folders = []
+            data, folder = procedure.read_files(profile, files)
+        else:
+            if not options["yes"] and not _agreed():
+                return 2
+            result, folders = _record(procedure, profile, backend, options)
+            if result is not None and result.status is not RunStatus.OK:
+                return _tell_ended(procedure, profile, result, folders)
         readings = read_instruments(
             procedure, profile, folders,
             simulated=backend.is_simulated, readings=options["readings"],
             prompt=None if options["yes"] or not sys.stdin.isatty() else click.prompt,
         )  # fmt: skip
-        done = conclude(
-            procedure, profile, folders, readings, _circumstances(options), search[0], search,
+        if excitation is not None:
+            data, folder = recorded(folders), folders[-1]
+        calibrated = conclude(
+            procedure, profile, data, folder, readings, _circumstances(options), search,
             replace=options["replace"],
         )  # fmt: skip
+    except NoFiles as lack:
+        click.echo(str(lack), err=True)
+        return 0
     except CalibrationRefused as refusal:
-        again = " ".join(f"--from {path}" for path in folders)
-        click.echo(f"{procedure.name}: {refusal}", err=True)
-        click.echo("nothing was changed: the calibration before stays in force", err=True)
-        if again:
-            click.echo(
-                "what was recorded is kept; if something is missing, go on with: "
-                f"rig calibrate {profile.name} {procedure.name} {again}",
-                err=True,
-            )
-        return 1
-    _show(procedure, done)
+        return _tell_refused(procedure, profile, refusal, folders)
+    _show(procedure, calibrated)
     return 0
 
 
-def _calibrate_lens(
-    lens: Lens, profile: Profile, search: Sequence[Path], options: dict[str, Any]
-) -> int:
-    """Find the lens from images: nothing moves, so nobody is asked."""
-    from rig.assembly import backend_of
-    from rig.calibration.recording import CalibrationRefused
-    from rig.cli.calibrate_lens import calibrate_lens, preview_lens
-    from rig.mechanisms.joint.calibration.board_lens import Board
+def _record(
+    procedure: AnyProcedure, profile: Profile, backend: Backend, options: dict[str, Any]
+) -> tuple[Result | None, list[Path]]:
+    from rig.assembly import Backend
+    from rig.calibration.session import record
+    from rig.cli.progress import ProgressLine
 
-    simulated, source = backend_of(options["on"]).is_simulated, options["views"]
-    try:
-        board = Board.parse(options["board"])
-        preview_lens(lens, board, source, simulated=simulated)
-        if options["dry_run"]:
-            return 0
-        done = calibrate_lens(
-            lens, profile, board, source, _circumstances(options), search, options["out"],
-            simulated=simulated, replace=options["replace"],
+    on: str = options["on"]
+    with ProgressLine(f"calibrate {procedure.name}", on) as line:
+        return record(
+            procedure, profile, backend, options["out"],
+            on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
+            place=None if backend.is_simulated else _Placing(asks=not options["yes"]),
         )  # fmt: skip
-    except CalibrationRefused as refusal:
-        click.echo(f"{lens.name}: {refusal}", err=True)
-        click.echo("nothing was changed: the calibration before stays in force", err=True)
-        return 1
-    if done is not None:
-        _show(lens, done)
-    return 0
+
+
+def _again(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -> str:
+    runs = " ".join(f"--from {path}" for path in folders)
+    return f"go on with: rig calibrate {profile.name} {procedure.name} {runs}"
+
+
+def _tell_ended(
+    procedure: AnyProcedure, profile: Profile, result: Result, folders: Sequence[Path]
+) -> int:
+    click.echo(f"{result.status}: {result.message}", err=True)
+    again = _again(procedure, profile, folders)
+    click.echo(f"nothing was changed; what was recorded is kept, {again}", err=True)
+    return result.exit_code
+
+
+def _tell_refused(
+    procedure: AnyProcedure, profile: Profile, refusal: Exception, folders: Sequence[Path]
+) -> int:
+    click.echo(f"{procedure.name}: {refusal}", err=True)
+    click.echo("nothing was changed: the calibration before stays in force", err=True)
+    if folders:
+        again = _again(procedure, profile, folders)
+        click.echo(f"what was recorded is kept; if something is missing, {again}", err=True)
+    return 1
 
 
 def _circumstances(options: dict[str, Any]) -> Circumstances:
@@ -224,17 +226,7 @@ def _agreed() -> bool:
     return click.confirm("Go?", default=False, err=True)
 
 
-def _preview(procedure: Procedure, profile: Profile, earlier: Sequence[Path]) -> None:
-    """Say what will move and how far, before anything is opened."""
-    from rig.calibration.preview import preview
-    from rig.calibration.recording import Recording
-
-    done = Recording.of(earlier).names if earlier else ()
-    for sentence in preview(procedure, profile, done):
-        click.echo(sentence, err=True)
-
-
-def _show(procedure: Procedure | Lens, done: Calibrated) -> None:
+def _show(procedure: AnyProcedure, done: Calibrated) -> None:
     from rig.config import format_to
 
     rows = []

@@ -11,8 +11,9 @@ from rig.config.calibration_state import CalibrationState, calibration_states
 from rig.config.formats import format_against, format_quantity
 
 if TYPE_CHECKING:
-    from rig.config import Profile
+    from rig.config import DeviceEntry, Profile
     from rig.experiment.plan import Plan
+    from rig.hal import BusLoad, BusSettings, DriverSettings
 
 
 def describe_profile(profile: Profile) -> dict[str, Any]:
@@ -41,34 +42,25 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
     }
 
 
-def _bus(name: str, settings: Any, load: Any) -> dict[str, Any]:
+def _bus(name: str, settings: BusSettings, load: BusLoad) -> dict[str, Any]:
     return {
         "name": name,
-        **_interface(settings),
+        **settings.endpoint()._asdict(),
         "load": load.total,
         "max_load": settings.max_load,
         "frames": [frame._asdict() for frame in load.frames],
     }
 
 
-def _interface(settings: Any) -> dict[str, Any]:
-    """Return what a bus runs on, whether that is a CAN interface or a serial port."""
-    if hasattr(settings, "port"):
-        return {"interface": "serial", "channel": settings.port, "bitrate": settings.baudrate}
-    return {
-        "interface": settings.interface,
-        "channel": settings.channel,
-        "bitrate": settings.bitrate,
-    }
-
-
-def _device(name: str, entry: Any) -> dict[str, Any]:
+def _device(name: str, entry: DeviceEntry) -> dict[str, Any]:
     calibration = entry.calibration
+    settings: DriverSettings = entry.settings
+    numbers = {address.name: address.number for address in settings.addresses(name, entry.serial)}
     return {
         "name": name,
         "driver": entry.driver,
         "bus": entry.bus,
-        "node": getattr(entry.settings, "node", None),
+        "node": numbers.get(name),  # a chain of joints has one for each
         "serial": entry.serial,
         "calibration": None
         if calibration is None

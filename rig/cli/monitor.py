@@ -24,8 +24,9 @@ from rig.cli.names import (
 from rig.cli.tables import abandon_stdout
 
 if TYPE_CHECKING:
-    from rig.assembly.decoding import Decoder
     from rig.config import Profile
+    from rig.hal import DriverSettings
+    from rig.hal.frames import Decoder
 
 _LIVE = ""  # what `--frames` without a source means
 
@@ -153,11 +154,11 @@ def _find_frames(source: str, runs: Path) -> Path:
 
 def _longest_name(profile: Profile) -> int:
     """Return how long a device's name may be, with the joint behind it if it has joints."""
-    longest = 0
+    names = [*profile.devices]
     for name, entry in profile.devices.items():
-        joints = [len(joint) + 1 for joint in getattr(entry.settings, "joints", ())]
-        longest = max(longest, len(name) + max(joints, default=0))
-    return longest
+        settings: DriverSettings = entry.settings
+        names += [address.name for address in settings.addresses(name, None)]
+    return max(map(len, names), default=0)
 
 
 def _check_devices(devices: Iterable[str], profile: Profile) -> None:

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from rig.config.diagnostics import Problems
 from rig.config.located import Node
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, DeviceFile, DriverSettings
 
 KEY: Final = "eds"
 """The key of a device's entry that names the file."""
@@ -15,10 +15,8 @@ KEY: Final = "eds"
 class DeviceDescription:
     """The file that a device's entry names.
 
-    What it means is the driver's affair: its settings class has ``read_eds(path)``, which
-    returns an object with ``values(plain)``, the settings that the file knows, and
-    ``findings(nodes)``, what the device cannot do of what the settings' ``describe_nodes(name)``
-    wants of it. This class knows where everything was written.
+    What it means is the driver's affair (`rig.hal.DriverSettings.read_description`); this class
+    knows where everything was written.
 
     Parameters
     ----------
@@ -26,34 +24,36 @@ class DeviceDescription:
         The file.
     node : Node
         Where the profile names it.
-    content : object
+    content : DeviceFile
         What the driver read.
     problems : Problems
         Takes what does not fit.
     """
 
-    def __init__(self, path: Path, node: Node, content: Any, problems: Problems) -> None:
+    def __init__(self, path: Path, node: Node, content: DeviceFile, problems: Problems) -> None:
         self.path = path
         self._node = node
         self._content = content
         self._problems = problems
 
     @classmethod
-    def of(cls, settings: type, entry: Node, problems: Problems) -> "DeviceDescription | None":
+    def of(
+        cls, settings: type[DriverSettings], entry: Node, problems: Problems
+    ) -> "DeviceDescription | None":
         """Read the file of a device's entry; None if it names none, or a broken one."""
         node = entry.get(KEY)
-        read = getattr(settings, f"read_{KEY}", None)
-        if node is None or read is None or not isinstance(node.value, str):
+        if node is None or not isinstance(node.value, str):
             return None
         # Relative to the file that says it; an option is relative to where the user is.
         written_in = Path(node.mark.source.name)
         folder = written_in.parent if written_in.is_file() else Path()
         path = folder / node.value
         try:
-            return cls(path, node, read(path), problems)
+            content = settings.read_description(path)
         except ConfigurationError as error:
             problems.add(node.mark, str(error))
             return None
+        return None if content is None else cls(path, node, content, problems)
 
     def complete(self, entry: Node) -> Node:
         """Return the entry with what the file knows and the profile does not say."""
@@ -66,20 +66,20 @@ class DeviceDescription:
             entry = _with_default(entry, keys, Node(value, self._node.mark))
         return entry
 
-    def compare(self, name: str, settings: Any, entry: Node) -> None:
+    def compare(self, name: str, settings: DriverSettings, entry: Node) -> None:
         """Note everything that the device cannot do.
 
         Parameters
         ----------
         name : str
             The device's.
-        settings : object
+        settings : DriverSettings
             The driver's.
         entry : Node
             What they were built from.
         """
         try:
-            findings = self._content.findings(settings.describe_nodes(name))
+            findings = self._content.findings(name, settings)
         except ConfigurationError as error:
             self._problems.add(self._node.mark, str(error))
             return

@@ -259,8 +259,12 @@ def _run(
             states.move(RigState.IDLE)
             loop = _make_loop(plan, rig, states)
             columns = (
-                *RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns,
-            )  # fmt: skip
+                *RUN_COLUMNS,
+                *rig.mechanism.columns,
+                *[column for device in rig.devices.values() for column in device.log_columns],
+                *TIMING_COLUMNS,
+                *rig.truth_columns,
+            )
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
                 Recorder(folder.log_path, columns) as recorder,

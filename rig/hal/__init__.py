@@ -5,7 +5,7 @@ What is not written here may not be relied on. `parts` is what a package offers,
 `plant` what is simulated.
 """
 
-from rig.hal.bus import Buses, CanBus, CyclicBus, FastCanBus, Frame
+from rig.hal.bus import Buses, BusLoad, CanBus, CyclicBus, FastCanBus, Frame, FrameLoad
 from rig.hal.clock import Clock, MonotonicClock
 from rig.hal.columns import Column
 from rig.hal.controller import Controller, Law
@@ -18,6 +18,7 @@ from rig.hal.devices import (
     PressureRegulator,
     ServoBus,
     Vector,
+    device_column,
 )
 from rig.hal.driver import Address, BusSettings, DeviceFile, DriverSettings, Endpoint
 from rig.hal.errors import (
@@ -35,11 +36,12 @@ from rig.hal.errors import (
 )
 from rig.hal.mechanism import DevicePicker, Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
-from rig.hal.plant import Plant
+from rig.hal.plant import PhysicsSettings, Plant
 from rig.hal.reading import Reading
 
 __all__ = [
     "Address",
+    "BusLoad",
     "BusSettings",
     "Buses",
     "CanBus",
@@ -61,6 +63,7 @@ __all__ = [
     "Fact",
     "FastCanBus",
     "Frame",
+    "FrameLoad",
     "Law",
     "LimitExceeded",
     "LinearEncoder",
@@ -72,6 +75,7 @@ __all__ = [
     "MonotonicClock",
     "Motion",
     "MotionRefused",
+    "PhysicsSettings",
     "Plant",
     "PressureRegulator",
     "Reading",
@@ -81,5 +85,6 @@ __all__ = [
     "ServoBus",
     "StaleReading",
     "Vector",
+    "device_column",
     "pick_device",
 ]

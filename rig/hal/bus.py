@@ -1,7 +1,9 @@
 """The bus seam: what a driver needs of a CAN bus, and of anything exchanged cyclically."""
 
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
+
+from rig.hal.errors import ConfigurationError
 
 
 class Frame(Protocol):
@@ -29,16 +31,21 @@ class CanBus(Protocol):
         """Return the next received frame, or None after `timeout` seconds (0: at once)."""
         ...
 
+    def fileno(self) -> int:
+        """Return the descriptor to wait for; raise `NotImplementedError` without one."""
+        ...
+
     def shutdown(self) -> None:
         """Release the interface."""
         ...
 
 
 class FastCanBus(Protocol):
-    """A CAN interface as the cycle uses it: identifiers with flags, bytes, and no frame objects.
+    """A CAN interface as the program uses it: identifiers with flags, bytes, no frame objects.
 
-    SocketCAN's raw socket offers all of it; `drivers.can.fast_path` makes it of any `CanBus`.
-    An identifier bears SocketCAN's flags for extended, remote and error frames.
+    SocketCAN's raw socket offers all of it; `drivers.can.fast_path` makes it of any `CanBus`, once,
+    when an interface is opened. An identifier bears SocketCAN's flags for extended, remote and
+    error frames. Inherit it: what has a default need not be written.
     """
 
     def drain(self, limit: int) -> list[tuple[int, bytes]]:
@@ -51,23 +58,103 @@ class FastCanBus(Protocol):
 
     def backlog(self) -> int:
         """Return how many frames wait that the interface has not taken yet; 0 if it cannot tell."""
-        ...
+        return 0
 
     def count_dropped(self) -> int:
         """Return how many frames were lost since nobody took them in time; 0 if it cannot tell."""
-        ...
+        return 0
 
     def accept(self, can_ids: Iterable[int]) -> None:
         """Let only these identifiers through, where the interface can filter."""
-        ...
+        return
 
     def count_others(self) -> int:
         """Return how many frames `accept` held back; 0 if it cannot tell."""
-        ...
+        return 0
+
+    def fileno(self) -> int:
+        """Return the descriptor that becomes readable when a frame comes; -1: there is none."""
+        return -1
 
     def shutdown(self) -> None:
         """Release the interface."""
         ...
+
+
+class FrameLoad(NamedTuple):
+    """One frame's share of a bus's time.
+
+    Attributes
+    ----------
+    name : str
+        Device and frame.
+    size : int
+        Data bytes.
+    rate : float
+        How often it is sent, Hz.
+    load : float
+        Its share, 0 … 1.
+    """
+
+    name: str
+    size: int
+    rate: float
+    load: float
+
+
+class BusLoad(NamedTuple):
+    """What fills a bus.
+
+    Attributes
+    ----------
+    total : float
+        Share of the bus's time, 0 … 1.
+    frames : tuple of FrameLoad
+        The largest first.
+    """
+
+    total: float
+    frames: tuple[FrameLoad, ...]
+
+    @classmethod
+    def of(cls, frames: Iterable[FrameLoad]) -> "BusLoad":
+        """Return the load that frames make together."""
+        largest_first = tuple(sorted(frames, key=lambda frame: -frame.load))
+        return cls(sum(frame.load for frame in largest_first), largest_first)
+
+    def check(self, most: float, bus: str, remedy: str) -> "BusLoad":
+        """Return it if it is not too much.
+
+        Parameters
+        ----------
+        most : float
+            The greatest permitted, 0 … 1.
+        bus : str
+            How the message starts: the bus, its rates, and what kind of load that is.
+        remedy : str
+            What to do about it.
+
+        Raises
+        ------
+        ConfigurationError
+            It is too much; the message lists what fills the bus.
+        """
+        if self.total <= most:
+            return self
+        raise ConfigurationError(
+            f"{bus} is {100.0 * self.total:.1f} %, at most {100.0 * most:g} % is allowed. "
+            f"{remedy}:\n{self.table()}"
+        )
+
+    def table(self) -> str:
+        """Return the frames as lines of text."""
+        width = max((len(frame.name) for frame in self.frames), default=0)
+        rows = [
+            f"  {frame.name:{width}}  {frame.size} bytes at {frame.rate:>6g} Hz  "
+            f"{100.0 * frame.load:5.1f} %"
+            for frame in self.frames
+        ]
+        return "\n".join(rows)
 
 
 class CyclicBus(Protocol):

@@ -9,6 +9,7 @@ Drivers inherit these protocols: what has a default need not be written.
 from abc import abstractmethod
 from typing import NamedTuple, Protocol
 
+from rig.hal.columns import Column
 from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
@@ -18,6 +19,13 @@ class Device(Protocol):
     """Something on the rig with a name and a life cycle."""
 
     name: str
+
+    log_columns: tuple[Column, ...] = ()
+    """What it adds to each row of a run's log, see `device_column`; known once it is made."""
+
+    def log_values(self) -> tuple[float, ...]:
+        """Return this cycle's values for `log_columns`; called after `check`. Hot path."""
+        return ()
 
     @abstractmethod
     def connect(self) -> None:
@@ -63,6 +71,23 @@ class Device(Protocol):
     def close(self) -> None:
         """Release it. Idempotent, and safe to call in any state."""
         ...
+
+
+def device_column(device: str, quantity: str, unit: str, description: str) -> Column:
+    """Return a column of a device's own, ``device.<name>_<quantity>``.
+
+    Parameters
+    ----------
+    device : str
+        Its name in the profile.
+    quantity : str
+        What it measures, in small letters.
+    unit : str
+        Of SI; empty for a number without one.
+    description : str
+        One line for whoever opens the log.
+    """
+    return Column(f"device.{device.replace('-', '_')}_{quantity}", unit, description)
 
 
 class PressureRegulator(Device, Protocol):

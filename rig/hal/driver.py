@@ -26,17 +26,37 @@ class Address(NamedTuple):
     serial: int | None = None
 
 
+Keys = tuple[str | int, ...]
+"""Where a value stands below a device's entry in the profile."""
+
+
+Scalar = str | int | float | bool | None
+"""One value of a profile."""
+
+
 class DeviceFile(Protocol):
     """What a device's own description file (``eds:``) knows of it."""
 
-    def values(self, plain: object) -> Mapping[tuple[str, ...], object]:
-        """Return the settings that the file knows and the profile does not say, by their keys."""
+    def values(self, plain: Mapping[str, object]) -> Mapping[tuple[str, ...], Scalar]:
+        """Return the settings that the file knows, by their keys.
+
+        Parameters
+        ----------
+        plain : mapping
+            The settings as they were written; those that they say already stay.
+        """
         ...
 
-    def findings(
-        self, device: str, settings: "DriverSettings"
-    ) -> Iterable[tuple[tuple[str, ...], str]]:
-        """Yield what the device cannot do of what the settings want, with the keys that want it."""
+    def findings(self, device: str, settings: "DriverSettings") -> Iterable[tuple[Keys, str]]:
+        """Return what the device cannot do of what the settings want, with the keys that want it.
+
+        Parameters
+        ----------
+        device : str
+            Its name in the profile.
+        settings : DriverSettings
+            The driver's.
+        """
         ...
 
 
@@ -87,8 +107,12 @@ class Endpoint(NamedTuple):
 class BusSettings(Protocol):
     """The settings of a bus, whatever is spoken on it."""
 
-    max_load: float
-    """Share of its time that a rig may take."""
+    __slots__ = ()
+
+    @property
+    def max_load(self) -> float:
+        """Share of its time that a rig may take."""
+        ...
 
     def endpoint(self) -> Endpoint:
         """Return what it runs on."""

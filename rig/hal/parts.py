@@ -87,7 +87,7 @@ class DriverParts:
         Whether it hangs on a bus of the profile.
     simulation : Path, optional
         Its simulated forms, a `drivers.sim.wiring.Wiring` or, without a bus, a `LinkWiring`.
-        Without one, a device on a CANopen bus is emulated from what its settings describe.
+        Without one, a device is emulated as its bus's protocol can (`ProtocolParts.nodes`).
     """
 
     settings: Path
@@ -111,9 +111,15 @@ class ProtocolParts:
     load : Path
         ``load(name, settings, devices, rate)``, which computes the load, and refuses too much.
     decoder : Path, optional
-        ``decoder(settings, devices)``, which reads the bus's frames in the profile's words.
+        ``decoder(settings, devices)``, a `rig.hal.frames.Decoder` of the bus's frames; `devices`
+        are names, settings and paths of description files (or None).
     discovery : Path, optional
-        ``discovery(bus, clock, numbers)``, which finds who answers.
+        ``discovery(bus, clock, numbers)``, the `rig.hal.frames.Found` who answer.
+    nodes : Path, optional
+        The `drivers.sim.wiring.Wiring` of devices whose drivers bring no simulation.
+    line : Path, optional
+        ``line(name, settings, nodes)``, the simulated end of a bus that is no CAN, which is a
+        `drivers.sim.emulated_rig.SimulatedBus` with the host's end as its ``port``.
     is_can : bool
         Whether it runs on a CAN interface.
     """
@@ -124,4 +130,6 @@ class ProtocolParts:
     load: Path
     decoder: Path | None = None
     discovery: Path | None = None
+    nodes: Path | None = None
+    line: Path | None = None
     is_can: bool = True

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
 
 class Plant(Protocol):
@@ -42,3 +42,25 @@ class Plant(Protocol):
             There is no such fault.
         """
         ...
+
+
+class PhysicsSettings:
+    """Base of the settings of a plant."""
+
+    __slots__ = ()
+
+    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
+        """Return the settings of a rig that differs from its profile.
+
+        What the plant has not is left alone.
+
+        Parameters
+        ----------
+        friction : float
+            By which share all friction is greater.
+        stribeck : float
+            By which share the seals' Stribeck velocity is greater.
+        wire_offset : float
+            By how much more the rods are extended when the wires are taut, m.
+        """
+        return self

@@ -31,6 +31,14 @@ class Recorder(Protocol):
         ...
 
 
+def log_values_of(devices: Sequence[Device]) -> Callable[[], tuple[float, ...]]:
+    """Return what tells the values of the devices' own columns, in their order."""
+    tellers = [device.log_values for device in devices if device.log_columns]
+    if not tellers:  # as on nearly every rig
+        return tuple
+    return lambda: tuple([value for teller in tellers for value in teller()])
+
+
 class Cycle(Generic[State, Reference, Command]):
     """The steps of a cycle, in this order.
 
@@ -43,7 +51,8 @@ class Cycle(Generic[State, Reference, Command]):
     run : Phases
         Which phase it is, and what is asked for in it.
     recorder : Recorder
-        Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, `TIMING_COLUMNS`, the truth.
+        Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, those of the devices,
+        `TIMING_COLUMNS`, the truth.
     truth : callable
         In simulation: the plant's true values.
     period : float
@@ -70,6 +79,7 @@ class Cycle(Generic[State, Reference, Command]):
         self._devices = devices
         self._mechanism = mechanism
         self._run = run
+        self._measured = log_values_of(devices)
         self._record = recorder.write
         self._truth = truth
         self._period = period
@@ -134,6 +144,7 @@ class Cycle(Generic[State, Reference, Command]):
             float(run.phase),
             run.reference_time,
             *self._mechanism.row(state, reference, command, applied),
+            *self._measured(),
             t - tick * self._period,
             self._period - (sent - began) - self._record_time,
             self._received - began,

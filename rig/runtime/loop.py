@@ -14,7 +14,7 @@ from rig.hal import Clock, CyclicBus, Device
 from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
-from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder
+from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder, log_values_of
 from rig.runtime.pace import Events, Pace
 from rig.runtime.phases import Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
@@ -122,8 +122,8 @@ class Loop(Generic[State, Reference, Command]):
         motion : Motion
             What to follow.
         recorder : Recorder
-            Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, `TIMING_COLUMNS`,
-            the truth.
+            Receives one row per cycle: `RUN_COLUMNS`, the mechanism's, the devices',
+            `TIMING_COLUMNS`, the truth.
         events : callable
             ``events(t, kind, message, data)``.
         stop : StopRequests
@@ -182,7 +182,8 @@ class Loop(Generic[State, Reference, Command]):
 
     def _recording(self, run: "Phases[Any, Any, Any]", recorder: Recorder) -> StopRecording:
         return StopRecording(
-            self.mechanism, recorder.write, self.truth, TIMING_COLUMNS, self.period, run.start,
+            self.mechanism, recorder.write, log_values_of(self.devices), self.truth,
+            TIMING_COLUMNS, self.period, run.start,
             phase=float(Phase.STOP), reference_time=run.reference_time, last=run.t,
         )  # fmt: skip
 

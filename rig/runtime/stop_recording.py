@@ -20,6 +20,8 @@ class StopRecording:
         Whose state is read and recorded.
     write : callable
         ``write(cycle, t, row)``.
+    measured : callable
+        The values of the devices' own columns.
     truth : callable
         The plant's true values, where there is one.
     timing : sequence of Column
@@ -36,6 +38,7 @@ class StopRecording:
         self,
         mechanism: Mechanism[Any, Any, Any, Any],
         write: Callable[[int, float, tuple[float, ...]], None],
+        measured: Callable[[], tuple[float, ...]],
         truth: Callable[[], tuple[float, ...]],
         timing: tuple[Column, ...],
         period: float,
@@ -47,6 +50,7 @@ class StopRecording:
     ) -> None:
         self._mechanism = mechanism
         self._write = write
+        self._measured = measured
         self._truth = truth
         self._idle = (0.0,) * len(timing)
         self._period = period
@@ -74,7 +78,6 @@ class StopRecording:
             state = self._state
             reference, command = mechanism.reference_of(state), mechanism.released_command()
             row = mechanism.row(state, reference, command, command)
-            self._write(
-                cycle, t, (self._phase, t + self._offset, *row, *self._idle, *self._truth())
-            )
+            row = (*row, *self._measured(), *self._idle, *self._truth())
+            self._write(cycle, t, (self._phase, t + self._offset, *row))
             self._cycle = cycle

@@ -1,5 +1,7 @@
 """Calibrations of simulated joints and cameras as drawn, and what is true of each of them."""
 
+from dataclasses import asdict
+
 from rig.assembly.simulated import make_plant, reality_of
 from rig.mechanisms.joint.calibration.board_lens import Board, read_views
 from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
@@ -43,7 +45,7 @@ def true_of_geometry(profile, seed, procedure, folders):
     """Return what the simulated joint was made to, beside its camera."""
     from drivers.sim.perturbation import draw, perturb_geometry
 
-    draws = draw(profile.simulation.perturbation, seed)
+    draws = draw(asdict(profile.simulation.perturbation), seed)
     made = perturb_geometry(profile.nominal_settings.geometry, draws)
     true = {("joint", name): getattr(made, name) for name in LENGTHS}
     for k, angle in enumerate(made.anchor_angles, 1):
@@ -62,7 +64,7 @@ def look_at_boards(lens, profile, out):
     """Return what a lens's procedure finds in simulated views, and where those are."""
     board = Board()
     folder = simulate_views(profile, "camera", board, out)
-    return lens.find(profile, read_views(folder / VIEWS, board), board), [folder]
+    return lens.identify(profile, read_views(folder / VIEWS, board), {}), [folder]
 
 
 TRUE = {

@@ -2,6 +2,7 @@
 
 import math
 import shutil
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,8 @@ from rig.calibration.recording import Recording
 from rig.calibration.session import record
 from rig.experiment.metrics import evaluation_from_json
 from rig.mechanisms.cylinder.calibration import friction as pair_friction
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
+from rig.mechanisms.cylinder.calibration.pneumatics import PairPneumatics
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import read_log
 
@@ -60,8 +62,12 @@ DRAWN = {
 }  # fmt: skip
 
 
+def pneumatics_of(profile):
+    return {"cylinder": PairPneumatics, "joint": JointPneumatics}[profile.mechanism](profile)
+
+
 def true_of_regulators(profile, seed, procedure, folders):
-    drawn = draw(profile.simulation.perturbation, seed).channels
+    drawn = draw(asdict(profile.simulation.perturbation), seed).channels
     units = make_plant(profile).parameters
     true = {}
     for k, channel in enumerate(pneumatics_of(profile).channels):
@@ -79,7 +85,7 @@ def true_of_regulators(profile, seed, procedure, folders):
 
 
 def true_of_encoders(profile, seed, procedure, folders):
-    drawn = draw(profile.simulation.perturbation, seed).channels
+    drawn = draw(asdict(profile.simulation.perturbation), seed).channels
     true = {}
     for k, device in enumerate(pneumatics_of(profile).encoders):
         scale = 1.0 + drawn["encoder_scale"][k]
@@ -90,7 +96,7 @@ def true_of_encoders(profile, seed, procedure, folders):
 
 def true_of_wires(profile, seed, procedure, folders):
     plant = profile.plant.settings
-    draws = draw(profile.simulation.perturbation, seed)
+    draws = draw(asdict(profile.simulation.perturbation), seed)
     offset = draws.wire_offset
     pull = _area(plant) * profile.mechanism_settings.base_pressure
     homes = {"home": plant.home + offset}
@@ -133,7 +139,7 @@ def true_of_friction(profile, seed, procedure, folders):
 
 
 def true_of_leak(profile, seed, procedure, folders):
-    leaks = draw(profile.simulation.perturbation, seed).leaks
+    leaks = draw(asdict(profile.simulation.perturbation), seed).leaks
     channels = pneumatics_of(profile).channels
     return {
         (profile.mechanism, f"leak.{channel}.conductance"): leak

@@ -1,5 +1,7 @@
 """What is true of simulated arms and legs that are calibrated, and what is drawn for each."""
 
+from dataclasses import asdict
+
 from drivers.sim.perturbation import draw
 from rig.assembly.simulated import make_plant
 
@@ -29,7 +31,7 @@ DRAWN = {
 
 def true_of_drives(profile, seed, procedure, folders):
     """Return offset and scale of every joint: ``shown = ± (1 + scale) angle - zero``."""
-    draws = draw(profile.simulation.perturbation, seed)
+    draws = draw(asdict(profile.simulation.perturbation), seed)
     true = {}
     joints = make_plant(profile).channel_names
     for device in profile.mechanism_settings.servos:
@@ -45,7 +47,7 @@ def true_of_drives(profile, seed, procedure, folders):
 def true_of_links(profile, seed, procedure, folders):
     geometry = profile.mechanism_settings.geometry
     names = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset")
-    lengths = draw(profile.simulation.perturbation, seed).joints.lengths
+    lengths = draw(asdict(profile.simulation.perturbation), seed).joints.lengths
     true = {
         ("arm", name): getattr(geometry, name) + error
         for name, error in zip(names, lengths, strict=False)

@@ -11,6 +11,7 @@ from drivers.sim.clock import SimClock
 from drivers.sim.dynamixel.line import EmulatedSerialBus
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
 from drivers.sim.emulated_rig import EmulatedRig
+from drivers.sim.wiring import Installed
 
 
 class DynamixelRig(ServoRig):
@@ -18,7 +19,9 @@ class DynamixelRig(ServoRig):
 
     def __init__(self, plant, settings, *, bus_settings, faults, latency, loss):
         self.plant = plant
-        node = emulate_dynamixel("arm", settings, plant, tuple(range(len(settings.joints))))
+        (node,) = emulate_dynamixel(
+            Installed("arm", settings, plant, tuple(range(len(settings.joints))))
+        )
         self.side = EmulatedSerialBus("chain", bus_settings.baudrate, [node])
         self.frames = []
         self.side.monitor = lambda t, data: self.frames.append((t, data))

@@ -4,7 +4,6 @@ import math
 from dataclasses import fields
 from types import SimpleNamespace
 
-from drivers.can.frame import CanFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.device import Cia402Servos
@@ -15,7 +14,10 @@ from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, Odriv
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulated_rig import EmulatedRig
-from drivers.sim.servo_wiring import emulate_cia402, emulate_odrive, simulate_cia402
+from drivers.sim.nodes.cia402_wiring import emulate_cia402, simulate_cia402
+from drivers.sim.nodes.odrive_wiring import emulate_odrive
+from drivers.sim.wiring import Installed
+from rig.hal import FastCanBus
 
 PERIOD = 0.005
 _AXIS_FIELDS = [field.name for field in fields(OdriveAxisSettings)]
@@ -74,38 +76,32 @@ class LaggedJoints:
         return 0.5 if self.powered[channel] else 0.0
 
 
-class Wire:
+class End(FastCanBus):
+    """One end of a wire."""
+
+    def __init__(self, incoming, outgoing):
+        self.incoming, self.outgoing = incoming, outgoing
+
+    def send_data(self, can_id, data):
+        self.outgoing.append((can_id, bytes(data)))
+
+    def drain(self, limit):
+        frames, self.incoming[:] = self.incoming[:limit], self.incoming[limit:]
+        return frames
+
+    def shutdown(self):
+        pass
+
+
+class Wire(End):
     """Both ends of a bus, as lists: what the master sends waits for the nodes, and back."""
 
     def __init__(self):
         self.to_nodes = []
         self.to_master = []
         self.log = []
-        self.nodes_end = SimpleNamespace(recv=self.recv, send=self.send)
-
-    # the master's interface
-    def send_data(self, can_id, data):
-        remote = bool(can_id & 0x4000_0000)
-        self.to_nodes.append(CanFrame(can_id & 0x7FF, bytes(data), is_remote_frame=remote))
-
-    def drain(self, limit=256):
-        frames, self.to_master[:] = self.to_master[:limit], self.to_master[limit:]
-        return frames
-
-    def shutdown(self):
-        pass
-
-    # the nodes' side
-    def recv(self, timeout=None):
-        return self.to_nodes.pop(0) if self.to_nodes else None
-
-    def send(self, message, timeout=None):
-        can_id = message.arbitration_id
-        if message.is_remote_frame:
-            can_id |= 0x4000_0000
-        if message.is_extended_id:
-            can_id |= 0x8000_0000
-        self.to_master.append((can_id, bytes(message.data)))
+        super().__init__(self.to_master, self.to_nodes)
+        self.nodes_end = End(self.to_nodes, self.to_master)
 
 
 class ServoRig:
@@ -197,7 +193,7 @@ def cia402_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
     """Return a rig of emulated CiA 402 drives under the production driver."""
     settings = cia402_settings(joints, **changes)
     plant = plant or LaggedJoints(joints)
-    nodes = emulate_cia402("arm", settings, plant, tuple(range(joints)), 0)
+    nodes = emulate_cia402(Installed("arm", settings, plant, tuple(range(joints))))
     can = CanBusSettings("virtual", "can0", **(bus_settings or {}))
     return ServoRig(
         plant,
@@ -235,7 +231,7 @@ def odrive_rig(joints=2, *, plant=None, bus_settings=None, faults=(), loss=0.0, 
     """Return a rig of emulated ODrives under the production driver."""
     settings = odrive_settings(joints, **changes)
     plant = plant or LaggedJoints(joints, lag=0.05)  # the maker's gain: 20 (turn/s)/turn
-    nodes = emulate_odrive("arm", settings, plant, tuple(range(joints)), 0x1234)
+    nodes = emulate_odrive(Installed("arm", settings, plant, tuple(range(joints)), serial=0x1234))
     can = OdriveBusSettings("virtual", "can0", **(bus_settings or {}))
     return ServoRig(
         plant,
@@ -255,7 +251,7 @@ class SimRig(ServoRig):
         self.clock = SimClock(plant)
         self.bus = NoBus()
         self.driver = simulate_cia402(
-            "arm", settings, plant, tuple(range(len(plant.angles))), self.clock
+            Installed("arm", settings, plant, tuple(range(len(plant.angles)))), self.clock
         )
 
     def inject(self, device, fault, value=None):

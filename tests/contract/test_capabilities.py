@@ -5,6 +5,7 @@ that stands straight on the plant.
 """
 
 import math
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -12,20 +13,17 @@ from servo_bench import NoBus, Wire
 
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
+from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal
 from drivers.cia401.device import Cia401Regulators
-from drivers.cia401.settings import (
-    Cia401Settings,
-    FollowingSettings,
-    MonitorSignal,
-    RegulatorChannel,
-    SetpointSignal,
-)
+from drivers.cia401.settings import Cia401Settings, FollowingSettings
 from drivers.cia406.device import Cia406Encoder
 from drivers.cia406.settings import Cia406Settings
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulated_rig import EmulatedRig
-from drivers.sim.wiring import emulate_cia401, emulate_cia406, simulate_cia401, simulate_cia406
+from drivers.sim.nodes.cia401_wiring import emulate_cia401, simulate_cia401
+from drivers.sim.nodes.cia406_wiring import emulate_cia406, simulate_cia406
+from drivers.sim.wiring import Installed
 from rig.hal import DeviceFault, LimitExceeded, Reading
 
 PERIOD = 0.002
@@ -141,14 +139,14 @@ REGULATORS = Cia401Settings(
 
 def emulated_regulators():
     plant = Bench()
-    node = emulate_cia401("valves", REGULATORS, plant, (0, 1), 0)
+    (node,) = emulate_cia401(Installed("valves", REGULATORS, plant, (0, 1)))
     return Rig(plant, lambda bus: Cia401Regulators("valves", REGULATORS, bus), node)
 
 
 def simulated_regulators():
     plant = Bench()
     return Rig(
-        plant, simulate=lambda clock: simulate_cia401("valves", REGULATORS, plant, (0, 1), clock)
+        plant, simulate=partial(simulate_cia401, Installed("valves", REGULATORS, plant, (0, 1)))
     )
 
 
@@ -251,13 +249,13 @@ REVERSED = Cia406Settings(node=0x20, stroke=0.060, step=5e-6, reversed=True, off
 
 def emulated_encoder(settings=ENCODER):
     plant = Bench()
-    node = emulate_cia406("rod", settings, plant, (1,), 0)
+    (node,) = emulate_cia406(Installed("rod", settings, plant, (1,)))
     return Rig(plant, lambda bus: Cia406Encoder("rod", settings, bus), node)
 
 
 def simulated_encoder(settings=ENCODER):
     plant = Bench()
-    return Rig(plant, simulate=lambda clock: simulate_cia406("rod", settings, plant, (1,), clock))
+    return Rig(plant, simulate=partial(simulate_cia406, Installed("rod", settings, plant, (1,))))
 
 
 @pytest.fixture(params=[emulated_encoder, simulated_encoder])

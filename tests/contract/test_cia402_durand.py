@@ -166,6 +166,6 @@ def test_what_durand_packs_is_what_the_driver_reads(world):
     world.to_master.clear()
     bus.synchronise()
     world.deliver()
-    frames = {frame.arbitration_id: frame.data for frame in world.to_master}
+    frames = dict(world.to_master)
     assert frames[0x191] == struct.pack("<Hib", 0x27, -999, 8)
     assert frames[0x291] == bytes(8)

@@ -18,6 +18,7 @@ canopen = pytest.importorskip("canopen")
 
 from canopen.profiles.p402 import BaseNode402  # noqa: E402
 
+from drivers.can.fast_path import AdaptedBus  # noqa: E402
 from drivers.sim.emulated_bus import EmulatedBus  # noqa: E402
 from drivers.sim.emulated_rig import EmulatedRig  # noqa: E402
 from drivers.sim.nodes.cia402 import EmulatedCia402  # noqa: E402
@@ -70,7 +71,7 @@ class LiveDrive:
         self.plant = LaggedJoints(1, lag=0.005)
         self.sim_bus = can.Bus(channel, interface="virtual")
         self.node = EmulatedCia402("drive", NODE, self.plant, 0, counts_per_turn=COUNTS)
-        side = EmulatedBus("can0", self.sim_bus, [self.node])
+        side = EmulatedBus("can0", AdaptedBus(self.sim_bus), [self.node])
         settings = SimpleNamespace(seed=0, bus_latency=0.0, frame_loss=0.0, faults=())
         self.rig = EmulatedRig(self.plant, [side], settings)
         self.frames = []

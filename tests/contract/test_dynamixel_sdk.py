@@ -28,6 +28,7 @@ from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings,
 from drivers.sim.dynamixel.chain import EmulatedChain
 from drivers.sim.dynamixel.terminal import PseudoTerminal
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
+from drivers.sim.wiring import Installed
 from rig.hal import DeviceFault, MonotonicClock
 
 IDS = (1, 2, 7)
@@ -64,7 +65,7 @@ class Served:
 
     def __init__(self):
         self.joints = Joints()
-        self.node = emulate_dynamixel("legs", SETTINGS, self.joints, (0, 1, 2))
+        (self.node,) = emulate_dynamixel(Installed("legs", SETTINGS, self.joints, (0, 1, 2)))
         self.terminal = PseudoTerminal(EmulatedChain(self.node.stations))
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self.terminal.serve, args=(self._stop.is_set,))

@@ -16,6 +16,7 @@ import pytest
 can = pytest.importorskip("can")
 canopen = pytest.importorskip("canopen")
 
+from drivers.can.fast_path import AdaptedBus  # noqa: E402
 from drivers.sim.emulated_bus import EmulatedBus  # noqa: E402
 from drivers.sim.emulated_rig import EmulatedRig  # noqa: E402
 from drivers.sim.nodes.analogue import AnalogueScale  # noqa: E402
@@ -62,7 +63,7 @@ class LiveRig:
             EmulatedCia401("regulators", REGULATORS, self.plant, wiring),
             EmulatedCia406("encoder", ENCODER, self.plant, 0),
         )
-        self.side = EmulatedBus("can0", self.sim_bus, self.nodes)
+        self.side = EmulatedBus("can0", AdaptedBus(self.sim_bus), self.nodes)
         self.frames = []
         self.side.monitor = lambda t, can_id, data: self.frames.append((t, can_id, data))
         settings = SimpleNamespace(seed=0, bus_latency=0.0, frame_loss=0.0, faults=())

@@ -20,6 +20,7 @@ from drivers.sim.camera.settings import CameraSimulationSettings
 from drivers.sim.camera.wiring import emulate_marker_camera, simulate_marker_camera
 from drivers.sim.clock import SimClock
 from drivers.sim.emulated_rig import EmulatedRig
+from drivers.sim.wiring import Installed
 from rig.hal import ConnectionFailed, DeviceFault, Markers, MonotonicClock, Reading, StaleReading
 
 RECORDING = Path(__file__).parents[1] / "data" / "marker-circle.avi"
@@ -33,8 +34,9 @@ ARUCO = replace(SETTINGS, marker=MarkerSettings(kind="aruco", ids=(5,)))
 class CirclingPlant:
     """A marker that draws a circle at 0.5 Hz and spins a little, as a function of time."""
 
-    def __init__(self):
+    def __init__(self, optics=None):
         self.time = 0.0
+        self.camera = optics or CameraSimulationSettings()
 
     def advance(self, t):
         self.time = max(self.time, t)
@@ -83,7 +85,7 @@ class Bench:
     """A camera of one kind on its plant, and a loop that takes its readings."""
 
     def __init__(self, kind, settings=SETTINGS, *, optics=None, seed=1, serial=None):
-        self.plant = CirclingPlant()
+        self.plant = CirclingPlant(optics)
         self.log = []
         if kind == "process":
             self.clock = MonotonicClock()
@@ -91,7 +93,7 @@ class Bench:
                 "camera", recorded(settings), self.clock, serial=serial
             )
         elif kind == "emulated":
-            emulated = emulate_marker_camera("camera", settings, self.plant, seed, optics=optics)
+            emulated = emulate_marker_camera(Installed("camera", settings, self.plant, seed=seed))
             rig = EmulatedRig(self.plant, (), Simulation(), cameras=[emulated])
             self.clock = SimClock(rig)
             self.camera = MarkerCameraDriver(
@@ -101,7 +103,7 @@ class Bench:
         else:
             self.clock = SimClock(self.plant)
             self.camera = simulate_marker_camera(
-                "camera", settings, self.plant, self.clock, seed, optics=optics
+                Installed("camera", settings, self.plant, seed=seed), self.clock
             )
             self.inject, self.known_faults = self.camera.inject, self.camera.known_faults
 
@@ -382,7 +384,7 @@ def test_repair_ends_faults(bench, kind):
 
 def test_faults_of_a_schedule_reach_a_camera_beside_emulated_buses():
     plant = CirclingPlant()
-    emulated = emulate_marker_camera("camera", SETTINGS, plant, 1)
+    emulated = emulate_marker_camera(Installed("camera", SETTINGS, plant, seed=1))
     simulation = Simulation(faults=(Scheduled(0.2, "camera", "lost", 0.06),))
     rig = EmulatedRig(plant, (), simulation, cameras=[emulated])
     clock = SimClock(rig)
@@ -405,7 +407,9 @@ def test_faults_of_a_schedule_reach_a_camera_beside_emulated_buses():
 def test_two_cameras_look_at_one_plant():
     plant = CirclingPlant()
     fast = replace(SETTINGS, frame_rate=100.0)
-    links = [emulate_marker_camera(name, fast, plant, 1) for name in ("left", "right")]
+    links = [
+        emulate_marker_camera(Installed(name, fast, plant, seed=1)) for name in ("left", "right")
+    ]
     clock = SimClock(EmulatedRig(plant, (), Simulation(), cameras=links))
     cameras = [MarkerCameraDriver(link.name, fast, clock, link=link) for link in links]
     for camera in cameras:

@@ -11,7 +11,7 @@ import struct
 import pytest
 from servo_bench import LaggedJoints
 
-from drivers.sim.nodes.odrive import EmulatedOdrive
+from drivers.sim.nodes.odrive import EmulatedOdrive, OdriveBuild
 
 NODE, CONNECTION, SERIAL = 5, 0x4C, 0x3A0000000002
 ENDPOINTS = {"axis0.config.enable_watchdog": 300, "axis0.config.watchdog_timeout": 301}
@@ -22,7 +22,11 @@ class Host:
 
     def __init__(self, firmware=(0, 6, 11)):
         self.axis = EmulatedOdrive(
-            "axis", NODE, LaggedJoints(1), 0, serial=SERIAL, firmware=firmware, endpoints=ENDPOINTS
+            "axis",
+            NODE,
+            LaggedJoints(1),
+            0,
+            OdriveBuild(serial=SERIAL, firmware=firmware, endpoints=ENDPOINTS),
         )
         self.heard = []
         self.axis.send = lambda can_id, data: self.heard.append((can_id, data))

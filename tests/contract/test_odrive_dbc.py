@@ -6,7 +6,7 @@ from servo_bench import LaggedJoints
 pytest.importorskip("cantools")
 odrive_can = pytest.importorskip("odrive_can")
 
-from drivers.sim.nodes.odrive import EmulatedOdrive  # noqa: E402
+from drivers.sim.nodes.odrive import EmulatedOdrive, OdriveBuild  # noqa: E402
 
 NODE = 3
 SERIAL = 0x3957_1234_5678
@@ -23,10 +23,9 @@ class Talk:
             NODE,
             self.plant,
             0,
-            gear=6.283185307179586,
-            serial=SERIAL,
-            heartbeat=0.02,
-            encoder_period=0.005,
+            OdriveBuild(
+                gear=6.283185307179586, serial=SERIAL, heartbeat=0.02, encoder_period=0.005
+            ),
         )
         self.heard = []
         self.axis.send = lambda can_id, data: self.heard.append((can_id, data))

@@ -13,6 +13,7 @@ import pytest
 can = pytest.importorskip("can")
 mock = pytest.importorskip("odrive_can.mock")
 
+from drivers.can.fast_path import AdaptedBus  # noqa: E402
 from drivers.odrive.bus import OdriveBus  # noqa: E402
 from drivers.odrive.device import OdriveServos  # noqa: E402
 from drivers.odrive.settings import (  # noqa: E402
@@ -73,7 +74,7 @@ class LiveMock:
         self.bus = OdriveBus(
             "can0",
             OdriveBusSettings("virtual", channel),
-            lambda: can.Bus(channel, interface="virtual"),
+            lambda: AdaptedBus(can.Bus(channel, interface="virtual")),
             self.clock,
             PERIOD,
         )

@@ -14,6 +14,7 @@ can = pytest.importorskip("can")
 
 from rig.cli import group, invoke  # noqa: E402
 from rig.cli.commands import invoke as invoke_click  # noqa: E402
+from rig.hal import FastCanBus  # noqa: E402
 
 LOG = """\
 (1700000000.000000) can0 000#0110
@@ -178,7 +179,7 @@ def test_a_quiet_bus_is_left_in_time_too(capfd):
 
 
 def test_frames_that_the_kernel_dropped_are_told(monkeypatch, capfd):
-    class Flooded:
+    class Flooded(FastCanBus):
         def __init__(self):
             self.frames = [(0x710, b"\5"), (0x7E5, b"")]
 

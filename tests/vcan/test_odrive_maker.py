@@ -9,6 +9,7 @@ parameters, not that a real ODrive sends the same bytes; our driver keeps to the
 """
 
 import asyncio
+import select
 import struct
 import time
 
@@ -72,8 +73,8 @@ def run(action):
 def hears(bus, can_id):
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
-        frame = bus.recv(1.0)
-        if frame is not None and frame.arbitration_id == can_id and not frame.is_remote_frame:
+        select.select([bus.fileno()], [], [], 1.0)
+        if any(received == can_id for received, _ in bus.drain()):
             return True
     return False
 
@@ -121,11 +122,10 @@ def read_by_manual(bus, node, endpoint, layout):
     bus.send_data(node << 5 | RX_SDO, struct.pack("<BHB4x", 0, endpoint, 0))
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
-        frame = bus.recv(1.0)
-        if frame is not None and frame.arbitration_id == node << 5 | TX_SDO:
-            opcode, number, _ = struct.unpack_from("<BHB", frame.data)
-            if (opcode, number) == (0, endpoint):
-                return struct.unpack_from(f"<{layout}", frame.data, 4)[0]
+        select.select([bus.fileno()], [], [], 1.0)
+        for can_id, data in bus.drain():
+            if can_id == node << 5 | TX_SDO and struct.unpack_from("<BH", data) == (0, endpoint):
+                return struct.unpack_from(f"<{layout}", data, 4)[0]
     raise AssertionError(f"node {node} does not tell endpoint {endpoint}")
 
 

@@ -11,6 +11,7 @@ from drivers.sim.clock import SimClock
 from drivers.sim.dynamixel.line import EmulatedSerialBus
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
 from drivers.sim.emulated_rig import EmulatedRig
+from drivers.sim.wiring import Installed
 
 PERIOD = 5e-3
 STEP = math.tau / 4096
@@ -63,7 +64,8 @@ class Bench:
         device.setdefault("joints", joints(count))
         self.settings = DynamixelSettings(**device)
         self.bus_settings = SerialBusSettings("emulated", **{"baudrate": 4_000_000, **(bus or {})})
-        self.node = emulate_dynamixel("legs", self.settings, self.plant, tuple(range(count)))
+        installed = Installed("legs", self.settings, self.plant, tuple(range(count)))
+        (self.node,) = emulate_dynamixel(installed)
         self.line = EmulatedSerialBus("chain", self.bus_settings.baudrate, [self.node])
         world = SimpleNamespace(seed=seed, bus_latency=200e-6, frame_loss=frame_loss, faults=faults)
         self.world = EmulatedRig(self.plant, [self.line], world)

@@ -1,8 +1,8 @@
 """A CAN bus whose other side is written down: what is sent stays, what comes is put in."""
 
-from drivers.can.frame import CanFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
+from rig.hal import FastCanBus
 
 SIZES = {0x2F: 1, 0x2B: 2, 0x23: 4}
 
@@ -22,7 +22,7 @@ class TestClock:
         self.time = max(self.time, t)
 
 
-class ScriptedBus:
+class ScriptedBus(FastCanBus):
     """The interface: `waiting` comes in, `sent` went out, as ``"601#40…"``."""
 
     def __init__(self):
@@ -40,15 +40,16 @@ class ScriptedBus:
         for device in self.devices.values():
             device.receive(can_id, bytes(data))
 
-    def recv(self, timeout=None):
+    def drain(self, limit):
         if self.failing is not None:
             raise self.failing
-        return self.waiting.pop(0) if self.waiting else None
+        frames, self.waiting[:] = self.waiting[:limit], self.waiting[limit:]
+        return frames
 
-    def put(self, *frames, **kind):
+    def put(self, *frames, flags=0):
         for frame in frames:
             can_id, data = frame.split("#")
-            self.waiting.append(CanFrame(int(can_id, 16), bytes.fromhex(data), **kind))
+            self.waiting.append((int(can_id, 16) | flags, bytes.fromhex(data)))
 
     def shutdown(self):
         self.is_open = False

@@ -2,7 +2,8 @@
 
 import pytest
 
-from drivers.canopen.load import check_bus_load, compute_bus_load, compute_frame_bits
+from drivers.can.load import check_bus_load, compute_bus_load, compute_frame_bits
+from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia406.settings import Cia406Settings
 from rig.hal import ConfigurationError
@@ -13,7 +14,7 @@ def test_bits_of_a_frame(size, bits):
     assert compute_frame_bits(size) == bits
 
 
-class TwoPdos:
+class TwoPdos(CanopenDeviceSettings):
     """A node with one full PDO each way."""
 
     def cyclic_frames(self):

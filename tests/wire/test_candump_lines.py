@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.can.candump import LoggedFrame, format_frame, parse_line, parse_lines
+from drivers.can.candump import format_frame, parse_line, parse_lines
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
+from rig.hal.frames import LoggedFrame
 
 # Written by candump -L of can-utils 2020.11, and by newer ones, which tell the direction.
 LINES = [

@@ -5,15 +5,11 @@ import errno
 import pytest
 from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
 
+from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
 from drivers.canopen.emergency import decode_emergency
+from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal
 from drivers.cia401.device import Cia401Regulators
-from drivers.cia401.settings import (
-    Cia401Settings,
-    FollowingSettings,
-    MonitorSignal,
-    RegulatorChannel,
-    SetpointSignal,
-)
+from drivers.cia401.settings import Cia401Settings, FollowingSettings
 from drivers.cia406.device import Cia406Encoder
 from drivers.cia406.settings import Cia406Settings
 from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded
@@ -197,8 +193,8 @@ def test_foreign_remote_and_extended_frames_change_nothing(valves):
     valves.run(VENTED)
     before = valves.driver.pressure()
     valves.interface.put("7E5#0102030405060708")
-    valves.interface.put("181#FF7FFF7F00", is_extended_id=True)
-    valves.interface.put("181#", is_remote_frame=True)
+    valves.interface.put("181#FF7FFF7F00", flags=EXTENDED_FLAG)
+    valves.interface.put("181#", flags=REMOTE_FLAG)
     valves.bus.receive(valves.clock.now())
     assert valves.driver.pressure() == before
     assert valves.bus.statistics()["unknown"] == 2
@@ -383,13 +379,13 @@ def test_a_link_that_goes_down_is_a_fault(valves):
     ],
 )
 def test_error_frames_are_faults_of_the_bus(valves, frame, words):
-    valves.interface.put(frame, is_error_frame=True)
+    valves.interface.put(frame, flags=ERROR_FLAG)
     with pytest.raises(DeviceFault, match=f"can0: .*{words}"):
         valves.run(VENTED)
 
 
 def test_an_error_warning_is_only_counted(valves):
-    valves.interface.put("004#0004000000000000", is_error_frame=True)
+    valves.interface.put("004#0004000000000000", flags=ERROR_FLAG)
     valves.run(VENTED)
     assert valves.bus.statistics()["error_frames"] == 1
 

@@ -5,6 +5,7 @@ import struct
 import pytest
 
 from drivers.canopen.discovery import survey_canopen
+from rig.hal import FastCanBus
 
 STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0x04, 0x05, 0x7F
 BY_COMMAND = {0x01: OPERATIONAL, 0x02: STOPPED, 0x80: PRE_OPERATIONAL}
@@ -33,7 +34,7 @@ class Node:
             yield 0x700 + self.number, bytes((self.state,))
 
 
-class Bus:
+class Bus(FastCanBus):
     """A bus and its time: heartbeats come every 100 ms."""
 
     def __init__(self, *nodes):

@@ -3,6 +3,7 @@
 import pytest
 from cia402_bench import Drive, feedback, status
 
+from drivers.can.frame import REMOTE_FLAG
 from rig.hal import DeviceFault, LimitExceeded
 
 
@@ -113,7 +114,7 @@ def test_setpoints_that_no_program_should_send_are_refused(arm, command, argumen
 
 def test_short_foreign_and_remote_frames_change_nothing(arm):
     arm.interface.put("183#27120500", "183#", "18F#2712050000000008", "7A3#05")
-    arm.interface.put("183#", is_remote_frame=True)
+    arm.interface.put("183#", flags=REMOTE_FLAG)
     arm.run(position=0)
     assert arm.driver.positions().value == (0.0,)
     assert arm.driver.statistics()["wrong_length"] == 2

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 
+from drivers.cia401.channels import MonitorSignal, SetpointSignal
 from drivers.cia401.codec import (
     decode_pressure,
     encode_pressure,
     monitor_codec,
     setpoint_codec,
 )
-from drivers.cia401.settings import MonitorSignal, SetpointSignal
 from drivers.cia406.device import decode_position, decode_velocity, linear_codec
 from drivers.cia406.settings import Cia406Settings
 

@@ -3,6 +3,7 @@
 import pytest
 from odrive_bench import PERIOD, Bench
 
+from drivers.can.frame import EXTENDED_FLAG
 from rig.hal import DeviceFault, LimitExceeded
 
 
@@ -63,7 +64,7 @@ def test_a_pause_of_the_loop_makes_no_old_reading_of_a_new_estimate(arm):
 
 def test_short_foreign_and_extended_frames_change_nothing(arm):
     arm.interface.put("069#0000003F", "061#00", "08D#0000803F00000000", "063#00")
-    arm.interface.put("0FFFFFFE#0011", is_extended_id=True)
+    arm.interface.put("0FFFFFFE#0011", flags=EXTENDED_FLAG)
     arm.cycle()
     assert arm.driver.positions().value == (0.0,)
     assert arm.driver.statistics()["wrong_length"] == 3

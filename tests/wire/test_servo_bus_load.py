@@ -2,7 +2,7 @@
 
 import pytest
 
-from drivers.canopen.load import check_bus_load, compute_bus_load
+from drivers.can.load import check_bus_load, compute_bus_load
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.settings import Cia402Settings, DriveSettings
 from drivers.odrive.settings import OdriveAxisSettings, OdriveBusSettings, OdriveSettings

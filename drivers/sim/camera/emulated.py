@@ -10,12 +10,10 @@ from math import inf
 
 from drivers.marker_camera.detector import MarkerDetector
 from drivers.marker_camera.link import Event, Ready
-from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
-from drivers.sim.camera.ports import Delivery, MarkerPort
+from drivers.sim.camera.ports import CameraBuild, Delivery, MarkerPort
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.renderer import Image, MarkerRenderer
-from drivers.sim.camera.settings import CameraSimulationSettings
 
 
 class EmulatedCamera:
@@ -25,45 +23,22 @@ class EmulatedCamera:
 
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    settings : MarkerCameraSettings
-        As the driver has them.
-    scene : MarkerCameraSettings
-        As the camera was built and mounted: lens, pose, latency.
-    optics : CameraSimulationSettings
-        What the camera is really like beside that.
+    build : CameraBuild
+        The camera.
     plant : MarkerPort
         The physics; at time t when `tick(t)` is called.
-    seed : int
-        Of scene, noise, losses.
-    serial : str, optional
-        What the camera reports as its serial number.
     """
 
-    def __init__(
-        self,
-        name: str,
-        settings: MarkerCameraSettings,
-        scene: MarkerCameraSettings,
-        optics: CameraSimulationSettings,
-        plant: MarkerPort,
-        seed: int,
-        *,
-        serial: str | None = None,
-    ) -> None:
-        self.name = name
-        self._settings = settings
+    def __init__(self, build: CameraBuild, plant: MarkerPort) -> None:
+        self.name = build.name
+        self._settings = build.settings
         self._plant = plant
-        self._serial = serial
-        self._renderer = MarkerRenderer(scene, optics, seed)
-        self._detector = MarkerDetector(settings)
-        self._delivery = Delivery(settings.latency, scene.latency, optics, seed)
-        self._faults = CameraFaults(name)
-        self._instants = tuple(
-            settings.exposure * (k + 0.5) / optics.sub_exposures
-            for k in range(optics.sub_exposures)
-        )
+        self._serial = build.serial
+        self._renderer = MarkerRenderer(build.scene, build.optics, build.seed)
+        self._detector = MarkerDetector(build.settings)
+        self._delivery = Delivery(build)
+        self._faults = CameraFaults(build.name)
+        self._instants = build.instants
         self._poses: list[MarkerPose] = []
         self._frame = 0
         self._start = inf

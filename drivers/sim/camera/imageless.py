@@ -9,13 +9,11 @@ from numpy.typing import NDArray
 
 from drivers.marker_camera.device import MarkerCameraDriver
 from drivers.marker_camera.link import Event, Ready
-from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.marker_camera.sighting import Sight, Sighting
 from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.lens import believed_ray
-from drivers.sim.camera.ports import Delivery, MarkerPort
+from drivers.sim.camera.ports import CameraBuild, Delivery, MarkerPort
 from drivers.sim.camera.poses import rotation_matrix, twist_of
-from drivers.sim.camera.settings import CameraSimulationSettings
 from rig.hal import Clock
 
 Position = tuple[float, float, float]
@@ -29,24 +27,16 @@ _NOISE_BLOCK = 256
 class _ImagelessLink:
     """Gives what a detector would, straight from the plant, which is at the time of `poll`."""
 
-    def __init__(
-        self,
-        settings: MarkerCameraSettings,
-        scene: MarkerCameraSettings,
-        optics: CameraSimulationSettings,
-        plant: MarkerPort,
-        seed: int,
-        faults: CameraFaults,
-        serial: str | None,
-    ) -> None:
+    def __init__(self, build: CameraBuild, plant: MarkerPort, faults: CameraFaults) -> None:
+        settings, scene, optics = build.settings, build.scene, build.optics
         self._settings = settings
         self._plant = plant
         self._faults = faults
-        self._serial = serial
+        self._serial = build.serial
         self._noise = optics.noise
-        self._generator = np.random.default_rng(seed)
+        self._generator = np.random.default_rng(build.seed)
         self._draws: list[list[float]] = []
-        self._delivery = Delivery(settings.latency, scene.latency, optics, seed)
+        self._delivery = Delivery(build)
         calibrated = rotation_matrix(settings.rotation_base_from_camera)
         true = rotation_matrix(scene.rotation_base_from_camera) @ rotation_matrix(
             optics.rotation_error
@@ -190,40 +180,27 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
 
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    settings : MarkerCameraSettings
-        Rate, latency, marker, limits.
-    scene : MarkerCameraSettings
-        As the camera was built and mounted: lens, pose, latency.
-    optics : CameraSimulationSettings
-        Losses, noise, errors beside that.
+    build : CameraBuild
+        The camera.
     plant : MarkerPort
         The physics.
     clock : Clock
         The rig's.
-    seed : int
-        Of noise and losses.
-    serial : int, optional
-        The serial number, which the simulated camera has.
+    required_serial : int, optional
+        The serial number that the profile wants of it.
     """
 
     def __init__(
         self,
-        name: str,
-        settings: MarkerCameraSettings,
-        scene: MarkerCameraSettings,
-        optics: CameraSimulationSettings,
+        build: CameraBuild,
         plant: MarkerPort,
         clock: Clock,
-        seed: int,
         *,
-        serial: int | None = None,
+        required_serial: int | None = None,
     ) -> None:
-        self._faults = CameraFaults(name)
-        own = settings.calibrated_serial if serial is None else str(serial)
-        link = _ImagelessLink(settings, scene, optics, plant, seed, self._faults, own)
-        super().__init__(name, settings, clock, serial=serial, link=link)
+        self._faults = CameraFaults(build.name)
+        link = _ImagelessLink(build, plant, self._faults)
+        super().__init__(build.name, build.settings, clock, serial=required_serial, link=link)
 
     @property
     def known_faults(self) -> tuple[str, ...]:

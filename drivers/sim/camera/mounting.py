@@ -41,11 +41,11 @@ def _draw(bounds: Bounds, seed: int) -> tuple[float, float, float, float, float]
     shares = np.random.default_rng([seed, zlib.crc32(b"camera")]).uniform(-1.0, 1.0, 5)
     focal, bend, late, right, down = shares.tolist()
     return (
-        bounds.camera_focal * focal,
-        bounds.camera_distortion * bend,
-        bounds.camera_latency * late,
-        bounds.camera_centre * right,
-        bounds.camera_centre * down,
+        bounds["camera_focal"] * focal,
+        bounds["camera_distortion"] * bend,
+        bounds["camera_latency"] * late,
+        bounds["camera_centre"] * right,
+        bounds["camera_centre"] * down,
     )
 
 

@@ -1,17 +1,24 @@
-"""What cameras need of a plant, and how their frames travel."""
+"""What cameras need of a plant, what they are, and how their frames travel."""
 
 import random
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf
 from typing import Protocol
 
 from drivers.marker_camera.link import Event
+from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.settings import CameraSimulationSettings
 
 
 class MarkerPort(Protocol):
-    """A plant with a marker on it."""
+    """A plant with a marker on it. Inherit it: what has a default need not be written."""
+
+    @property
+    def camera(self) -> CameraSimulationSettings:
+        """What the camera that watches the marker is really like."""
+        return CameraSimulationSettings()
 
     def marker_position(self) -> Sequence[float]:
         """Return the true centre of the marker in the joint's base frame, m, length 3."""
@@ -22,29 +29,57 @@ class MarkerPort(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class CameraBuild:
+    """One simulated camera, and what is true of it.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    settings : MarkerCameraSettings
+        As the driver has them: rate, latency, marker, limits.
+    scene : MarkerCameraSettings
+        As the camera was built and mounted: lens, pose, latency.
+    optics : CameraSimulationSettings
+        What the camera is really like beside that.
+    seed : int
+        Of scene, noise, losses.
+    serial : str or None
+        What it reports as its serial number.
+    """
+
+    name: str
+    settings: MarkerCameraSettings
+    scene: MarkerCameraSettings
+    optics: CameraSimulationSettings
+    seed: int
+    serial: str | None
+
+    @property
+    def instants(self) -> tuple[float, ...]:
+        """When in an exposure the plant is looked at, s from its start."""
+        step = self.settings.exposure
+        count = self.optics.sub_exposures
+        return tuple(step * (k + 0.5) / count for k in range(count))
+
+
 class Delivery:
     """Frames on their way to the driver: how long they take and which get lost, from a seed.
 
     Parameters
     ----------
-    believed : float
-        Latency that the driver believes in, s.
-    latency : float
-        True latency, s, if the optics do not say another one.
-    optics : CameraSimulationSettings
-        Another latency, its spread, losses.
-    seed : int
-        Of everything random.
+    build : CameraBuild
+        The latency that the driver believes in and the true one, losses, seed.
     """
 
-    def __init__(
-        self, believed: float, latency: float, optics: CameraSimulationSettings, seed: int
-    ) -> None:
-        self._believed = believed
-        self._latency = latency if optics.latency is None else optics.latency
+    def __init__(self, build: CameraBuild) -> None:
+        optics = build.optics
+        self._believed = build.settings.latency
+        self._latency = build.scene.latency if optics.latency is None else optics.latency
         self._jitter = optics.latency_jitter
         self._drop_rate = optics.drop_rate
-        self._random = random.Random(seed)
+        self._random = random.Random(build.seed)
         self._under_way: deque[tuple[float, Event]] = deque()
 
     def is_dropped(self) -> bool:

@@ -13,10 +13,8 @@ import sys
 from math import inf
 from typing import Any, Final
 
-from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.sim.camera.faults import CameraFaults
-from drivers.sim.camera.ports import MarkerPort
-from drivers.sim.camera.settings import CameraSimulationSettings
+from drivers.sim.camera.ports import CameraBuild, MarkerPort
 from rig.hal import ConnectionFailed, DeviceFault
 
 OPENED: Final = b"o"
@@ -44,22 +42,12 @@ class ServedCamera:
 
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    settings : MarkerCameraSettings
-        The driver's.
-    scene : MarkerCameraSettings
-        As the camera was built and mounted: lens, pose, latency.
-    optics : CameraSimulationSettings
-        What the camera is really like beside that.
+    build : CameraBuild
+        The camera.
     plant : MarkerPort
         The physics; at time t when `tick(t)` is called.
-    seed : int
-        Of scene, noise, losses.
     address : str
         Where it is served, see `drivers.sim.camera.remote_link`.
-    serial : str, optional
-        What it reports as its serial number.
 
     Raises
     ------
@@ -67,26 +55,12 @@ class ServedCamera:
         Somebody serves it there already.
     """
 
-    def __init__(
-        self,
-        name: str,
-        settings: MarkerCameraSettings,
-        scene: MarkerCameraSettings,
-        optics: CameraSimulationSettings,
-        plant: MarkerPort,
-        seed: int,
-        address: str,
-        *,
-        serial: str | None = None,
-    ) -> None:
-        self.name = name
+    def __init__(self, build: CameraBuild, plant: MarkerPort, address: str) -> None:
+        self.name = name = build.name
         self.address = address
         self._plant = plant
-        self._rate = settings.frame_rate
-        self._instants = tuple(
-            settings.exposure * (k + 0.5) / optics.sub_exposures
-            for k in range(optics.sub_exposures)
-        )
+        self._rate = build.settings.frame_rate
+        self._instants = build.instants
         self._faults = CameraFaults(name)
         self._start = inf
         self._count = 0  # of the instants since the start
@@ -114,7 +88,7 @@ class ServedCamera:
                     pass_fds=passed,
                     process_group=0,  # Ctrl-C goes to a whole group; the simulation ends it
                 )
-        self._send((name, settings, scene, optics, seed, serial))
+        self._send(build)
         if self._socket.recv(1) != READY:
             raise ConnectionFailed(name, "the process that makes its frames has ended")
         self._socket.setblocking(False)
@@ -196,7 +170,7 @@ class ServedCamera:
         self._faults.inject(fault, value)  # refuses what does not fit
         self._send(("fault", self._origin, self._now, fault, value))
 
-    def _send(self, message: tuple[Any, ...]) -> bool:
+    def _send(self, message: CameraBuild | tuple[Any, ...]) -> bool:
         """Tell the process; return whether it was told."""
         try:
             self._socket.send(pickle.dumps(message))

@@ -14,6 +14,7 @@ from drivers.marker_camera.settings import MarkerCameraSettings
 from drivers.marker_camera.sighting import Sighting
 from drivers.marker_camera.worker import encode_event
 from drivers.sim.camera.emulated import EmulatedCamera
+from drivers.sim.camera.ports import CameraBuild, MarkerPort
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.remote_camera import CLOSED, OPENED, READY
 
@@ -25,8 +26,8 @@ _LOST: Final = Failure(
 _TAKEN: Final = Failure("another program has opened this camera")
 
 
-class PoseFeed:
-    """A plant as far as a camera sees it: `drivers.sim.camera.ports.MarkerPort`."""
+class PoseFeed(MarkerPort):
+    """A plant as far as a camera sees it."""
 
     def __init__(self) -> None:
         self.pose = MarkerPose((0.0, 0.0, 0.0), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
@@ -54,15 +55,13 @@ class Exposing:
     def __init__(self, simulation: socket.socket, listener: socket.socket) -> None:
         self._simulation = simulation
         self._listener = listener
-        name, settings, scene, optics, seed, serial = pickle.loads(simulation.recv(_LARGEST))
+        build: CameraBuild = pickle.loads(simulation.recv(_LARGEST))
         self._feed = PoseFeed()
-        self._camera = EmulatedCamera(
-            name, settings, scene, optics, self._feed, seed, serial=serial
-        )
+        self._camera = EmulatedCamera(build, self._feed)
         self._client: socket.socket | None = None
         self._origin = 0.0
         self._expected: int | None = None  # number of the next pose; None: frames are not wanted
-        self._warm_up(settings)
+        self._warm_up(build.settings)
         simulation.send(READY)
 
     def run(self) -> None:

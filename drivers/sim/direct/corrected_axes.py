@@ -1,11 +1,23 @@
 """What a calibrated servo driver makes of drives, for drives that have no driver (`--on sim`)."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Protocol
 
 from drivers.servos.axis_settings import AxisSettings
+from drivers.sim.servo_port import ServoPort
+from drivers.sim.wiring import Installed
 
 
-class CorrectedAxes:
+class ChainSettings(Protocol):
+    """The settings of a chain of joints."""
+
+    @property
+    def joints(self) -> Mapping[str, AxisSettings]:
+        """The joints by name."""
+        ...
+
+
+class CorrectedAxes(ServoPort):
     """The joints of a plant, as calibrated settings have them.
 
     The drives are mounted as the nominal settings say; a driver reads their counts by the
@@ -13,53 +25,46 @@ class CorrectedAxes:
 
     Parameters
     ----------
-    plant : object
+    plant : ServoPort
         The physics.
     lines : mapping of int to tuple of float
         By the plant's joint, gain and offset from an angle by the nominal settings to the same
         counts' angle by the calibrated ones, 1 and rad.
     """
 
-    def __init__(self, plant: Any, lines: dict[int, tuple[float, float]]) -> None:
+    def __init__(self, plant: ServoPort, lines: dict[int, tuple[float, float]]) -> None:
         self._plant = plant
         self._lines = lines
 
     @classmethod
-    def of(
-        cls, nominal: Any, settings: Any, plant: Any, channels: tuple[int, ...]
-    ) -> "CorrectedAxes":
+    def of(cls, of: Installed[ChainSettings, ServoPort]) -> "CorrectedAxes":
         """Return the port of a servo device."""
-        return cls(
-            plant,
-            {
-                channel: _line(nominal.joints[name], settings.joints[name])
-                for name, channel in zip(settings.joints, channels, strict=True)
-            },
-        )
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._plant, name)
+        nominal = of.built.joints
+        lines = {
+            channel: _line(nominal[name], joint)
+            for channel, (name, joint) in zip(of.channels, of.settings.joints.items(), strict=True)
+        }
+        return cls(of.plant, lines)
 
     def command_joint(
-        self, channel: int, position: float | None, velocity: float, torque_on: bool
+        self, channel: int, position: float, velocity: float, torque_on: bool
     ) -> None:
         """Give a drive the reference that the driver's counts mean to it."""
         gain, offset = self._lines[channel]
-        wanted = None if position is None else (position - offset) / gain
-        self._plant.command_joint(channel, wanted, velocity / gain, torque_on)
+        self._plant.command_joint(channel, (position - offset) / gain, velocity / gain, torque_on)
 
     def joint_position(self, channel: int) -> float:
         """Return the angle that the driver reads, rad."""
         gain, offset = self._lines[channel]
-        return gain * float(self._plant.joint_position(channel)) + offset
+        return gain * self._plant.joint_position(channel) + offset
 
     def joint_velocity(self, channel: int) -> float:
         """Return the velocity that the driver reads, rad/s."""
-        return self._lines[channel][0] * float(self._plant.joint_velocity(channel))
+        return self._lines[channel][0] * self._plant.joint_velocity(channel)
 
     def joint_torque(self, channel: int) -> float:
         """Return the torque that the driver reads, N m."""
-        return float(self._plant.joint_torque(channel)) / self._lines[channel][0]
+        return self._plant.joint_torque(channel) / self._lines[channel][0]
 
 
 def _line(nominal: AxisSettings, settings: AxisSettings) -> tuple[float, float]:

@@ -7,8 +7,8 @@ They behave as the production drivers do on their bus: a reading is quantised an
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import Protocol
 
+from drivers.sim.regulator_port import RegulatorPort
 from rig.hal import (
     Clock,
     Device,
@@ -20,26 +20,6 @@ from rig.hal import (
 )
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
-
-
-class RegulatorPort(Protocol):
-    """What the regulators need of a plant."""
-
-    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
-        """Give a regulator its setpoint, Pa gauge."""
-        ...
-
-    def pressure(self, channel: int) -> float:
-        """Return what a regulator's monitor shows, Pa gauge."""
-        ...
-
-    def set_supply(self, open: bool) -> None:
-        """Open or shut (and vent) the supply valve."""
-        ...
-
-    def set_lock(self, channel: int, locked: bool) -> None:
-        """Shut or open the valve between a regulator and its chamber."""
-        ...
 
 
 class SimulatedDevice(Device):

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable, Sequence
 
+from drivers.dynamixel.settings import SerialBusSettings
 from drivers.sim.dynamixel.chain import EmulatedChain
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.framing import InstructionPacket, InstructionReader
@@ -47,6 +48,13 @@ class MemoryPort:
     def close(self) -> None:
         """Forget what is on the way."""
         self.written = self.waiting = b""
+
+
+def make_line(
+    name: str, settings: SerialBusSettings, nodes: Sequence[EmulatedDynamixel]
+) -> "EmulatedSerialBus":
+    """Make the simulated end of a bus with these settings."""
+    return EmulatedSerialBus(name, settings.baudrate, nodes)
 
 
 class EmulatedSerialBus:

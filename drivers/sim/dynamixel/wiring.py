@@ -4,16 +4,17 @@ The settings say how the servos are mounted: ids, gears, offsets. They are data;
 servos make of them is their own.
 """
 
-from typing import Any
-
 from drivers.dynamixel.settings import DynamixelSettings
+from drivers.sim.direct.axes_of_settings import signed_gear
+from drivers.sim.direct.corrected_axes import CorrectedAxes
 from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.control_table import HOMING_OFFSET
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
+from drivers.sim.perturbed_axes import PerturbedAxes
 from drivers.sim.servo_port import ServoPort
-from drivers.sim.servo_wiring import signed_gear
+from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
 
 _STEPS_PER_TURN = 4096
@@ -22,14 +23,14 @@ _AT_ONCE = 1e3
 _TWIN_OFFSET = 0.5  # rad: a second servo with the same id stands somewhere else
 
 
-class _FreeJoint:
+class _FreeJoint(ServoPort):
     """A joint that nothing is fixed to: where a servo turns that belongs elsewhere."""
 
     def __init__(self, angle: float) -> None:
         self._angle = angle
 
     def command_joint(
-        self, channel: int, position: float | None, velocity: float, torque_on: bool
+        self, channel: int, position: float, velocity: float, torque_on: bool
     ) -> None:
         """Do nothing."""
 
@@ -46,29 +47,10 @@ class _FreeJoint:
         return 0.0
 
 
-def emulate_dynamixel(
-    name: str,
-    settings: DynamixelSettings,
-    plant: Any,
-    channels: tuple[int, ...],
-    serial: int = 0,
-) -> EmulatedDynamixel:
-    """Return emulated servos, mounted as the driver's settings say.
-
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : DynamixelSettings
-        The driver's.
-    plant : ServoPort
-        The physics.
-    channels : tuple of int
-        The plant's joints, in the order of the device's.
-    serial : int
-        Not used: these servos have no serial number.
-    """
-    wired = dict(zip(settings.joints, channels, strict=True))
+def emulate_dynamixel(of: Installed[DynamixelSettings, ServoPort]) -> tuple[EmulatedDynamixel]:
+    """Return emulated servos, mounted as the driver's settings say."""
+    settings = of.built
+    wired = dict(zip(settings.joints, of.channels, strict=True))
 
     def make(name: str, plant: ServoPort) -> EmulatedServo:
         joint = settings.joints[name]
@@ -85,26 +67,27 @@ def emulate_dynamixel(
         return servo
 
     def make_twin(name: str) -> EmulatedServo:
-        return make(name, _FreeJoint(plant.joint_position(wired[name]) + _TWIN_OFFSET))
+        return make(name, _FreeJoint(of.plant.joint_position(wired[name]) + _TWIN_OFFSET))
 
-    stations = {joint: Station(make(joint, plant)) for joint in settings.joints}
-    return EmulatedDynamixel(name, stations, make_twin)
+    stations = {joint: Station(make(joint, of.plant)) for joint in settings.joints}
+    return (EmulatedDynamixel(of.name, stations, make_twin),)
 
 
 def simulate_dynamixel(
-    name: str, settings: DynamixelSettings, plant: Any, channels: tuple[int, ...], clock: Clock
+    of: Installed[DynamixelSettings, ServoPort], clock: Clock
 ) -> SimulatedServos:
     """Return simulated joints with the servos' resolution and limits.
 
     A servo that is told to hold does so at once, with all the torque that it has.
     """
+    settings = of.settings
     joints = settings.joints
     count = len(joints)
     return SimulatedServos(
-        name,
+        of.name,
         joints,
-        plant,
-        channels,
+        of.plant,
+        of.channels,
         clock,
         resolutions=[
             1.0 / abs(joint.turns_per_radian * _STEPS_PER_TURN) for joint in joints.values()
@@ -113,3 +96,6 @@ def simulate_dynamixel(
         windows=[settings.following_window] * count,
         times=[settings.following_time] * count,
     )
+
+
+WIRING = Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of, PerturbedAxes)

@@ -7,8 +7,9 @@ digital inputs and outputs, analogue inputs and outputs (bits 16 … 19).
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import inf
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.base import EmulatedNode
@@ -22,31 +23,12 @@ from drivers.sim.nodes.object_dictionary import (
     DataType,
     Variable,
 )
+from drivers.sim.regulator_port import RegulatorPort
 
 DEVICE_TYPE = 0x000F_0191
 _ERROR_VALUE_MODE = 1  # 0x6443: take the error value; 0 would hold the last one
 _INPUT_PERIOD = 1e-3  # how often the module looks at its inputs for changes, s
 _UPPER, _LOWER, _DELTA = 0x01, 0x02, 0x04  # bits of 0x6421
-
-
-class RegulatorPort(Protocol):
-    """What the module needs of the plant."""
-
-    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
-        """Give a regulator its setpoint, Pa gauge."""
-        ...
-
-    def pressure(self, channel: int) -> float:
-        """Return what a regulator's monitor shows, Pa gauge."""
-        ...
-
-    def set_supply(self, open: bool) -> None:
-        """Open or shut (and vent) the supply valve."""
-        ...
-
-    def set_lock(self, channel: int, locked: bool) -> None:
-        """Shut or open the valve between a regulator and its chamber."""
-        ...
 
 
 class RegulatorWiring(NamedTuple):
@@ -67,6 +49,59 @@ class RegulatorWiring(NamedTuple):
     setpoint: AnalogueScale
     monitor: AnalogueScale
     lock_bit: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AnalogueArray:
+    """One analogue array of the module.
+
+    Parameters
+    ----------
+    index : int
+        Its object: a module may have one of its maker's.
+    count : int
+        How many channels the module has there.
+    data_type : DataType
+        Of each.
+    """
+
+    index: int
+    count: int = 4
+    data_type: DataType = INTEGER16
+
+
+_OUTPUTS = AnalogueArray(0x6411)
+_INPUTS = AnalogueArray(0x6401)
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleBuild:
+    """How a module is made and what is wired to its digital side.
+
+    Parameters
+    ----------
+    outputs, inputs : AnalogueArray
+        Its analogue side.
+    supply_bit : int or None
+        Bit of 0x6200:1 that opens the supply valve; None: no valve is wired.
+    stop_bit : int or None
+        Bit of 0x6000:1 that reads the e-stop contact; None: none is wired.
+    stop_active_low : bool
+        The contact is normally closed: the bit is 0 when the stop is pressed.
+    serial : int
+        Its serial number.
+    """
+
+    outputs: AnalogueArray = _OUTPUTS
+    inputs: AnalogueArray = _INPUTS
+    supply_bit: int | None = 0
+    stop_bit: int | None = 0
+    stop_active_low: bool = True
+    serial: int = 0
+
+
+STANDARD_MODULE = ModuleBuild()
+"""Four channels each way in the standard's objects, supply and stop on bits 0."""
 
 
 class EmulatedCia401(EmulatedNode):
@@ -93,18 +128,8 @@ class EmulatedCia401(EmulatedNode):
         The plant.
     regulators : sequence of RegulatorWiring
         In the order of the plant's channels.
-    outputs, inputs : int
-        How many analogue channels the module has.
-    output_object, input_object : int
-        Indices of the analogue arrays, for modules with objects of their maker.
-    output_type, input_type : DataType
-        Their types.
-    supply_bit : int or None
-        Bit of 0x6200:1 that opens the supply valve; None: no valve is wired.
-    stop_bit : int or None
-        Bit of 0x6000:1 that reads the e-stop contact; None: none is wired.
-    stop_active_low : bool
-        The contact is normally closed: the bit is 0 when the stop is pressed.
+    build : ModuleBuild
+        What the module is.
     """
 
     def __init__(
@@ -113,24 +138,16 @@ class EmulatedCia401(EmulatedNode):
         node_id: int,
         port: RegulatorPort,
         regulators: Sequence[RegulatorWiring],
-        *,
-        outputs: int = 4,
-        inputs: int = 4,
-        output_object: int = 0x6411,
-        input_object: int = 0x6401,
-        output_type: DataType = INTEGER16,
-        input_type: DataType = INTEGER16,
-        supply_bit: int | None = 0,
-        stop_bit: int | None = 0,
-        stop_active_low: bool = True,
-        serial: int = 0,
+        build: ModuleBuild = STANDARD_MODULE,
     ) -> None:
-        super().__init__(name, node_id, device_type=DEVICE_TYPE, product_code=401, serial=serial)
+        super().__init__(
+            name, node_id, device_type=DEVICE_TYPE, product_code=401, serial=build.serial
+        )
         self._port = port
         self._regulators = tuple(regulators)
-        self._supply_mask = 0 if supply_bit is None else 1 << supply_bit
-        self._stop_mask = 0 if stop_bit is None else 1 << stop_bit
-        self._stop_active_low = stop_active_low
+        self._supply_mask = _mask(build.supply_bit)
+        self._stop_mask = _mask(build.stop_bit)
+        self._stop_active_low = build.stop_active_low
         self.stop_pressed = False
         self._broken: set[int] = set()
         self._stuck: set[int] = set()
@@ -138,14 +155,12 @@ class EmulatedCia401(EmulatedNode):
         self._supply: bool | None = None
         self._locked: dict[int, bool] = {}
         self._next_look = inf
-        self._reported: list[int] = [0] * inputs
+        self._reported: list[int] = [0] * build.inputs.count
         self._add_digital()
-        self._add_analogue(
-            (output_object, outputs, output_type), (input_object, inputs, input_type)
-        )
+        self._add_analogue(build.outputs, build.inputs)
         self.add_pdos(
-            receive=((0x6200_0108,), _mapping(output_object, outputs, output_type)),
-            transmit=((0x6000_0108,), _mapping(input_object, inputs, input_type)),
+            receive=((0x6200_0108,), _mapping(build.outputs)),
+            transmit=((0x6000_0108,), _mapping(build.inputs)),
         )
         self.add_fault("wire_break", self._break_wire, self._broken.clear)
         self.add_fault("output_stuck", self._stick_output, self._stuck.clear)
@@ -165,42 +180,37 @@ class EmulatedCia401(EmulatedNode):
         self._digital_error_mode = array(0x6206, [Variable(UNSIGNED8, 0xFF)])[0]
         self._digital_error_value = array(0x6207, [Variable(UNSIGNED8, 0)])[0]
 
-    def _add_analogue(
-        self, outputs: tuple[int, int, DataType], inputs: tuple[int, int, DataType]
-    ) -> None:
-        output_object, output_count, output_type = outputs
-        input_object, input_count, input_type = inputs
-
+    def _add_analogue(self, outputs: AnalogueArray, inputs: AnalogueArray) -> None:
         def array(index: int, count: int, data_type: DataType, default: int) -> list[Variable]:
             return self.dictionary.add_array(
                 index, [Variable(data_type, default) for _ in range(count)]
             )
 
         self._inputs = self.dictionary.add_array(
-            input_object,
+            inputs.index,
             [
-                Variable(input_type, 0, "ro", mapping="t", refresh=self._sample)
-                for _ in range(input_count)
+                Variable(inputs.data_type, 0, "ro", mapping="t", refresh=self._sample)
+                for _ in range(inputs.count)
             ],
         )
         self._outputs = self.dictionary.add_array(
-            output_object,
+            outputs.index,
             [
-                Variable(output_type, 0, mapping="r", changed=self._analogue_written)
-                for _ in range(output_count)
+                Variable(outputs.data_type, 0, mapping="r", changed=self._analogue_written)
+                for _ in range(outputs.count)
             ],
         )
-        self._trigger = array(0x6421, input_count, UNSIGNED8, _UPPER | _LOWER | _DELTA)
+        self._trigger = array(0x6421, inputs.count, UNSIGNED8, _UPPER | _LOWER | _DELTA)
         self._interrupt = self.dictionary.add(0x6423, 0, Variable(BOOLEAN, 0))
         self._interrupt.changed = self.wake
-        self._upper = array(0x6424, input_count, INTEGER32, 0)
-        self._lower = array(0x6425, input_count, INTEGER32, 0)
-        self._delta = array(0x6426, input_count, UNSIGNED32, 0)
+        self._upper = array(0x6424, inputs.count, INTEGER32, 0)
+        self._lower = array(0x6425, inputs.count, INTEGER32, 0)
+        self._delta = array(0x6426, inputs.count, UNSIGNED32, 0)
         self._error_mode = self.dictionary.add_array(
             0x6443,
-            [Variable(UNSIGNED8, _ERROR_VALUE_MODE, low=0, high=1) for _ in range(output_count)],
+            [Variable(UNSIGNED8, _ERROR_VALUE_MODE, low=0, high=1) for _ in range(outputs.count)],
         )
-        self._error_value = array(0x6444, output_count, INTEGER32, 0)
+        self._error_value = array(0x6444, outputs.count, INTEGER32, 0)
 
     # Outputs --------------------------------------------------------------------------
 
@@ -332,7 +342,12 @@ class EmulatedCia401(EmulatedNode):
         return whole_number(self.name, fault, value, 0, len(self._regulators) - 1)
 
 
-def _mapping(index: int, count: int, data_type: DataType) -> tuple[int, ...]:
+def _mapping(array: AnalogueArray) -> tuple[int, ...]:
     """Return the default mapping of an analogue array: what fits into eight bytes."""
-    fitting = min(count, 8 // data_type.size)
-    return tuple(index << 16 | sub << 8 | 8 * data_type.size for sub in range(1, fitting + 1))
+    size = array.data_type.size
+    fitting = min(array.count, 8 // size)
+    return tuple(array.index << 16 | sub << 8 | 8 * size for sub in range(1, fitting + 1))
+
+
+def _mask(bit: int | None) -> int:
+    return 0 if bit is None else 1 << bit

@@ -73,6 +73,17 @@ UNSIGNED32 = _integer("I", 4, signed=False)
 REAL32 = DataType("f", 4, float("-inf"), float("inf"))
 VISIBLE_STRING = DataType("", 0, 0, 0)
 
+BY_NAME = {
+    "i8": INTEGER8,
+    "i16": INTEGER16,
+    "i32": INTEGER32,
+    "u8": UNSIGNED8,
+    "u16": UNSIGNED16,
+    "u32": UNSIGNED32,
+    "f32": REAL32,
+}
+"""Types by their names in profiles."""
+
 _STRUCTS = {code: Struct("<" + code) for code in "bBhHiIf"}
 
 

@@ -8,6 +8,7 @@ discovering nodes: identifier ``node << 5 | command``, all values little-endian.
 
 import struct
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from math import inf, pi
 
 from drivers.sim.nodes.bus_node import Send
@@ -33,19 +34,12 @@ _FEEDFORWARD_STEP = 1e-3  # turn/s
 _SAVE = 1  # of Reboot's actions
 
 
-class EmulatedOdrive(OdriveFaults):
-    """One axis of firmware 0.6: closed loop, heartbeat, watchdog, errors, cyclic estimates.
+@dataclass(frozen=True, slots=True)
+class OdriveBuild:
+    """What an ODrive is, and how it is mounted and set up.
 
     Parameters
     ----------
-    name : str
-        Of the device and joint.
-    node_id : int
-        0 … 62.
-    port : ServoPort
-        The plant.
-    channel : int
-        The plant's joint on its shaft.
     gear : float
         Turns of the shaft for one turn of the joint; negative if they turn against each other.
     zero : float
@@ -60,8 +54,40 @@ class EmulatedOdrive(OdriveFaults):
         Timeout, s; 0: not enabled.
     heartbeat, encoder_period : float
         Of the cyclic messages, s.
-    endpoints : mapping of str to int, optional
+    endpoints : mapping of str to int
         Numbers of parameters, by path, see `OdriveParameters`.
+    """
+
+    gear: float = 1.0
+    zero: float = 0.0
+    steps_per_turn: int = STEPS_PER_TURN
+    serial: int = 0
+    firmware: tuple[int, int, int] = (0, 6, 11)
+    watchdog: float = 0.0
+    heartbeat: float = SHIPPED_HEARTBEAT
+    encoder_period: float = SHIPPED_ENCODER
+    endpoints: Mapping[str, int] = field(default_factory=dict)
+
+
+AS_SHIPPED = OdriveBuild()
+"""On the joint itself, as it comes from the maker."""
+
+
+class EmulatedOdrive(OdriveFaults):
+    """One axis of firmware 0.6: closed loop, heartbeat, watchdog, errors, cyclic estimates.
+
+    Parameters
+    ----------
+    name : str
+        Of the device and joint.
+    node_id : int
+        0 … 62.
+    port : ServoPort
+        The plant.
+    channel : int
+        The plant's joint on its shaft.
+    build : OdriveBuild
+        What the ODrive is, and how it is mounted and set up.
     """
 
     def __init__(
@@ -70,16 +96,7 @@ class EmulatedOdrive(OdriveFaults):
         node_id: int,
         port: ServoPort,
         channel: int,
-        *,
-        gear: float = 1.0,
-        zero: float = 0.0,
-        steps_per_turn: int = STEPS_PER_TURN,
-        serial: int = 0,
-        firmware: tuple[int, int, int] = (0, 6, 11),
-        watchdog: float = 0.0,
-        heartbeat: float = SHIPPED_HEARTBEAT,
-        encoder_period: float = SHIPPED_ENCODER,
-        endpoints: Mapping[str, int] | None = None,
+        build: OdriveBuild = AS_SHIPPED,
     ) -> None:
         super().__init__()
         self.name = name
@@ -87,20 +104,20 @@ class EmulatedOdrive(OdriveFaults):
         self.send: Send = lambda can_id, data: None
         self.now = 0.0
         self.due = 0.0
-        self.serial = serial
-        self.hardware, self.firmware = (4, 4, 58), firmware
-        self.enable_watchdog = watchdog > 0.0
-        self.watchdog_timeout = watchdog
-        self.heartbeat_msg_rate_ms = round(heartbeat * 1e3)
-        self.encoder_msg_rate_ms = round(encoder_period * 1e3)
+        self.serial = build.serial
+        self.hardware, self.firmware = (4, 4, 58), build.firmware
+        self.enable_watchdog = build.watchdog > 0.0
+        self.watchdog_timeout = build.watchdog
+        self.heartbeat_msg_rate_ms = round(build.heartbeat * 1e3)
+        self.encoder_msg_rate_ms = round(build.encoder_period * 1e3)
         self.answers_version = True
         self.speed_limit, self.current_limit = inf, inf
-        self.parameters = OdriveParameters(self, endpoints)
+        self.parameters = OdriveParameters(self, build.endpoints)
         self._port = port
         self._channel = channel
-        self._turns = gear / (2.0 * pi)  # per radian of the joint
-        self._zero = zero
-        self._steps = steps_per_turn
+        self._turns = build.gear / (2.0 * pi)  # per radian of the joint
+        self._zero = build.zero
+        self._steps = build.steps_per_turn
         self._motion = MotionReference()
         self._feedforward = 0.0  # turn/s
         self._connection = _NOBODY

@@ -94,9 +94,9 @@ class OdriveParameters:
         Numbers of parameters, by path; the others are numbered from 1 on.
     """
 
-    def __init__(self, axis: Any, numbers: Mapping[str, int] | None = None) -> None:
+    def __init__(self, axis: Any, numbers: Mapping[str, int]) -> None:
         self._axis = axis
-        given = dict(numbers or {})
+        given = dict(numbers)
         taken = {*given.values(), _DESCRIPTION}
         free = (number for number in range(1, 1 << 16) if number not in taken)
         paths = (*(parameter.path for parameter in _PARAMETERS), *_FUNCTIONS)

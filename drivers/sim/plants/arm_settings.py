@@ -11,6 +11,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Unit
 
+from rig.hal import PhysicsSettings
+
 Torque = Annotated[float, Unit("N m"), Gt(0)]
 Friction = Annotated[float, Unit("N m"), Ge(0)]
 Viscous = Annotated[float, Unit("N m s/rad"), Ge(0)]
@@ -115,7 +117,7 @@ class ArmLinkSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class ArmPlantSettings:
+class ArmPlantSettings(PhysicsSettings):
     """The arm with its drives.
 
     Parameters

@@ -9,6 +9,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
+from rig.hal import PhysicsSettings
+
 
 @dataclass(frozen=True, slots=True)
 class LegServoSettings:
@@ -36,7 +38,7 @@ class LegServoSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class LegsPlantSettings:
+class LegsPlantSettings(PhysicsSettings):
     """The legs, their upper body and the floor.
 
     Parameters

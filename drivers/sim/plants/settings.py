@@ -4,10 +4,12 @@ Sources of the defaults: V, seen in a catalogue or paper; C, a catalogue value f
 knowledge; E, an estimate. Pressures are gauge where a catalogue gives gauge, and say so.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
+
+from rig.hal import PhysicsSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +175,7 @@ class CarriageSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class PlantSettings:
+class PlantSettings(PhysicsSettings):
     """One antagonistic pair of pneumatic cylinders.
 
     Parameters
@@ -213,3 +215,12 @@ class PlantSettings:
             raise ValueError(
                 f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
             )
+
+    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> "PlantSettings":
+        """Return the settings of a pair that differs from its profile."""
+        return replace(
+            self,
+            friction_scale=self.friction_scale * (1.0 + friction),
+            stribeck_scale=self.stribeck_scale * (1.0 + stribeck),
+            home=self.home + wire_offset,
+        )

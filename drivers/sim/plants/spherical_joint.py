@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.parameters import scale_seals
 from drivers.sim.plants.pneumatic_plant import PneumaticPlant
 from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
@@ -79,6 +80,11 @@ class SphericalJointPlant(PneumaticPlant):
         self._marker: Vector3 = x, y, z
         self._truth = np.zeros(len(TRUTH_COLUMNS))
         self._integrate(0)
+
+    @property
+    def camera(self) -> CameraSimulationSettings:
+        """What the camera that watches the marker is really like."""
+        return self.settings.camera
 
     def ring_rotation(self) -> tuple[Vector3, Vector3, Vector3]:
         """Return the rows of the matrix that turns ring coordinates into the ball's."""

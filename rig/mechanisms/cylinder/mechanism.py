@@ -180,20 +180,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     @classmethod
     def model_of(cls, settings: CylinderSettings) -> PairModel:
         """Return what the controllers are told of a pair."""
-        friction, response = settings.friction, settings.regulator_response
-        return PairModel(
-            area=settings.area,
-            mass=settings.moving_mass,
-            base_pressure=settings.base_pressure,
-            pressure_min=settings.limits.pressure[0],
-            pressure_max=settings.limits.pressure[1],
-            regulator_bandwidth=response.bandwidth,
-            regulator_damping=response.damping,
-            coulomb=friction.coulomb,
-            breakaway=friction.breakaway,
-            stribeck_velocity=friction.stribeck_velocity,
-            viscous=friction.viscous,
-        )
+        return PairModel(**settings.told())
 
     @classmethod
     def plan(

@@ -4,7 +4,6 @@ from rig.hal.parts import MechanismParts, PlantModel
 
 _LAWS = "controllers.cylinder"
 _HERE = "rig.mechanisms.cylinder"
-_SHARED = "rig.mechanisms.pneumatic.calibration"
 
 PARTS = MechanismParts(
     mechanism="cylinder",
@@ -32,11 +31,11 @@ PARTS = MechanismParts(
     figures=(f"{_HERE}.figures:PAIR_FIGURES",),
     comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
     procedures=(
-        f"{_SHARED}.regulators:Regulators",
-        f"{_SHARED}.encoders:Encoders",
-        f"{_SHARED}.wires:Wires",
-        f"{_SHARED}.response:Response",
+        f"{_HERE}.calibration.procedures:regulators",
+        f"{_HERE}.calibration.procedures:encoders",
+        f"{_HERE}.calibration.procedures:wires",
+        f"{_HERE}.calibration.procedures:response",
         f"{_HERE}.calibration.friction:PairFriction",
-        f"{_SHARED}.leak:Leak",
+        f"{_HERE}.calibration.procedures:leak",
     ),
 )

@@ -169,20 +169,10 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     @classmethod
     def model_of(cls, settings: JointSettings) -> JointModel:
         """Return what the controllers are told of the joint."""
-        friction, response, limits = settings.friction, settings.regulator_response, settings.limits
+        friction, limits = settings.friction, settings.limits
         return JointModel(
+            **settings.told(),
             geometry=settings.geometry,
-            area=settings.area,
-            mass=settings.moving_mass,
-            base_pressure=settings.base_pressure,
-            pressure_min=limits.pressure[0],
-            pressure_max=limits.pressure[1],
-            regulator_bandwidth=response.bandwidth,
-            regulator_damping=response.damping,
-            coulomb=friction.coulomb,
-            breakaway=friction.breakaway,
-            stribeck_velocity=friction.stribeck_velocity,
-            viscous=friction.viscous,
             ring_friction=friction.ring,
             wire_friction=friction.wire,
             wire_stiffness=settings.wire_stiffness,

@@ -4,7 +4,6 @@ from rig.hal.parts import MechanismParts, PlantModel
 
 _LAWS = "controllers.spherical_joint.laws"
 _HERE = "rig.mechanisms.joint"
-_SHARED = "rig.mechanisms.pneumatic.calibration"
 _PLANTS = "drivers.sim.plants"
 
 PARTS = MechanismParts(
@@ -43,12 +42,12 @@ PARTS = MechanismParts(
     ),
     comparisons=(f"{_HERE}.comparison:JOINT_COMPARISON",),
     procedures=(
-        f"{_SHARED}.regulators:Regulators",
-        f"{_SHARED}.encoders:Encoders",
-        f"{_SHARED}.wires:Wires",
-        f"{_SHARED}.response:Response",
+        f"{_HERE}.calibration.procedures:regulators",
+        f"{_HERE}.calibration.procedures:encoders",
+        f"{_HERE}.calibration.procedures:wires",
+        f"{_HERE}.calibration.procedures:response",
         f"{_HERE}.calibration.friction:JointFriction",
-        f"{_SHARED}.leak:Leak",
+        f"{_HERE}.calibration.procedures:leak",
         f"{_HERE}.calibration.lens:Lens",
         f"{_HERE}.calibration.camera:Camera",
         f"{_HERE}.calibration.geometry:Geometry",

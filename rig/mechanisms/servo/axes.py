@@ -135,10 +135,6 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         servos = [pick("servos", name, ServoBus) for name in settings.servos]
         return servos, pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
 
-    def joint_columns(self) -> tuple[Column, ...]:
-        """Return the columns that `joint_row` fills."""
-        return servo_columns(self.joints.names)
-
     def read(self, now: float) -> State:
         """Assemble the joints' state; see `Mechanism.read`."""
         positions: list[float] = []
@@ -289,7 +285,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
     def joint_row(
         self, state: State, reference: Reference, command: Command, applied: Command
     ) -> tuple[float, ...]:
-        """Return this cycle's values for `joint_columns`."""
+        """Return this cycle's values for `servo_columns`."""
         return (
             *state.positions,
             *state.velocities,

@@ -67,7 +67,7 @@ class TestRegulators:
         rng = np.random.default_rng(3)
         stretches, gauge = {}, {}
         for segment in motion.segments:
-            c = motion.at_time(segment.end - 0.01)[0]
+            c = motion.pressure_at(segment.end - 0.01)
             side = 1.0 if " up " in segment.name else -1.0
             s = self.OFFSET + self.GAIN * c - 0.5 * side * self.LOOP
             p = min(s + 4.0 * self.BOW * s * (1.0 - s / 500e3), top)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from pneumatic_rigs import pneumatics_of
 
 from controllers.spherical_joint.geometry import PAIRS
 from controllers.spherical_joint.types import JointCommand, JointReference, JointState
@@ -18,12 +19,10 @@ from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
 from rig.mechanisms.joint.calibration.ball_friction import belief_of, friction_on_ball
 from rig.mechanisms.joint.calibration.breakaway import Breakaways, Case, cases_of, forces_of_tugs
+from rig.mechanisms.joint.calibration.leaning import Strokes
 from rig.mechanisms.joint.calibration.stroke_fit import StrokeFit, fit_strokes
-from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, StrokesAndTugs, Tugging
-from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
-from rig.mechanisms.pneumatic.calibration.pneumatics import calm_base, follower, mover
-from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
-from rig.mechanisms.pneumatic.calibration.sliding_samples import smooth
+from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, StrokesAndTugs, TugScript
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump
 
 PERIOD = 1e-3
 ZERO = (0.0, 0.0, 0.0)
@@ -66,7 +65,7 @@ class Upright:
 def tugged(broken_by, settings):
     """Return each tug with its references, of pairs that jump once so much force pushes them."""
     follower = Follower()
-    tugging = Tugging(settings, Upright(), follower, 120e3, 100e3)
+    tugging = TugScript(settings, Upright(), follower, 120e3, 100e3)
     places = [0.0, 0.0]
     found = [[] for _ in settings.tugs]
     for cycle in range(int(settings.duration / PERIOD)):
@@ -98,7 +97,7 @@ def test_each_kind_of_tug_follows_each_kind_equally_often():
 def test_pressures_swing_before_each_tug_and_as_often_begin_with_a_fall():
     settings = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1))
     follower = Follower()
-    tugging = Tugging(settings, Upright(), follower, 120e3, 100e3)
+    tugging = TugScript(settings, Upright(), follower, 120e3, 100e3)
     begins = Counter()
     for tug in settings.tugs:
         begins[tug.pair, tug.side, tug.swing] += 1
@@ -148,7 +147,7 @@ def test_a_pair_that_does_not_move_is_pushed_no_harder_than_permitted():
 
 
 def test_its_controller_is_calmer_than_usual_and_shakes_nothing(profile):
-    calm, name = follower(profile)
+    calm, name = pneumatics_of(profile).with_gentle_controller()
     usual, now = profile.controllers[name], calm.controllers[name]
     assert now.pair.position_rate < 0.6 * usual.pair.position_rate
     assert now.pair.integral < 0.4 * usual.pair.integral
@@ -158,19 +157,21 @@ def test_its_controller_is_calmer_than_usual_and_shakes_nothing(profile):
 def test_its_controller_keeps_gains_that_somebody_has_set_lower(profile):
     usual = profile.controllers["cascade"]
     careful = replace(usual, pair=replace(usual.pair, position_rate=40.0, integral=2e4))
-    calm, name = follower(replace(profile, controllers={"cascade": careful}))
+    changed = replace(profile, controllers={"cascade": careful})
+    calm, name = pneumatics_of(changed).with_gentle_controller()
     now = calm.controllers[name].pair
     assert (now.position_rate, now.integral) == (40.0, 2e4)
-    assert now.velocity_rate == follower(profile)[0].controllers[name].pair.velocity_rate
+    usual, _ = pneumatics_of(profile).with_gentle_controller()
+    assert now.velocity_rate == usual.controllers[name].pair.velocity_rate
 
 
 def test_a_leaning_ring_is_moved_under_little_pull_and_without_a_pid(profile):
     assert profile.mechanism_settings.base_pressure == 200e3
-    assert calm_base(profile) == 120e3
-    assert mover(profile) == follower(profile)
+    assert pneumatics_of(profile).gentle_pressure == 120e3
+    assert pneumatics_of(profile).with_gentle_controller()[1] == "cascade"
     cylinder = load_profile("cylinder", REGISTRY, (), find_configs())
-    assert calm_base(cylinder) == cylinder.mechanism_settings.base_pressure
-    moved, name = mover(cylinder)
+    assert pneumatics_of(cylinder).gentle_pressure == cylinder.mechanism_settings.base_pressure
+    moved, name = pneumatics_of(cylinder).with_gentle_controller()
     assert moved.controllers[name].proportional < cylinder.controllers["pid"].proportional
 
 
@@ -213,8 +214,8 @@ def lean(profile, way, pull):
 def test_the_ball_takes_from_both_pairs_what_their_tensions_load_it_with(profile):
     belief = belief_of(profile)._replace(coulomb=0.0, viscous=0.0)
     stretch, axes = lean(profile, np.linspace(-2e-3, 2e-3, 101), 20.0)
-    pairs = pairs_of(profile, stretch, axes)
-    signals = [smooth(pair.force, pair.position, pair.load, PERIOD) for pair in pairs]
+    pairs = pneumatics_of(profile).signals(stretch, axes)
+    signals = [Bump(PERIOD).smooth(pair) for pair in pairs]
     for on_ball in friction_on_ball(profile, belief, stretch, axes, signals):
         # Without a difference of tensions what one wire loses the other one gains.
         share = math.sqrt(2.0) * belief.ring + belief.wound * belief.wire

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
+from pneumatic_rigs import pneumatics_of, shown_by
 
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
 from rig.calibration.preview import preview
 from rig.calibration.recording import CalibrationRefused, RigLacks, Stretch
 from rig.config import find_configs, load_profile
-from rig.mechanisms.pneumatic.calibration.lock_cycles import Locking
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
+from rig.mechanisms.pneumatic.calibration.lock_cycles import LockScript
 
 ATMOSPHERE, REFERENCE = 101_325.0, 1.185 * 287.05 * 293.15
 TUBE, EXHAUST = 7e-6, 2e-9
@@ -53,9 +53,9 @@ class Made:
                 for look, pressure in seen.items():
                     shown = pressure - ATMOSPHERE + noise * rng.standard_normal(60)
                     slipped = 1e-3 if name in slips and look != "before" else 0.0
-                    rod = pneumatics.homes[k] - x - slipped if pneumatics.inwards else x + slipped
+                    column, rod = shown_by(profile, k, x + slipped)
                     looks[look][f"reading.pressure_{channel}"] = shown
-                    looks[look][f"{pneumatics.rods}_{channel}"] = np.full(60, rod)
+                    looks[look][column] = np.full(60, rod)
             for look, columns in looks.items():
                 self.rows[f"{name} {look}"] = Stretch({**columns, "t": times[look]})
 
@@ -127,7 +127,7 @@ def test_what_is_done_is_not_done_again_and_the_preview_says_what_is_locked(prof
     rest = procedure.excite(profile, done).motion
     assert {s.name for s in rest.segments} == {s.name for s in whole.segments} - set(done)
     assert procedure.excite(profile, [s.name for s in whole.segments]).motion.segments == ()
-    told = "\n".join(preview(procedure, profile, ()))
+    told = "\n".join(preview(procedure, profile, procedure.excite(profile, ())))
     assert "locked in 16 times" in told
     assert "friction does" in told
 
@@ -145,7 +145,7 @@ class Valves:
 def test_valves_are_shut_for_as_long_as_planned_and_open_in_between():
     profile = load_profile("cylinder-locked", REGISTRY, (), find_configs())
     motion = procedures(profile)["leak"].excite(profile, ()).motion
-    assert isinstance(motion, Locking)
+    assert isinstance(motion, LockScript)
     valves = Valves()
     motion.attach({"regulators": valves})
     from controllers.cylinder.types import PairState

@@ -36,12 +36,12 @@ def made(tilt=0.5, spread=1.0, count=12, noise=0.05):
         place = np.array([*(corner - [0.036, 0.024]), 0.42])
         shown = cv2.projectPoints(BOARD.corners, turn, place, matrix, bend)[0].reshape(-1, 2)
         rows.append(shown + noise * rng.standard_normal(shown.shape))
-    return Views((), SIZE, tuple(f"{k}" for k in range(count)), np.array(rows), count)
+    return Views(BOARD, (), SIZE, tuple(f"{k}" for k in range(count)), np.array(rows), count)
 
 
 def test_finds_the_lens_within_its_intervals(profile):
     guess = profile.devices["camera"].settings.intrinsics
-    found = fit_lens(made(), BOARD, guess)
+    found = fit_lens(made(), guess)
     for name, true in TRUE.items():
         assert abs(found.values[name] - true) < 3.5 * found.stds[name], name
     assert np.sqrt(np.mean(found.residuals**2)) == pytest.approx(0.05, rel=0.1)
@@ -55,7 +55,7 @@ def test_intervals_hold_when_some_views_are_sharper_than_others(profile):
     for _ in range(25):
         blur = rng.uniform(0.02, 0.15, (len(exact.corners), 1, 2))  # across and down, by view
         noisy = exact.corners + blur * rng.standard_normal(exact.corners.shape)
-        found = fit_lens(exact._replace(corners=noisy), BOARD, guess)
+        found = fit_lens(exact._replace(corners=noisy), guess)
         errors.append([(found.values[name] - TRUE[name]) / found.stds[name] for name in TRUE])
     held = np.abs(errors) < 1.96
     # 150 errors: 90 % is 3 standard deviations below 95 %.
@@ -66,7 +66,7 @@ def test_intervals_hold_when_some_views_are_sharper_than_others(profile):
 def test_a_board_that_always_faces_the_camera_is_refused(profile):
     guess = profile.devices["camera"].settings.intrinsics
     with pytest.raises(CalibrationRefused, match="faced the camera alike"):
-        fit_lens(made(tilt=0.02), BOARD, guess)
+        fit_lens(made(tilt=0.02), guess)
 
 
 def test_a_board_that_stays_in_the_middle_is_refused(profile):
@@ -74,13 +74,13 @@ def test_a_board_that_stays_in_the_middle_is_refused(profile):
     views = made(spread=0.0)
     small = views._replace(corners=0.4 * views.corners + 0.6 * views.corners.mean(axis=(0, 1)))
     with pytest.raises(CalibrationRefused, match="at least 50 % are needed"):
-        fit_lens(small, BOARD, guess)
+        fit_lens(small, guess)
 
 
 def test_images_of_another_size_are_not_of_this_camera(profile):
     views = made()._replace(size=(640, 480))
     with pytest.raises(CalibrationRefused, match="640 x 480 pixels, camera has 1280 x 1024"):
-        procedures(profile)["lens"].find(profile, views, BOARD)
+        procedures(profile)["lens"].identify(profile, views, {})
 
 
 def test_a_folder_without_a_board_is_refused(tmp_path):
@@ -120,7 +120,7 @@ def test_the_rendered_board_is_seen_where_it_is(profile):
 def test_simulated_views_say_what_the_lens_is(profile, tmp_path):
     folder = simulate_views(profile, "camera", BOARD, tmp_path)
     views = read_views(folder / VIEWS, BOARD)
-    (finding,) = procedures(profile)["lens"].find(profile, views, BOARD)
+    (finding,) = procedures(profile)["lens"].identify(profile, views, {})
     true = profile.devices["camera"].settings.intrinsics
     for e in finding.estimates:
         assert abs(e.value - getattr(true, e.name)) < 4.0 * e.std, e.name

@@ -13,7 +13,7 @@ from rig.calibration.catalogue import procedures
 from rig.calibration.preview import preview
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
-from rig.mechanisms.cylinder.calibration.glides import Gliding
+from rig.mechanisms.cylinder.calibration.glides import GlideScript
 
 PERIOD = 1e-3
 
@@ -142,7 +142,7 @@ class Pair:
 
 def test_a_glide_breaks_away_slows_down_and_ends_within_its_way(profile):
     motion = procedures(profile)["friction"].excite(profile, ()).motion
-    assert isinstance(motion, Gliding)
+    assert isinstance(motion, GlideScript)
     pair = Pair(profile.mechanism_settings.area)
     motion.reset(PairState(0.0, 0.0, 120e3, 120e3))
     first = next(iter(motion.settings.glides()))
@@ -168,6 +168,7 @@ def test_a_glide_breaks_away_slows_down_and_ends_within_its_way(profile):
 
 
 def test_preview_says_that_no_controller_holds_the_pair(profile):
-    told = "\n".join(preview(procedures(profile)["friction"], profile, ()))
+    procedure = procedures(profile)["friction"]
+    told = "\n".join(preview(procedure, profile, procedure.excite(profile, ())))
     assert "moves -16 mm … 16 mm and glides between them, no controller holding it" in told
     assert "mean pressures 96 kPa … 144 kPa" in told

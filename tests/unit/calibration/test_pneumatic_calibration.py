@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from pneumatic_rigs import pneumatics_of, shown_by
 
 from controllers.spherical_joint.wires import InverseKinematics
 from rig.assembly import REGISTRY
@@ -11,8 +12,7 @@ from rig.calibration.catalogue import procedures
 from rig.calibration.estimates import fit, middle_of
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of, reach, relaxed
-from rig.mechanisms.pneumatic.calibration.pressure_steps import Leaning, Strokes
+from rig.mechanisms.joint.calibration.leaning import Leaning, Strokes
 
 
 @pytest.fixture(scope="module", params=["cylinder", "joint"])
@@ -47,7 +47,7 @@ class TestWires:
         ends = {round(s.end, 6): s.name for s in motion.segments}
         friction, before, x_before, rows = 0.0, 0.0, self.HOME, {}
         for t in np.arange(0.0, motion.duration + 0.01, 0.01):
-            pull = settings.area * motion.at_time(t)[0]
+            pull = settings.area * motion.pressure_at(t)
             # The rod's way and its friction depend on each other: solved together.
             limit = self.DRY + self.GROWTH * pull
             side = math.copysign(1.0, pull - before)
@@ -58,8 +58,8 @@ class TestWires:
             name = ends.get(round(float(t), 6))
             if name:
                 x = self.HOME - give * (self.HOME - x_before)
-                shown = pneumatics.homes[0] - x if pneumatics.inwards else x
-                rows[name] = {f"{pneumatics.rods}_{c}": shown for c in pneumatics.channels} | {
+                count = range(len(pneumatics.channels))
+                rows[name] = dict(shown_by(profile, k, x) for k in count) | {
                     f"reading.pressure_{c}": pull / settings.area for c in pneumatics.channels
                 }
         return Made(rows)
@@ -81,8 +81,8 @@ class TestWires:
             recording, rng = self.recording(profile), np.random.default_rng(1)
             for name, row in recording._rows.items():
                 error = 0.2e-6 * rng.standard_normal() + drift * name.startswith("sweep 2")
-                for channel in pneumatics_of(profile).channels:
-                    row[f"{pneumatics_of(profile).rods}_{channel}"] += error
+                for k in range(len(pneumatics_of(profile).channels)):
+                    row[shown_by(profile, k, 0.0)[0]] += error
             (finding,) = procedures(profile)["wires"].identify(profile, recording, {})
             assert sum("err together" in note for note in finding.notes) == told
 
@@ -180,8 +180,8 @@ def test_the_middle_of_unlike_groups_has_honest_intervals():
     assert (alike.value, alike.low, alike.high) == (1.5, 1.5, 1.5)
 
 
-def test_only_what_is_looked_for_is_relaxed(profile):
-    wider, notes = relaxed(profile, 3e-3)
+def test_only_limits_that_rest_on_what_is_looked_for_are_wider(profile):
+    wider, notes = pneumatics_of(profile).with_wider_limits(3e-3)
     usual, now = (p.mechanism_settings.limits for p in (profile, wider))
     names = ["mismatch"] if profile.mechanism == "cylinder" else ["residual", "disagreement"]
     told = [f"limits.{name}" for name in names]
@@ -190,4 +190,4 @@ def test_only_what_is_looked_for_is_relaxed(profile):
     assert [note.split()[0] for note in notes] == told
     for field in type(usual).__dataclass_fields__:
         assert (getattr(usual, field) == getattr(now, field)) is (field not in names)
-    assert reach(profile, 0.6) < 15e-3
+    assert pneumatics_of(profile).reach(0.6) < 15e-3

@@ -6,10 +6,9 @@ import pytest
 
 from drivers.can import frame_log
 from drivers.can.candump import parse_lines
-from drivers.can.fast_path import drain_of, send_of
-from drivers.can.frame import EXTENDED_FLAG, CanFrame
+from drivers.can.frame import EXTENDED_FLAG
 from drivers.can.frame_log import FrameLog
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, FastCanBus
 
 
 class Clock:
@@ -22,7 +21,7 @@ class Clock:
         self.time = t
 
 
-class Interface:
+class Interface(FastCanBus):
     """Waiting frames, and those that were sent."""
 
     def __init__(self):
@@ -30,15 +29,16 @@ class Interface:
         self.sent = []
         self.accepted = self.refuses = self.closed = False
 
-    def recv(self, timeout=None):
-        return self.waiting.pop(0) if self.waiting else None
+    def drain(self, limit):
+        frames, self.waiting[:] = self.waiting[:limit], self.waiting[limit:]
+        return frames
 
     def send_data(self, can_id, data):
         if self.refuses:
             raise OSError("full")
         self.sent.append((can_id, data))
 
-    def accept(self, ids):
+    def accept(self, can_ids):
         self.accepted = True
 
     def shutdown(self):
@@ -65,8 +65,8 @@ def test_every_frame_is_on_file_before_the_program_goes_on(path):
     log = FrameLog()
     log.start(path)
     clock, [(end, bus)] = tapped(log, "can0")
-    drain, send = drain_of(bus), send_of(bus)
-    end.waiting = [CanFrame(0x181, b"\x01"), CanFrame(0x12345, b"\x02", is_extended_id=True)]
+    drain, send = bus.drain, bus.send_data
+    end.waiting = [(0x181, b"\x01"), (0x12345 | EXTENDED_FLAG, b"\x02")]
     assert drain(256) == [(0x181, b"\x01"), (0x12345 | EXTENDED_FLAG, b"\x02")]
     assert [frame.can_id for frame in read(path)] == [0x181, 0x12345 | EXTENDED_FLAG]
     clock.time = 0.25
@@ -82,8 +82,8 @@ def test_buses_share_one_file_and_one_time(path):
     log = FrameLog()
     log.start(path)
     _, [(_, left), (_, right)] = tapped(log, "left", "right leg")
-    send_of(left)(1, b"")
-    send_of(right)(2, b"")
+    left.send_data(1, b"")
+    right.send_data(2, b"")
     frames = read(path)
     assert [frame.channel for frame in frames] == ["left", "right_leg"]
     assert frames[0].time == frames[1].time
@@ -95,7 +95,7 @@ def test_a_refused_frame_was_never_on_the_bus(path):
     _, [(end, bus)] = tapped(log, "can0")
     end.refuses = True
     with pytest.raises(OSError, match="full"):
-        send_of(bus)(0x201, b"")
+        bus.send_data(0x201, b"")
     assert read(path) == []
 
 
@@ -108,11 +108,13 @@ def test_no_filter_keeps_foreign_frames_off_the_file(path):
 
 
 def test_frames_pass_by_the_recorder_or_not_at_all(path):
-    """What an interface offers beside the seam is passed on only if no frame can take it."""
+    """What an interface tells of itself is passed on, and no frame has another way than this."""
     _, [(end, bus)] = tapped(FrameLog(), "can0")
     end.backlog = lambda: 3
+    end.count_dropped = lambda: 2
+    end.fileno = lambda: 7
     end.send_all = lambda frames: None
-    assert bus.backlog() == 3
+    assert (bus.backlog(), bus.count_dropped(), bus.fileno()) == (3, 2, 7)
     assert not hasattr(bus, "send_all")
 
 
@@ -120,7 +122,7 @@ def test_a_full_disk_stops_the_recording_and_not_the_rig(path, monkeypatch):
     log = FrameLog()
     log.start(path)
     _, [(end, bus)] = tapped(log, "can0")
-    send = send_of(bus)
+    send = bus.send_data
     send(0x201, b"\x01")
     whole = path.read_bytes()
     write = os.write

@@ -143,7 +143,7 @@ class WireBench:
         )
         self.now = 0.0
 
-    def check(self, rods, pressures=(BASE,) * 4):
-        self.now += self.STEP
+    def check(self, rods, pressures=(BASE,) * 4, steps=1):
+        self.now += steps * self.STEP
         self.watch.follow(rods, self.now)
         self.watch.check(rods, rods, pressures, self.now)

@@ -169,6 +169,14 @@ def test_what_is_told_of_poses_changes_every_twentieth_of_a_second():
     ):
         motion.at(t)
         assert motion.pose == pose
+    # What is told of at 0.05, 0.10, 0.15 … 0.50 s counts from there on.
+    for since, t, pose in (
+        (0.03, 0.0, upright), (0.105, 0.12, upright), (0.149, 0.16, leaning), (0.49, 0.5, leaning),
+    ):  # fmt: skip
+        motion = plan(Leaning(0.1, 0.4, since))
+        assert motion.pose == upright
+        motion.at(t)
+        assert motion.pose == pose
     assert SphericalJoint.plan(joint_settings(), Leaning(0.1), CONTROLLER, PERIOD).pose == upright
 
 
@@ -188,6 +196,9 @@ def test_the_reach_is_where_poses_stop_being_possible(sector):
     bounds = bounds_of(joint_settings(joint_limits(tilt=0.5 * math.pi), home=0.5 * HOME))
     check = FeasibilityCheck(GEOMETRY, bounds)
     step = min(antipode_tilt(GEOMETRY), 0.5 * math.pi) / 2**10
+    assert limit == pytest.approx(
+        step * round(limit / step), rel=1e-12
+    )  # ten halvings of a right angle
     assert not check.check_pose(axis_from_tilt(limit, azimuth))
     assert check.check_pose(axis_from_tilt(limit + step, azimuth))
     # A direction belongs to the nearest of 48.

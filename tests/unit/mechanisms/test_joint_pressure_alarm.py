@@ -6,9 +6,9 @@ import pytest
 from joint_fakes import CHANNELS
 
 from rig.hal import SafetyError
-from rig.mechanisms.cylinder.settings import RegulatorModel
 from rig.mechanisms.joint.alarms.pressures import PressureWatch
 from rig.mechanisms.joint.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 STEP, TIME, DEVIATION, START = 2.0**-10, 2.0**-6, 40e3, 200e3
 CYCLES = round(TIME / STEP)
@@ -68,7 +68,7 @@ def test_a_pressure_that_was_well_meanwhile_has_its_time_again():
 
 def test_the_channel_that_was_off_first_is_the_one_that_is_told_of():
     bench = Bench()
-    bench.pass_by(3, ch4=50e3)
+    bench.pass_by(1, ch4=50e3)
     with pytest.raises(SafetyError, match=r"\[ch4: "):
         bench.pass_by(CYCLES, ch1=45e3, ch4=50e3)
 

@@ -162,6 +162,7 @@ def test_before_the_first_check_nothing_is_estimated():
     assert group(row, "reference.rod_") == pytest.approx(rods_at(0.3, 1.0))
     assert group(row, "plan.") == (0.0,) * 3
     assert (row["reading.marker_age"], row["reading.twist"]) == (-1.0, 0.0)
+    assert row["estimate.residual"] == 0.0
 
 
 @pytest.mark.parametrize(

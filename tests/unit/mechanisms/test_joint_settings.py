@@ -1,5 +1,7 @@
 """What a profile may say of the joint, and which devices can do it."""
 
+import math
+
 import pytest
 from joint_fakes import (
     CHANNELS,
@@ -21,6 +23,7 @@ from pneumatic_fakes import (
 
 from rig.hal import ConfigurationError
 from rig.mechanisms.joint.mechanism import SphericalJoint
+from rig.mechanisms.joint.settings import JointFriction, JointLimits
 
 
 def test_controllers_are_told_what_the_profile_says():
@@ -89,3 +92,22 @@ def test_a_range_has_its_lower_end_below_its_upper_one(name):
         with pytest.raises(ValueError, match=rf"{name}: the lower limit"):
             joint_limits(**{name: empty})
     assert joint_settings().area == pytest.approx(181.427e-6, rel=1e-5)
+
+
+def test_what_a_profile_leaves_out_is_as_its_documentation_says():
+    limits = JointLimits(
+        tilt=1.0, speed=1.0, pressure=(0.0, 1.0), pressure_rate=1.0, tension=(0.0, 1.0),
+        reading_age=1.0,
+    )  # fmt: skip
+    assert (limits.tilt_excess, limits.seat_margin) == (math.radians(5.0), 0.0)
+    assert limits.free_wires
+    assert (limits.residual, limits.disagreement, limits.grace) == (1e-3, 3e-3, 0.05)
+    alarms = joint_settings().alarms
+    assert (alarms.pressure.deviation, alarms.pressure.time) == (40e3, 0.05)
+    assert (alarms.frozen.distance, alarms.frozen.time) == (0.4e-3, 0.05)
+    assert (alarms.swapped.distance, alarms.swapped.share) == (1e-3, 0.25)
+    assert (alarms.twist.limit, alarms.twist.time) == (math.radians(10.0), 0.1)
+    settings = joint_settings()
+    assert settings.wire_offsets == (0.0,) * 4
+    assert (settings.camera, settings.emergency_stop) == (None, None)
+    assert JointFriction(1.0, 2.0, 3.0, 4.0) == JointFriction(1.0, 2.0, 3.0, 4.0, 0.08, 0.10)

@@ -83,6 +83,7 @@ def test_each_window_of_speed_starts_where_the_last_one_ended():
     bench.cycle(0.0)
     bench.cycle(window)
     bench.place(one(3, SPEED * window + TINY))
+    bench.cycle(1.5 * window)  # too soon
     with pytest.raises(LimitExceeded) as caught:
         bench.cycle(2.0 * window)
     assert caught.value.value == SPEED + TINY / window

@@ -38,6 +38,16 @@ def test_the_rods_may_disagree_by_the_limit_for_ever(share):
         bench.check(WRONG)
 
 
+def test_exactly_on_the_limit_the_rods_agree():
+    bench = WireBench()
+    bench.check(TILTED)
+    bench.check(WRONG)
+    bench = WireBench(residual=bench.watch.residual)
+    bench.check(TILTED)
+    for _ in range(3 * CHECKS):
+        bench.check(WRONG)
+
+
 def test_the_message_has_the_numbers_and_their_bounds():
     bench = WireBench()
     bench.check(TILTED)
@@ -166,6 +176,19 @@ def test_what_jumps_within_two_checks_is_another_rod():
         else:
             with pytest.raises(SafetyError, match="e1 is frozen"):
                 leaning(bench, *gone)
+
+
+def test_two_and_a_half_checks_are_too_long_for_a_jump():
+    bench = frozen_bench()
+    leaning(bench)
+    for share, steps in ((0.6, 1.5), (1.2, 1.0)):
+        rods = list(rods_at(share * DISTANCE / PER_RADIAN, TOWARDS_1))
+        rods[0] = 0.0
+        if share < 1.0:
+            bench.check(tuple(rods), steps=steps)
+            continue
+        with pytest.raises(SafetyError, match="e1 is frozen"):
+            bench.check(tuple(rods), steps=steps)
 
 
 def test_a_jump_is_forgiven_once_and_then_counts_from_there():

@@ -85,6 +85,19 @@ def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
     assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
 
 
+@pytest.mark.parametrize(("cycles", "blamed"), [(512, 3), (513, 1)])
+def test_runs_are_remembered_for_512_cycles(cycles, blamed):
+    bench = WireBench(grace=math.inf)
+    wrong = off(TILTED, 1, 2e-3)
+    for rods in (TILTED, off(TILTED, 3, 5e-3), TILTED, wrong):
+        bench.check(rods)
+    for _ in range(cycles - 4):
+        bench.now += 2.0**-10
+        bench.watch.follow(wrong, bench.now)
+    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
+    assert f"of ch{blamed} " in said
+
+
 @pytest.mark.parametrize(
     ("extension", "at_its_end"),
     [(1e-3 + 1e-9, False), (1e-3 - 1e-9, True), (0.0, True), (REST_EXTENSION, False)],
@@ -129,8 +142,17 @@ def test_after_a_single_check_no_speed_is_known():
 def test_neighbours_that_are_swapped_are_told_by_what_the_pressures_did(one, other):
     """Two swaps fit, and of one of them the rods would have moved against their pull."""
     pressures = (2.0 * BASE, 0.4 * BASE, 0.6 * BASE, 3.0 * BASE)  # the ring follows them
-    way = [swapped(rods_at(0.03 * k, 0.6), one, other) for k in range(11)]
-    assert blame(*way, pressures=pressures) == f"e{one} and e{other} are swapped"
+    for first in (0, -10):  # from upright, or from where it leant the other way
+        way = [swapped(rods_at(0.03 * k, 0.6), one, other) for k in range(first, 5)]
+        assert blame(*way, pressures=pressures) == f"e{one} and e{other} are swapped"
+
+
+@pytest.mark.parametrize(("checks", "names"), [(256, "e1 and e2"), (257, "e3 and e4")])
+def test_what_the_pressures_did_is_remembered_for_256_checks(checks, names):
+    """Without it one of two possible swaps is as good as the other: it takes the last."""
+    there = swapped(rods_at(0.3, 0.6), 1, 2)
+    history = [UPRIGHT, *[there] * (checks - 1)]
+    assert blame(*history, pressures=(2 * BASE, BASE, BASE, 2 * BASE)) == f"{names} are swapped"
 
 
 def test_opposite_ones_show_no_residual():
@@ -150,6 +172,13 @@ def test_near_home_the_order_of_the_rods_does_not_show(tilt, told):
     """The longest way is 0.5 mm there."""
     rods = swapped(rods_at(tilt, 0.5 * math.pi), 1, 2)
     assert residual_of(rods) > 0.3e-3
+    assert (WireBench().watch.explain_swap(rods) is not None) is told
+
+
+@pytest.mark.parametrize(("longest", "told"), [(0.5e-3, True), (0.4999999e-3, False)])
+def test_the_longest_way_may_be_just_that(longest, told):
+    rods = swapped(rods_at(0.0198, 0.5 * math.pi), 1, 2)
+    rods = tuple([math.copysign(longest, rod) if abs(rod) > 0.4e-3 else rod for rod in rods])
     assert (WireBench().watch.explain_swap(rods) is not None) is told
 
 
@@ -189,6 +218,14 @@ def test_a_rod_that_runs_with_the_others_has_its_wire(share):
     wrong = off(TILTED, 4, 2e-3)
     watch = WireBench(residual=residual_of(wrong) * share).watch
     assert (watch.explain_run(wrong, wrong, 3) is None) is (share > 1.0)
+
+
+def test_a_rod_exactly_on_the_limit_has_its_wire():
+    wrong = off(TILTED, 4, 2e-3)
+    watch = WireBench().watch
+    on_it = WireBench(residual=watch._residual_of(wrong)).watch
+    assert watch.explain_run(wrong, wrong, 3) is not None
+    assert on_it.explain_run(wrong, wrong, 3) is None
 
 
 def test_a_rod_that_fits_no_pose_at_all_is_far_ahead():

@@ -235,3 +235,8 @@ def test_before_anything_was_sent_only_readings_and_ranges_are_near_a_limit():
     bench = ServoBench()
     bench.place(a=0.5, b=-0.75, c=1.25)
     assert bench.axes.worst_margin(bench.cycle(), None, 0.0) == Margin("a range", 0.5)
+
+
+def test_what_a_profile_leaves_out_is_as_its_documentation_says():
+    limits = ServoLimits()
+    assert (limits.following, limits.reading_age, limits.acceleration) == (0.15, 0.03, 10.0)

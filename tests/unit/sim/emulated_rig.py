@@ -3,11 +3,13 @@
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
+from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406
+from rig.hal import FastCanBus
 
 SETPOINT = AnalogueScale(raw=(0, 0x7FFF), electrical=(0.0, 10.0), pressure=(0.0, 900e3))
 MONITOR = AnalogueScale(raw=(0, 0x7FFF), electrical=(1.0, 5.0), pressure=(0.0, 900e3))
@@ -40,18 +42,19 @@ class FakePlant:
         self.supply = open
 
 
-class FakeBus:
+class FakeBus(FastCanBus):
     """The simulated end of a bus: what the master sends is put in, what nodes send stays."""
 
     def __init__(self):
         self.waiting = []
         self.sent = []
 
-    def recv(self, timeout=None):
-        return self.waiting.pop(0) if self.waiting else None
+    def drain(self, limit):
+        frames, self.waiting[:] = self.waiting[:limit], self.waiting[limit:]
+        return frames
 
-    def send(self, message, timeout=None):
-        self.sent.append(message)
+    def send_data(self, can_id, data):
+        self.sent.append((can_id, bytes(data)))
 
     def shutdown(self):
         pass
@@ -74,20 +77,13 @@ class Bench:
 
     def put(self, frame, extended=False, remote=False, error=False):
         can_id, data = frame.split("#")
-        self.bus.waiting.append(
-            SimpleNamespace(
-                arbitration_id=int(can_id, 16),
-                data=bytearray.fromhex(data),
-                is_extended_id=extended,
-                is_remote_frame=remote,
-                is_error_frame=error,
-            )
-        )
+        flags = EXTENDED_FLAG * extended | REMOTE_FLAG * remote | ERROR_FLAG * error
+        self.bus.waiting.append((int(can_id, 16) | flags, bytes.fromhex(data)))
 
     def run(self, seconds=0.001):
         """Let time pass and return the frames that came meanwhile."""
         self.rig.advance(self.rig.time + seconds)
-        frames = [f"{m.arbitration_id:03X}#{bytes(m.data).hex().upper()}" for m in self.bus.sent]
+        frames = [f"{i & EXTENDED_MASK:03X}#{d.hex().upper()}" for i, d in self.bus.sent]
         self.bus.sent.clear()
         return frames
 

@@ -6,7 +6,7 @@ import pytest
 from emulated_rig import AGONIST, REGULATORS, SETPOINT, Bench, FakePlant
 
 from drivers.sim.nodes.analogue import AnalogueScale
-from drivers.sim.nodes.cia401 import EmulatedCia401, RegulatorWiring
+from drivers.sim.nodes.cia401 import AnalogueArray, EmulatedCia401, ModuleBuild, RegulatorWiring
 from drivers.sim.nodes.cia406 import EmulatedCia406
 from drivers.sim.nodes.object_dictionary import UNSIGNED16
 
@@ -50,13 +50,13 @@ def test_objects_of_a_maker_and_a_current_loop():
         5,
         plant,
         [RegulatorWiring(3, 1, loop, loop)],
-        output_object=0x2401,
-        input_object=0x2301,
-        output_type=UNSIGNED16,
-        input_type=UNSIGNED16,
-        supply_bit=None,
-        stop_bit=5,
-        stop_active_low=False,
+        ModuleBuild(
+            AnalogueArray(0x2401, data_type=UNSIGNED16),
+            AnalogueArray(0x2301, data_type=UNSIGNED16),
+            supply_bit=None,
+            stop_bit=5,
+            stop_active_low=False,
+        ),
     )
     assert plant.supply is True  # no valve is wired, so the supply is always on
     module.tick(0.0)

@@ -6,10 +6,11 @@ in words, and left as the profile has it.
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.recording import CalibrationRefused
 from rig.mechanisms.arm.calibration.hand_model import (
     FRAME,
@@ -20,11 +21,6 @@ from rig.mechanisms.arm.calibration.hand_model import (
     angles_of,
     marker_positions,
 )
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _WHY: Final = {
     "q1": "a turn of the base looks the same",
@@ -70,17 +66,15 @@ class HandFit(NamedTuple):
         Measured less fitted, m.
     """
 
-    values: "Array"
-    covariance: "Array"
+    values: Array
+    covariance: Array
     seen: tuple[bool, ...]
     notes: tuple[str, ...]
     freedom: float
-    residuals: "Array"
+    residuals: Array
 
 
-def jacobian(
-    parameters: Sequence[Parameter], values: "Array", readings: "Array", sign: float
-) -> "Array":
+def jacobian(parameters: Sequence[Parameter], values: Array, readings: Array, sign: float) -> Array:
     """Return the marker's positions by parameter, each in its typical error; shape (n, 3, p)."""
     columns = []
     for k, parameter in enumerate(parameters):
@@ -93,7 +87,7 @@ def jacobian(
 
 
 def find_unseen(
-    parameters: Sequence[Parameter], design: "Array", accuracy: float
+    parameters: Sequence[Parameter], design: Array, accuracy: float
 ) -> tuple[tuple[bool, ...], tuple[str, ...]]:
     """Return which parameters poses can tell, and sentences on those that they cannot.
 
@@ -148,8 +142,8 @@ def find_unseen(
 
 def fit_hand(
     parameters: Sequence[Parameter],
-    readings: "Array",
-    seen_at: "Array",
+    readings: Array,
+    seen_at: Array,
     sign: float,
     accuracy: float,
 ) -> HandFit:
@@ -192,12 +186,12 @@ def fit_hand(
     before = np.array([parameters[k].value for k in believed])
     weights = np.array([1.0 / parameters[k].known for k in believed])
 
-    def values_of(x: "Array") -> "Array":
+    def values_of(x: Array) -> Array:
         values = start.copy()
         values[free] += scales[free] * x
         return values
 
-    def misfit(x: "Array", spread: float) -> "Array":
+    def misfit(x: Array, spread: float) -> Array:
         values = values_of(x)
         off = (seen_at - marker_positions(values, readings, sign)).ravel() / spread
         return np.concatenate((off, weights * (before - values[believed])))
@@ -218,8 +212,8 @@ def fit_hand(
 
 def find_directions(
     parameters: Sequence[Parameter],
-    readings: "Array",
-    seen_at: "Array",
+    readings: Array,
+    seen_at: Array,
     sign: float,
     accuracy: float,
 ) -> Directions:

@@ -1,13 +1,10 @@
 """Where a marker on the hand is, for many poses at once and with every dimension as a variable."""
 
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.calibration.arrays import Array
 
 JOINTS: Final = ("q1", "q2", "q3", "q4", "q5", "q6")
 LENGTHS: Final = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset")
@@ -72,7 +69,7 @@ def parameters_of(geometry: Any, metrology: Any) -> tuple[Parameter, ...]:
     )
 
 
-def marker_positions(values: "Array", readings: "Array", wrist_sign: float) -> "Array":
+def marker_positions(values: Array, readings: Array, wrist_sign: float) -> Array:
     """Return where the instrument sees the marker, m.
 
     Parameters
@@ -101,7 +98,7 @@ def marker_positions(values: "Array", readings: "Array", wrist_sign: float) -> "
     return np.column_stack(p) @ _rotation(values[15:18]).T + values[18:21]
 
 
-def align(seen: "Array", modelled: "Array") -> "tuple[Array, Array]":
+def align(seen: Array, modelled: Array) -> tuple[Array, Array]:
     """Return rotation and translation that bring modelled points onto seen ones best.
 
     References
@@ -116,14 +113,14 @@ def align(seen: "Array", modelled: "Array") -> "tuple[Array, Array]":
     return rotation, seen.mean(axis=0) - rotation @ modelled.mean(axis=0)
 
 
-def angles_of(rotation: "Array") -> "Array":
+def angles_of(rotation: Array) -> Array:
     """Return roll, pitch and yaw of a rotation, rad: the inverse of what the frame turns by."""
     roll = np.arctan2(rotation[2, 1], rotation[2, 2])
     pitch = -np.arcsin(np.clip(rotation[2, 0], -1.0, 1.0))
     return np.array((roll, pitch, np.arctan2(rotation[1, 0], rotation[0, 0])))
 
 
-def _rotation(angles: "Array") -> "Array":
+def _rotation(angles: Array) -> Array:
     (cr, cp, cy), (sr, sp, sy) = np.cos(angles), np.sin(angles)
     return np.array(
         (
@@ -134,11 +131,11 @@ def _rotation(angles: "Array") -> "Array":
     )
 
 
-def _turn_y(angle: "Array", p: "tuple[Array, ...]") -> "tuple[Array, ...]":
+def _turn_y(angle: Array, p: tuple[Array, ...]) -> tuple[Array, ...]:
     c, s = np.cos(angle), np.sin(angle)
     return c * p[0] + s * p[2], p[1], c * p[2] - s * p[0]
 
 
-def _turn_z(angle: "Array", p: "tuple[Array, ...]") -> "tuple[Array, ...]":
+def _turn_z(angle: Array, p: tuple[Array, ...]) -> tuple[Array, ...]:
     c, s = np.cos(angle), np.sin(angle)
     return c * p[0] - s * p[1], s * p[0] + c * p[1], p[2]

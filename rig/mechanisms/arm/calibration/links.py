@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Readings
+from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.arm.calibration.hand_fit import fit_hand
@@ -21,8 +21,8 @@ from rig.mechanisms.arm.calibration.survey import (
 )
 
 
-class ArmLinks:
-    """Lengths and zeros in one fit."""
+class ArmLinks(Procedure[Recording]):
+    """Procedure for lengths and zeros in one fit."""
 
     name = "links"
     title = "link lengths and zeros of the joints, from a marker on the hand"
@@ -39,12 +39,10 @@ class ArmLinks:
         """Return the poses that are not done."""
         return excite(profile, _poses(profile), done, relative=False)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit all poses."""
         settings = profile.mechanism_settings
-        joints, hand = measured(profile, _poses(profile), recording, readings)
+        joints, hand = measured(profile, _poses(profile), data, readings)
         parameters = parameters_of(settings.geometry, settings.metrology)
         sign = float(settings.geometry.wrist_sign)
         fit = fit_hand(parameters, joints, hand, sign, settings.metrology.accuracy)

@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -10,11 +10,6 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, link_points, singularity_indices
 from rig.mechanisms.arm.calibration.hand_fit import find_unseen, jacobian
 from rig.mechanisms.arm.calibration.hand_model import parameters_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 Pose = tuple[float, ...]
 

@@ -2,13 +2,14 @@
 
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from controllers.arm.types import ArmCommand, ArmReference
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
-from rig.calibration.instruments import Instrument
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
@@ -19,12 +20,7 @@ from rig.mechanisms.arm.calibration.hand_model import (
     marker_positions,
     parameters_of,
 )
-from rig.mechanisms.servo.calibration.posture_moves import PostureMoves, Postures
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
 
 Poses = Sequence[tuple[str, tuple[float, ...]]]
 
@@ -33,7 +29,6 @@ _SHARE: Final = 0.7
 """Of each joint's permitted speed."""
 _BOUND: Final = 3.0
 """Residual above which a fit is not to be used, in the instrument's stated uncertainty."""
-_PLAN_COLUMNS: Final = 30
 
 
 def devices_of(profile: Profile) -> tuple[str, ...]:
@@ -68,17 +63,14 @@ def excite(profile: Profile, poses: Poses, done: Sequence[str], *, relative: boo
     )
     speeds = [_SHARE * rate for rate in geometry.rate_limits]
     limits = tuple(zip(geometry.position_min, geometry.position_max, strict=True))
-    motion = PostureMoves(
-        postures, speeds, limits,
-        reference=ArmReference, command=ArmCommand, columns=_PLAN_COLUMNS,
-    )  # fmt: skip
+    script = PostureScript(postures, speeds, limits, reference=ArmReference, command=ArmCommand)
     first = postures.angles[0]
     farthest = max(
         1.875 * max(q - low, high - q) / speed
         for q, (low, high), speed in zip(first, limits, speeds, strict=True)
     )
     return Excitation(
-        postures, motion, motion, "joint-moves", profile, notes_of(profile, poses),
+        postures, script, script, "joint-moves", profile, script.describe, notes_of(profile, poses),
         approach=0.2 if relative else farthest,
     )  # fmt: skip
 
@@ -99,7 +91,7 @@ def notes_of(profile: Profile, poses: Poses) -> tuple[str, ...]:
 
 def measured(
     profile: Profile, poses: Poses, recording: Recording, readings: Readings
-) -> "tuple[Array, Array]":
+) -> tuple[Array, Array]:
     """Return the joints (n, 6), rad, and the marker (n, 3), m, of every pose.
 
     Raises
@@ -109,17 +101,12 @@ def measured(
     """
     names = [name for name, _ in poses if name]
     recording.require(names)
-    for axis in "xyz":
-        shown = readings.get(f"hand {axis}", {})
-        lacking = [name for name in names if name not in shown]
-        if lacking:
-            raise CalibrationRefused(
-                f"hand {axis} was not measured in {len(lacking)} of {len(names)} poses, first in "
-                f"{lacking[0]!r}"
-            )
+    hand = [
+        shown_in(readings, f"hand {axis}", names, f"hand {axis} was not measured", "poses")
+        for axis in "xyz"
+    ]
     joints = [[recording[n].mean(f"reading.position_{j}") for j in JOINTS] for n in names]
-    hand = [[readings[f"hand {axis}"][n] for axis in "xyz"] for n in names]
-    return np.array(joints), np.array(hand)
+    return np.array(joints), np.column_stack(hand)
 
 
 def drive_findings(
@@ -162,7 +149,7 @@ def length_finding(profile: Profile, fit: HandFit) -> Finding:
     return _finding(profile, profile.mechanism, {"geometry": geometry}, estimates, fit, ())
 
 
-def panels_of(profile: Profile, fit: HandFit, joints: "Array", hand: "Array") -> list[Panel]:
+def panels_of(profile: Profile, fit: HandFit, joints: Array, hand: Array) -> list[Panel]:
     """Return a panel per axis: how far the hand is from where the profile has it."""
     settings = profile.mechanism_settings
     start = fit.values.copy()

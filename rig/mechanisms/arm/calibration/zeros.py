@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Readings
+from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.arm.calibration.hand_fit import find_directions, fit_hand
@@ -25,8 +25,8 @@ from rig.mechanisms.arm.calibration.survey import (
 )
 
 
-class ArmZeros:
-    """Zero and direction of every joint."""
+class ArmZeros(Procedure[Recording]):
+    """Procedure for zero and direction of every axis."""
 
     name = "zeros"
     title = "zeros and directions of the joints, from a marker on the hand"
@@ -44,13 +44,11 @@ class ArmZeros:
         whole = all(name in done for name, _ in near_poses())
         return excite(profile, near_poses(), done if whole else (), relative=True)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Find the directions, then fit."""
         settings = profile.mechanism_settings
         sign, accuracy = float(settings.geometry.wrist_sign), settings.metrology.accuracy
-        joints, hand = measured(profile, near_poses(), recording, readings)
+        joints, hand = measured(profile, near_poses(), data, readings)
         parameters = parameters_of(settings.geometry, settings.metrology)
         directions = find_directions(parameters, joints, hand, sign, accuracy)
         turned = joints * np.array(directions)

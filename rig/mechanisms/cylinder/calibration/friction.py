@@ -33,27 +33,20 @@ friction compensation", European J. Control 4(3), 1998, pp. 176-195: the shape.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
-from rig.assembly.registry import REGISTRY
-from rig.calibration.error_sums import half_width
-from rig.calibration.estimates import Estimate, Fit, fit
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.arrays import Array
+from rig.calibration.error_sums import estimate_of_sum
+from rig.calibration.estimates import Estimate, Fit, fit, fit_or_refuse
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.cylinder.calibration.glides import Glides, Gliding
-from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
-from rig.mechanisms.pneumatic.calibration.pneumatics import mover, reach, relaxed
-from rig.mechanisms.pneumatic.calibration.sliding_samples import bump_of, smooth
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.cylinder.calibration.glides import Glides, GlideScript
+from rig.mechanisms.cylinder.calibration.pneumatics import PairPneumatics
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump
 
 _BASES: Final = (1.0, 0.8, 1.2, 0.9, 1.1)
 _SHARE: Final = 0.8
@@ -80,7 +73,7 @@ _BOUND: Final = 0.2
 
 
 class _Glides(NamedTuple):
-    """What the pair did in all glides, forwards being where each went; one element per row.
+    """Rows of all glides, forwards being where each went; one element per row.
 
     Parameters
     ----------
@@ -94,44 +87,34 @@ class _Glides(NamedTuple):
         Sum of the tensions less that at base pressure, N.
     """
 
-    glide: "Array"
-    side: "Array"
-    force: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    load: "Array"
+    glide: Array
+    side: Array
+    force: Array
+    velocity: Array
+    acceleration: Array
+    load: Array
 
 
-class PairFriction:
-    """Breakaway, Coulomb, viscous and Stribeck friction of a pair."""
+class PairFriction(Procedure[Recording]):
+    """Procedure for breakaway, Coulomb, viscous and Stribeck friction of a pair."""
 
     name = "friction"
     title = "friction of the pair: breakaway, Coulomb, viscous, Stribeck"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: monitors and encoders measure it."""
-        return ()
-
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the glides; those of a run that was broken off are done again."""
         glides = _glides(profile)
-        wider, notes = relaxed(profile)
-        wider, name = mover(wider)
-        model = REGISTRY.load("mechanism", profile.mechanism).model_of(wider.mechanism_settings)
-        motion = Gliding(glides, make_controller(wider, name), model)
-        return Excitation(glides, motion, motion, name, wider, notes, approach=2.5)
+        wider, notes = PairPneumatics(profile).with_wider_limits()
+        wider, name = PairPneumatics(wider).with_gentle_controller()
+        pneumatics = PairPneumatics(wider)
+        script = GlideScript(glides, make_controller(wider, name), pneumatics.area)
+        return pneumatics.scripted(glides, script, name, notes, approach=2.5)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit all glides as one."""
         glides = _glides(profile)
-        recording.require(segment.name for segment in glides.segments)
-        rows = _rows(profile, recording, glides)
+        data.require(segment.name for segment in glides.segments)
+        rows = _rows(PairPneumatics(profile), data, glides)
         found, told, notes = _fit(profile, rows)
         growth = [0.0] * len(found.values)
         growth[0] = growth[4] = 1.0
@@ -159,11 +142,12 @@ class PairFriction:
 
 
 def _glides(profile: Profile) -> Glides:
-    base = profile.mechanism_settings.base_pressure
-    return Glides(reach(profile, _SHARE), tuple(share * base for share in _BASES))
+    pneumatics = PairPneumatics(profile)
+    bases = tuple(share * pneumatics.base_pressure for share in _BASES)
+    return Glides(pneumatics.reach(_SHARE), bases)
 
 
-def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
+def _rows(pneumatics: PairPneumatics, recording: Recording, glides: Glides) -> _Glides:
     """Return where the pair slides evenly, and where each glide breaks away.
 
     Raises
@@ -171,15 +155,15 @@ def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
     CalibrationRefused
         It did not move, or hardly.
     """
-    period, settings = profile.loop.period, profile.mechanism_settings
-    usual = 2.0 * settings.area * settings.base_pressure
-    width = len(bump_of(period, _BUMP)[0])
+    period = pneumatics.profile.loop.period
+    narrow, wide = Bump(period), Bump(period, _BUMP)
+    usual = 2.0 * pneumatics.area * pneumatics.base_pressure
     rows: list[tuple[float, ...]] = []
     for number, glide in enumerate(glides.glides()):
-        (pair,) = pairs_of(profile, recording[glide.name])
-        sharp = smooth(pair.force, pair.position, pair.load, period)
+        pair = pneumatics.signals(recording[glide.name])
+        sharp = narrow.smooth(pair)
         way = glide.side * float(pair.position[-1] - pair.position[0])
-        signals = smooth(pair.force, pair.position, pair.load, period, _BUMP)
+        signals = wide.smooth(pair)
         pull, velocity, acceleration = (
             glide.side * x for x in (signals.force, signals.velocity, signals.acceleration)
         )
@@ -193,14 +177,14 @@ def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
         load = signals.load - usual
         start = int(moving[0])
         # Where a narrower bump is centred when the pair starts, the force was a little later.
-        broke = int(np.argmax(glide.side * sharp.velocity > _MOVING)) + len(bump_of(period)[0]) // 2
+        broke = int(np.argmax(glide.side * sharp.velocity > _MOVING)) + narrow.width // 2
         most = float((glide.side * sharp.force[:broke]).max())
         rows.append((number, glide.side, most, 0.0, 0.0, load[start]))
         # Nothing but the glide itself: what happens after it has stopped is none.
         stopped = np.flatnonzero(velocity[start:] < 0.5 * _MOVING)
         end = start + (int(stopped[0]) if len(stopped) else len(velocity) - start)
         even = np.flatnonzero((np.abs(acceleration) < _EVEN * velocity) & (velocity > _MOVING))
-        even = even[(even >= start + width) & (even < end - width)][::_THIN]
+        even = even[(even >= start + wide.width) & (even < end - wide.width)][::_THIN]
         if len(even) < _LEAST_ROWS:
             raise CalibrationRefused(
                 f"{glide.name}: the pair slid evenly in {len(even)} places, {_LEAST_ROWS} are "
@@ -213,7 +197,7 @@ def _rows(profile: Profile, recording: Recording, glides: Glides) -> _Glides:
     return _Glides(*np.array(rows, float).T)
 
 
-def _model(rows: _Glides, q: "Array", speed: float) -> "Array":
+def _model(rows: _Glides, q: Array, speed: float) -> Array:
     coulomb, viscous, mass, growth, stribeck, zero = q[:6]
     fade = np.exp(-((rows.velocity / speed) ** 2))
     return np.asarray(
@@ -243,7 +227,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
     scale = [1.0, 10.0, 0.1, 0.1, 1.0, 0.1]
     usual = believed.stribeck_velocity
 
-    def without(q: "Array") -> "Array":
+    def without(q: Array) -> Array:
         return rows.force - _model(rows, q, usual)
 
     try:
@@ -255,10 +239,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
             return found, told, []
     except ValueError:
         pass  # it is refused below if it is more than the one parameter that nothing tells
-    try:
-        found = fit(without, start, scale, groups=rows.glide)
-    except ValueError as error:
-        raise CalibrationRefused(f"the friction: {error}") from error
+    found = fit_or_refuse("the friction", without, start, scale, rows.glide)
     slowest = float(rows.velocity[rows.velocity > 0.0].min())
     note = (
         f"the pair slides down to {1e3 * slowest:.2g} mm/s without its friction turning up: its "
@@ -267,7 +248,7 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
     return found, None, [note]
 
 
-def _left(rows: _Glides, q: "Array") -> "Array":
+def _left(rows: _Glides, q: Array) -> Array:
     """Return what the model leaves of the force, N."""
     return rows.force - _model(rows, q, abs(float(q[6])) + 1e-9)
 
@@ -288,9 +269,9 @@ def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
     scatter = found.parameter(6, "friction.stribeck_velocity", "m/s")
     either = 0.5 * abs(float(above - below))
     freedom = found.freedom_of([0.0] * 6 + [1.0])
-    half, value = half_width(scatter.std, freedom, even=(either, either)), scatter.value
-    std = math.hypot(scatter.std, either, either)
-    return Estimate(scatter.name, value, "m/s", std, value - half, value + half)
+    return estimate_of_sum(
+        scatter.name, scatter.value, "m/s", scatter.std, freedom, even=(either, either)
+    )
 
 
 def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
@@ -299,7 +280,7 @@ def _panel(profile: Profile, rows: _Glides, found: Fit) -> Panel:
     other = mass * rows.acceleration + growth * rows.load + zero * rows.side
     measured = rows.force - other
 
-    def believed(velocity: "Array") -> "Array":
+    def believed(velocity: Array) -> Array:
         fade = np.exp(-((velocity / friction.stribeck_velocity) ** 2))
         rise = friction.breakaway - friction.coulomb
         force: Array = friction.coulomb + rise * fade + friction.viscous * velocity

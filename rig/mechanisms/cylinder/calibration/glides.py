@@ -8,15 +8,16 @@ sliding, down to the speed below which friction falls faster with the speed than
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 from annotated_types import Gt, Unit
 
-from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
+from controllers.cylinder.types import PairCommand, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
-from rig.calibration.sequence import ScriptedMotion
+from rig.calibration.sequence import EstimatingController, GuidedScript
+from rig.config import format_quantity
 from rig.hal.motion import Segment
 
 _BROKEN: Final = 0.3e-3
@@ -128,99 +129,109 @@ class Glides:
         return self.slowest * t + faster * (1.0 - math.exp(-t / self.slowing))
 
 
-class Gliding(ScriptedMotion[PairReference]):
-    """Does the glides; to the runtime it is the motion and its controller in one.
+class GlideScript(GuidedScript[PairReference, PairState, PairCommand]):
+    """Takes the pair to where each glide starts, and lets it glide.
 
     Parameters
     ----------
     settings : Glides
         What is to be done.
-    controller : object
+    controller : EstimatingController
         Takes the pair to where a glide starts.
-    model : PairModel
-        Of the pair.
+    area : float
+        Effective piston area of a chamber, m².
     """
 
-    def __init__(self, settings: Glides, controller: Any, model: PairModel) -> None:
+    def __init__(
+        self,
+        settings: Glides,
+        controller: EstimatingController[PairReference, PairState, PairCommand],
+        area: float,
+    ) -> None:
+        super().__init__(settings.duration, settings.segments, controller)
         self.settings = settings
-        super().__init__(settings.duration, settings.segments)
-        self.estimate = controller.estimate
-        self._controller = controller
-        self._area = model.area
-        self._glides: Sequence[Glide] = list(settings.glides())
-        self._t = 0.0
-        self._restart()
+        self._area = area
+        self._glides = list(settings.glides())
 
-    def _restart(self) -> None:
-        self._number = 0
-        self._from: float | None = None
-        self._stood = self._sent = 0.0
-        self._broke: tuple[float, float, float] | None = None
-        self._mark = (0.0, 0.0)
-        self._done = False
+    def describe(self) -> Iterator[str]:
+        """Yield where the pair goes and what pulls it."""
+        glides = self.settings
+        low, high = (format_quantity(side * glides.travel, "m") for side in (-1.0, 1.0))
+        force, rate = format_quantity(glides.most, "N"), format_quantity(glides.rate, "N/s")
+        speed = format_quantity(glides.fastest, "m/s")
+        least, most = (format_quantity(f(glides.bases), "Pa") for f in (min, max))
+        yield f"the pair moves {low} … {high} and glides between them, no controller holding it"
+        yield f"to break it away, a force that rises by {rate}, up to {force}"
+        yield f"then a spring of {glides.stiffness:g} N/m, pulled at {speed} and ever more slowly"
+        yield f"mean pressures {least} … {most}"
 
-    def at(self, t: float) -> PairReference:
-        """Take the time, and return where this glide starts: what comes then no one can plan."""
-        self._t = t
+    def reference_at(self, t: float) -> PairReference:
+        """Return where this glide starts: what comes then no one can plan."""
         return PairReference(-self._glide_at(t).side * self.settings.travel, 0.0, 0.0)
 
     def _glide_at(self, t: float) -> Glide:
         each = self._glides[0].end
         return self._glides[min(max(int(t / each), 0), len(self._glides) - 1)]
 
-    def reset(self, state: PairState) -> None:
-        """Start over."""
-        self._restart()
-        self._controller.reset(state)
+    def play(self) -> Iterator[PairCommand]:
+        """Go to each glide's start, rest, glide, and rest where the pair has stopped."""
+        start: float | None = None  # the approach brings it to the first one
+        for glide in self._glides:
+            while self.t < glide.start + self.settings.move:
+                yield self._go(start, self.t - glide.start)
+            stood = self.state.position
+            while self.t < glide.rise:
+                stood = self.state.position
+                yield self._pressures(glide, 0.0)
+            pull = self._pull(glide, stood)
+            while self._glide_at(self.t) is glide:
+                yield self._pressures(glide, next(pull, 0.0))
+            start = self.state.position
+            self.controller.reset(self.state)
 
-    def update(self, state: PairState, reference: PairReference) -> PairCommand:
-        """Return the command of this instant."""
-        t = self._t
-        number = self._glides.index(self._glide_at(t))
-        glide = self._glides[number]
-        if number != self._number:
-            self._number, self._from, self._done = number, state.position, False
-            self._controller.reset(state)
-        if t < glide.start + self.settings.move:
-            return self._go(state, reference, t - glide.start)
-        if t < glide.rise:
-            self._stood, self._sent, self._broke = state.position, 0.0, None
-        elif not self._done:
-            self._pull(state, glide)
-        # Neither chamber slack nor above twice its mean.
-        most = min(self.settings.most, 2.0 * self._area * (glide.base - _FLOOR))
-        half = 0.5 * glide.side * min(max(self._sent, 0.0), most) / self._area
-        return PairCommand(glide.base + half, glide.base - half)
-
-    def _go(self, state: PairState, reference: PairReference, since: float) -> PairCommand:
-        if self._from is not None:  # else the approach has brought it there
+    def _go(self, start: float | None, since: float) -> PairCommand:
+        reference = self.wanted
+        if start is not None:
             way = 0.85 * self.settings.move
             there = reference.position
-            reference = PairReference(*minimum_jerk(self._from, there, way, min(since, way)))
-        command: PairCommand = self._controller.update(state, reference)
-        self.estimate = self._controller.estimate
-        return command
+            reference = PairReference(*minimum_jerk(start, there, way, min(since, way)))
+        return self.follow(reference)
 
-    def _pull(self, state: PairState, glide: Glide) -> None:
-        t, settings = self._t, self.settings
-        way = glide.side * (state.position - self._stood)
-        if self._broke is None:
-            self._sent = settings.rate * (t - glide.rise)
+    def _pressures(self, glide: Glide, force: float) -> PairCommand:
+        # Neither chamber slack nor above twice its mean.
+        most = min(self.settings.most, 2.0 * self._area * (glide.base - _FLOOR))
+        half = 0.5 * glide.side * min(max(force, 0.0), most) / self._area
+        return PairCommand(glide.base + half, glide.base - half)
+
+    def _pull(self, glide: Glide, stood: float) -> Iterator[float]:
+        """Yield the force (N) until the pair has stopped again, or does not move at all.
+
+        Parameters
+        ----------
+        glide : Glide
+            Which one.
+        stood : float
+            Where the pair stands, m.
+        """
+        settings = self.settings
+        while True:
+            force = settings.rate * (self.t - glide.rise)
+            way = glide.side * (self.state.position - stood)
             if way > _BROKEN:
-                self._broke = (t, way, self._sent - _AHEAD * settings.rate)
-                self._mark = (t, way)
-            elif self._sent > settings.most:
-                self._finish()
-            return
-        began, first, force = self._broke
-        since = t - began
-        self._sent = force + settings.stiffness * (settings.way(since) - (way - first))
-        if t - self._mark[0] >= _STUCK[0]:
-            stopped = since > _CAUGHT and way - self._mark[1] < _STUCK[1]
-            self._mark = (t, way)
-            beyond = glide.side * state.position > settings.travel
-            if stopped or beyond or since > settings.longest:
-                self._finish()
-
-    def _finish(self) -> None:
-        self._done, self._sent = True, 0.0
+                break
+            if force > settings.most:
+                return
+            yield force
+        began, first, at_first = self.t, way, force - _AHEAD * settings.rate
+        looked, was = began, first
+        yield force
+        while True:
+            since, way = self.t - began, glide.side * (self.state.position - stood)
+            force = at_first + settings.stiffness * (settings.way(since) - (way - first))
+            if self.t - looked >= _STUCK[0]:
+                stopped = since > _CAUGHT and way - was < _STUCK[1]
+                looked, was = self.t, way
+                beyond = glide.side * self.state.position > settings.travel
+                if stopped or beyond or since > settings.longest:
+                    return
+            yield force

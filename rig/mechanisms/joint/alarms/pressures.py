@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from controllers.spherical_joint.geometry import Quadruple
 from rig.hal import SafetyError
-from rig.mechanisms.cylinder.settings import RegulatorModel
 from rig.mechanisms.joint.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 _ALIKE = 0.5
 """A channel that is off by this share of the permitted deviation is off like the worst one."""

@@ -7,24 +7,21 @@ A wire loses what it bears times its coefficient times the angle by which it is 
 changes by half along a stroke.
 """
 
-import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import PAIRS, SphericalJointGeometry
 from controllers.spherical_joint.poses import natural_rotation
+from rig.calibration.arrays import Array, Indices, between_rows
+from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import Stretch
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.sliding_samples import Signals, bump_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump, SmoothSignals
 
 _POSE_EVERY = 10
 """Samples between two poses of which it is worked out how far wires are wound."""
@@ -86,7 +83,7 @@ class Belief(NamedTuple):
         wires = max((both - math.sqrt(2.0) * ring) / (1.0 - both * ring), 0.0)
         return self._replace(ring=ring, wire=wires / self.wound)
 
-    def seal(self, pull: "Array", speed: "Array") -> "Array":
+    def seal(self, pull: Array, speed: Array) -> Array:
         """Return the friction of one rod's seals (N) under a chamber's pull (N) at a speed."""
         still = 0.5 * (self.coulomb - self.seals * self.usual)
         friction: Array = still + self.seals * pull + 0.5 * self.viscous * np.abs(speed)
@@ -108,17 +105,16 @@ def with_stiffer_wires(profile: Profile) -> Profile:
     """Return a joint's profile with wires that are stiffer by their tolerance."""
     settings = profile.mechanism_settings
     stiffness = (1.0 + settings.tolerance.stiffness) * settings.wire_stiffness
-    stiffer = dataclasses.replace(settings, wire_stiffness=stiffness)
-    return dataclasses.replace(profile, mechanism_settings=stiffer)
+    return profile_with(profile, {f"{profile.mechanism}.wire_stiffness": stiffness})
 
 
 def friction_on_ball(
     profile: Profile,
     belief: Belief,
     stretch: Stretch,
-    axis: "Array",
-    signals: Sequence[Signals],
-) -> list["Array"]:
+    axis: Array,
+    signals: Sequence[SmoothSignals],
+) -> list[Array]:
     """Return the believed friction on each pair, N, weighed with the bump of its signals.
 
     Parameters
@@ -131,16 +127,12 @@ def friction_on_ball(
         What was recorded.
     axis : ndarray, shape (n, 3)
         Of the ring.
-    signals : sequence of Signals
+    signals : sequence of SmoothSignals
         Of both pairs, of the same stretch.
     """
-    settings, period = profile.mechanism_settings, profile.loop.period
-    bump, first, _ = bump_of(period)
-    turning = np.linalg.norm(
-        np.column_stack([np.correlate(column, first, "valid") for column in axis.T]), axis=1
-    )
-    wound = _wound(settings.geometry, axis)
-    channels = tuple(profile.devices[settings.regulators].settings.channels)
+    settings, bump = profile.mechanism_settings, Bump(profile.loop.period)
+    turning = np.linalg.norm(np.column_stack([bump.rate(column) for column in axis.T]), axis=1)
+    wound, pulls = _wound(settings.geometry, axis), JointPneumatics(profile).pulls(stretch)
     speeds: list[Array] = []
     lost: list[Array] = []
     bearing = np.zeros_like(turning)
@@ -148,17 +140,15 @@ def friction_on_ball(
         side = np.sign(pair.velocity)
         mine, speed = np.zeros_like(turning), pair.velocity
         for wire, sign in zip(wires, (1.0, -1.0), strict=True):
-            pull = settings.area * stretch[f"reading.pressure_{channels[wire]}"]
-            angle = np.correlate(wound[:, wire], bump, "valid")
+            angle = bump.mean(wound[:, wire])
             # What the seals leave of a chamber's pull, or add to it, and then the ball.
-            tension = np.correlate(pull, bump, "valid")
+            tension = bump.mean(pulls[:, wire])
             tension = tension - belief.seal(tension, pair.velocity) * sign * side
             on_wire = belief.wire * angle * tension
             bearing += tension - on_wire * sign * side
             mine += on_wire * side
             # A wire whose tension falls gets shorter: the ring is faster than its rod.
-            falling = np.correlate(pull, first, "valid")
-            speed = speed + 0.5 * sign * falling / settings.wire_stiffness
+            speed = speed - 0.5 * sign * bump.rate(pulls[:, wire]) / settings.wire_stiffness
         speeds.append(speed)
         lost.append(mine)
     square = np.maximum(np.sum([speed**2 for speed in speeds], axis=0), 1e-12)
@@ -166,27 +156,24 @@ def friction_on_ball(
     return [ring * speed + mine for speed, mine in zip(speeds, lost, strict=True)]
 
 
-def sheared(profile: Profile, stretch: Stretch, signals: Sequence[Signals]) -> list["Array"]:
+def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]) -> list[Array]:
     """Return the speed of each pair that the viscous friction of its two rods amounts to, m/s.
 
     Away from upright one rod of a pair goes faster than the other one, and what they lose grows
     with the square of their speeds.
     """
-    settings = profile.mechanism_settings
-    channels = tuple(profile.devices[settings.regulators].settings.channels)
-    _, first, _ = bump_of(profile.loop.period)
+    bump, rods = Bump(profile.loop.period), JointPneumatics(profile).rods(stretch)
     found = []
     for wires, pair in zip(PAIRS, signals, strict=True):
         square = np.zeros_like(pair.velocity)
         for wire in wires:
-            rod = stretch[f"reading.rod_{channels[wire]}"]
-            square += np.correlate(rod - rod[0], first, "valid") ** 2
+            square += bump.rate(rods[:, wire] - rods[0, wire]) ** 2
         still = np.where(pair.velocity == 0.0, 1.0, pair.velocity)
         found.append(0.5 * square / still)
     return found
 
 
-def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
+def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> Array:
     """Return where the ring points in a stroke, shape (n, 3).
 
     A controller knows how far wires stretch by what it believes of the friction on the ball. In
@@ -199,7 +186,7 @@ def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> "Array":
     return axis_with(profile, stretch, taken)
 
 
-def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
+def axis_with(profile: Profile, stretch: Stretch, taken: Array) -> Array:
     """Return where the ring points, shape (n, 3), from what the seals take of each chamber's pull.
 
     Parameters
@@ -215,27 +202,21 @@ def axis_with(profile: Profile, stretch: Stretch, taken: "Array") -> "Array":
     pulled_in, pull = _rods(profile, stretch, places)
     rows = pulled_in - (pull - taken) / settings.wire_stiffness
     axis = np.array([forward.update((a, b, c, d)).axis for a, b, c, d in rows.tolist()])
-    every = np.arange(len(stretch["t"]))
-    return np.column_stack([np.interp(every, places, column) for column in axis.T])
+    return between_rows(axis, places, np.arange(len(stretch["t"])))
 
 
-def _rods(
-    profile: Profile, stretch: Stretch, places: "NDArray[np.int_]"
-) -> tuple["Array", "Array"]:
+def _rods(profile: Profile, stretch: Stretch, places: Indices) -> tuple[Array, Array]:
     """Return how far each rod is pulled in, m, and its chamber's pull, N, shape (m, 4)."""
-    settings = profile.mechanism_settings
-    channels = tuple(profile.devices[settings.regulators].settings.channels)
-    pulled_in = np.column_stack([stretch[f"reading.rod_{c}"][places] for c in channels])
-    pressure = np.column_stack([stretch[f"reading.pressure_{c}"][places] for c in channels])
-    return pulled_in, settings.area * pressure
+    pneumatics = JointPneumatics(profile)
+    return pneumatics.rods(stretch)[places], pneumatics.pulls(stretch)[places]
 
 
-def _places(count: int) -> "NDArray[np.int_]":
+def _places(count: int) -> Indices:
     """Return where a pose is worked out, the last sample among them."""
     return np.unique(np.append(np.arange(0, count, _POSE_EVERY), count - 1))
 
 
-def _wound(geometry: SphericalJointGeometry, axis: "Array") -> "Array":
+def _wound(geometry: SphericalJointGeometry, axis: Array) -> Array:
     """Return by which angle each wire is wound on the ball, rad, shape (n, 4)."""
     anchors, adjusts = np.array(geometry.anchors), np.array(geometry.adjust_points)
     straight = math.acos(geometry.ball_radius / geometry.adjust_distance)
@@ -246,6 +227,4 @@ def _wound(geometry: SphericalJointGeometry, axis: "Array") -> "Array":
         turned = anchors @ np.array(natural_rotation((x, y, z))).T
         cosine = np.clip((turned * adjusts).sum(axis=1) / size, -1.0, 1.0)
         rows.append(np.maximum(np.arccos(cosine) - straight, 0.0))
-    found = np.array(rows)
-    every = np.arange(len(axis))
-    return np.column_stack([np.interp(every, places, column) for column in found.T])
+    return between_rows(np.array(rows), places, np.arange(len(axis)))

@@ -9,17 +9,13 @@ and Machine Intelligence 22(11), 2000.
 import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.recording import CalibrationRefused
 from rig.mechanisms.joint.calibration.board_lens_fit import LENS, fit_weighted
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 LEAST_VIEWS: Final = 6
 """So many views have to show the whole board."""
@@ -36,31 +32,25 @@ _FROM_VIDEO: Final = 40
 
 
 class Intrinsics(Protocol):
-    """A lens as a camera's settings have it: pinhole with distortion after Brown and Conrady."""
+    """A lens as a camera's settings have it: pinhole with distortion after Brown and Conrady.
 
-    @property
-    def fx(self) -> float:
-        """Focal length across, pixels."""
-        ...
+    Parameters
+    ----------
+    fx, fy, cx, cy : float
+        Focal lengths and principal point, pixels.
+    k1, k2, p1, p2, k3 : float
+        Distortion.
+    """
 
-    @property
-    def fy(self) -> float:
-        """Focal length down, pixels."""
-        ...
-
-    @property
-    def cx(self) -> float:
-        """Principal point across, pixels."""
-        ...
-
-    @property
-    def cy(self) -> float:
-        """Principal point down, pixels."""
-        ...
-
-    def __getattribute__(self, name: str, /) -> Any:
-        """Return k1, k2, p1, p2 or k3."""
-        ...
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    k1: float
+    k2: float
+    p1: float
+    p2: float
+    k3: float
 
 
 class Board(NamedTuple):
@@ -106,7 +96,7 @@ class Board(NamedTuple):
         return board
 
     @property
-    def corners(self) -> "Array":
+    def corners(self) -> Array:
         """Where squares meet, in the board's plane, m, shape (n, 3)."""
         grid = np.zeros(((self.columns - 1) * (self.rows - 1), 3))
         grid[:, :2] = np.mgrid[: self.columns - 1, : self.rows - 1].T.reshape(-1, 2)
@@ -118,6 +108,8 @@ class Views(NamedTuple):
 
     Parameters
     ----------
+    board : Board
+        The board.
     paths : tuple of Path
         The files that they are from.
     size : tuple of int
@@ -130,10 +122,11 @@ class Views(NamedTuple):
         Images that were looked at.
     """
 
+    board: Board
     paths: tuple[Path, ...]
     size: tuple[int, int]
     names: tuple[str, ...]
-    corners: "Array"
+    corners: Array
     seen: int
 
     @property
@@ -164,7 +157,7 @@ class FittedLens(NamedTuple):
 
     values: dict[str, float]
     stds: dict[str, float]
-    residuals: "Array"
+    residuals: Array
 
 
 def read_views(source: Path, board: Board) -> Views:
@@ -199,10 +192,10 @@ def read_views(source: Path, board: Board) -> Views:
             f"squares, at least {LEAST_VIEWS} are needed: is it the right board, whole, in focus?"
         )
     (size,) = sizes
-    return Views(tuple(paths), size, tuple(names), np.array(found), seen)
+    return Views(board, tuple(paths), size, tuple(names), np.array(found), seen)
 
 
-def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
+def fit_lens(views: Views, guess: Intrinsics) -> FittedLens:
     """Return the lens that projects a board's corners to where they were seen.
 
     Raises
@@ -219,7 +212,7 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
             f"the boards span {100 * spread[0]:.0f} % of the width and {100 * spread[1]:.0f} % of "
             f"the height, at least {100 * _LEAST_SPREAD:.0f} % are needed: show it in the corners"
         )
-    grid = board.corners.astype(np.float32)
+    grid = views.board.corners.astype(np.float32)
     camera = np.array([[guess.fx, 0.0, guess.cx], [0.0, guess.fy, guess.cy], [0.0, 0.0, 1.0]])
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_ZERO_TANGENT_DIST | cv2.CALIB_FIX_K3
     corners = [each.astype(np.float32) for each in views.corners]
@@ -234,7 +227,7 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
         )
     first = np.array([matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2], *bend.ravel()[:2]])
     poses = np.hstack([np.array(each, float).reshape(-1, 3) for each in (turns, places)])
-    found = fit_weighted(board.corners, views.corners, first, poses)
+    found = fit_weighted(views.board.corners, views.corners, first, poses)
     return FittedLens(
         dict(zip(LENS, found.values.tolist(), strict=True)),
         dict(zip(LENS, found.stds.tolist(), strict=True)),
@@ -242,16 +235,16 @@ def fit_lens(views: Views, board: Board, guess: Intrinsics) -> FittedLens:
     )
 
 
-def project(views: Views, board: Board, lens: Intrinsics) -> "Array":
+def project(views: Views, lens: Intrinsics) -> Array:
     """Return where a lens has the corners, each board where that lens sees it best, pixels."""
     import cv2
 
     matrix = np.array([[lens.fx, 0.0, lens.cx], [0.0, lens.fy, lens.cy], [0.0, 0.0, 1.0]])
     bend = np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3])
-    rows = []
+    rows, grid = [], views.board.corners
     for corners in views.corners:
-        _, turn, place = cv2.solvePnP(board.corners, corners, matrix, bend)
-        rows.append(cv2.projectPoints(board.corners, turn, place, matrix, bend)[0].reshape(-1, 2))
+        _, turn, place = cv2.solvePnP(grid, corners, matrix, bend)
+        rows.append(cv2.projectPoints(grid, turn, place, matrix, bend)[0].reshape(-1, 2))
     return np.array(rows)
 
 

@@ -6,14 +6,11 @@ weights the blurred views would count as much as the sharp ones, and the stated 
 be those of a mean view, though it is the leaning boards that tell a focal length.
 """
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.calibration.arrays import Array
 
 LENS: Final = ("fx", "fy", "cx", "cy", "k1", "k2")
 
@@ -34,12 +31,12 @@ class WeightedLens(NamedTuple):
         Measured less projected corners, pixels.
     """
 
-    values: "Array"
-    stds: "Array"
-    residuals: "Array"
+    values: Array
+    stds: Array
+    residuals: Array
 
 
-def fit_weighted(grid: "Array", corners: "Array", lens: "Array", poses: "Array") -> WeightedLens:
+def fit_weighted(grid: Array, corners: Array, lens: Array, poses: Array) -> WeightedLens:
     """Refine a lens by weighted least squares.
 
     Parameters
@@ -105,8 +102,8 @@ def fit_weighted(grid: "Array", corners: "Array", lens: "Array", poses: "Array")
 
 
 def _linearised(
-    grid: "Array", corners: "Array", lens: "Array", pose: "Array"
-) -> tuple["Array", "Array", "Array"]:
+    grid: Array, corners: Array, lens: Array, pose: Array
+) -> tuple[Array, Array, Array]:
     """Return residuals (n, 2), and the projection's slopes by lens and pose (n, 2, 6)."""
     import cv2
 

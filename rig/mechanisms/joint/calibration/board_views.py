@@ -2,16 +2,14 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.board_lens import Board
 from rig.run_folder import RunFolder, RunStatus
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 VIEWS: Final = "views"
 _COUNT: Final = 14
@@ -33,9 +31,7 @@ def simulate_views(profile: Profile, device: str, board: Board, out: Path) -> Pa
     return folder.path
 
 
-def _poses(
-    profile: Profile, device: str, board: Board, seed: int
-) -> "Iterator[tuple[NDArray[np.float64], NDArray[np.float64]]]":
+def _poses(profile: Profile, device: str, board: Board, seed: int) -> Iterator[tuple[Array, Array]]:
     """Yield where a hand holds the board: tilted to all sides, now here and now there."""
     settings = profile.devices[device].settings
     generator = np.random.default_rng([seed, 7])

@@ -18,24 +18,20 @@ JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from controllers.spherical_joint.geometry import PAIRS
-from rig.calibration.error_sums import half_width
+from rig.calibration.arrays import Array
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import Belief, axis_with, with_stiffer_wires
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, Tug
-from rig.mechanisms.pneumatic.calibration.pair_signals import pairs_of
-from rig.mechanisms.pneumatic.calibration.sliding_samples import bump_of, smooth
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals
 
 _MOVING: Final = 5e-3
 """A pair that is faster has broken away, m/s."""
@@ -65,7 +61,7 @@ class Case(NamedTuple):
     bound: bool = False
 
 
-def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> "Array":
+def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> Array:
     """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
 
     Parameters
@@ -88,30 +84,27 @@ def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[T
 def _last(profile: Profile, stretch: Stretch, tug: Tug) -> Stretch | None:
     """Return the last samples before the pair is fast; None if it never is."""
     period = profile.loop.period
-    channels = tuple(profile.devices[profile.mechanism_settings.regulators].settings.channels)
-    one, other = (stretch[f"reading.rod_{channels[wire]}"] for wire in PAIRS[tug.pair])
-    position = 0.5 * tug.side * (one - other)
-    signals = smooth(position, position, position, period)
+    bump, rods = Bump(period), JointPneumatics(profile).rods(stretch)
+    one, other = PAIRS[tug.pair]
+    position = 0.5 * tug.side * (rods[:, one] - rods[:, other])
+    signals = bump.smooth(PairSignals("", position, position, position))
     fast = np.flatnonzero((signals.position > _CREPT) & (signals.velocity > _MOVING))
     if not len(fast):
         return None
-    end = int(fast[0]) + len(bump_of(period)[0]) - 1
+    end = int(fast[0]) + bump.width - 1
     rows = slice(max(end - round(_BEFORE / period), 0), end)
     return Stretch({name: column[rows] for name, column in stretch.items()})
 
 
 def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
     """Return the greatest force before the pair moved, N at base pressure and upright."""
-    period, usual = profile.loop.period, belief.usual
-    width = len(bump_of(period)[0])
-    raw = pairs_of(profile, last)[tug.pair]
-    seals = 0.5 * (tug.side * float(raw.force[-width]) - belief.alone * float(raw.load[-width]))
+    bump, pneumatics, usual = Bump(profile.loop.period), JointPneumatics(profile), belief.usual
+    raw, k = pneumatics.signals(last)[tug.pair], -bump.width
+    seals = 0.5 * (tug.side * float(raw.force[k]) - belief.alone * float(raw.load[k]))
     taken = np.zeros(4)
     taken[list(PAIRS[tug.pair])] = tug.side * seals * np.array([1.0, -1.0])
-    pairs = [
-        smooth(pair.force, pair.position, pair.load, period)
-        for pair in pairs_of(profile, last, axis_with(profile, last, taken))
-    ]
+    axis = axis_with(profile, last, taken)
+    pairs = [bump.smooth(pair) for pair in pneumatics.signals(last, axis)]
     pull = tug.side * pairs[tug.pair].force
     k = int(np.argmax(pull))
     # The ring bears all four wires, the pair's own friction grows with its two.
@@ -139,7 +132,7 @@ class Breakaways:
         Which pairs are to be told.
     """
 
-    def __init__(self, tugs: Sequence[Tug], forces: "Array", pairs: Sequence[int]) -> None:
+    def __init__(self, tugs: Sequence[Tug], forces: Array, pairs: Sequence[int]) -> None:
         self._kinds = [(pair, side) for pair in pairs for side in (1, -1)]
         self._mine = np.isfinite(forces) & np.array([tug.pair in pairs for tug in tugs])
         rows = [self._row(tug) for tug, mine in zip(tugs, self._mine, strict=True) if mine]
@@ -158,12 +151,12 @@ class Breakaways:
         after = {SAME: (1.0, 0.0), BACK: (0.0, 1.0), OTHER: (-0.5, -0.5)}[tug.after]
         return [*kind, float(tug.swing), *after]
 
-    def _weights(self, pair: int) -> "Array":
+    def _weights(self, pair: int) -> Array:
         kinds = np.array([0.5 * (kind[0] == pair) for kind in self._kinds])
         weights: Array = kinds @ self._inverse[: len(kinds)]
         return weights
 
-    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: "Array") -> Estimate:
+    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: Array) -> Estimate:
         """Return a pair's breakaway with its interval.
 
         Parameters
@@ -183,9 +176,7 @@ class Breakaways:
         off = [(case.bound, abs(r - value)) for case, r in zip(cases[1:], others, strict=True)]
         even = [self._left, *(size / math.sqrt(3.0) for bound, size in off if bound)]
         normal = math.hypot(*(size for bound, size in off if not bound))
-        half = half_width(scatter, self._freedom, normal, even)
-        std = math.hypot(scatter, normal, *even)
-        return Estimate(name, value, "N", std, value - half, value + half)
+        return estimate_of_sum(name, value, "N", scatter, self._freedom, normal, even)
 
 
 def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:

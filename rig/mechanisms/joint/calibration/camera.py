@@ -20,8 +20,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rig.calibration.estimates import Estimate
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Procedure, Readings, quantity
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.camera_and_geometry import (
@@ -39,8 +38,8 @@ _HEIGHT: Final = 30e-6
 """How well a calibrated height of the marker is known, m: to the height gauge and a part."""
 
 
-class Camera:
-    """Pose and latency of the camera."""
+class Camera(Procedure[Recording]):
+    """Procedure for pose and latency of the camera."""
 
     name = "camera"
     title = "place, orientation and latency of the camera"
@@ -50,19 +49,13 @@ class Camera:
         camera = profile.mechanism_settings.camera
         return () if camera is None else (camera,)
 
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: encoders and camera measure each other."""
-        return ()
-
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the rosette; one that was broken off is begun anew."""
         return swing(profile, ROSETTE, done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit joint and camera, and keep the camera."""
-        solved = solve(profile, recording, ROSETTE, height=_HEIGHT)
+        solved = solve(profile, data, ROSETTE, height=_HEIGHT)
         return (camera_finding(profile, solved),)
 
 

@@ -4,17 +4,21 @@ Neither can be had alone. A camera is placed by where the marker is, which a wro
 elsewhere; and the marker of a joint is where a wrong camera sees it.
 """
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from controllers.spherical_joint.types import JointReference
 from rig.assembly import make_controller, plan_motion
+from rig.calibration.arrays import Array
 from rig.calibration.procedure import Excitation, Panel
+from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
+from rig.hal.motion import Motion
 from rig.mechanisms.joint.calibration.parameters import ANGLES, WIRES, Values, drawing_of, priors_of
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.pose_fit import Data, Posterior, fit_posterior
 from rig.mechanisms.joint.calibration.rosette import UPRIGHT, Rosette
 from rig.mechanisms.joint.calibration.sighting_model import (
@@ -24,16 +28,6 @@ from rig.mechanisms.joint.calibration.sighting_model import (
     rod_slopes,
 )
 from rig.mechanisms.joint.calibration.sightings import check_travel, sightings_of, track_of
-from rig.mechanisms.pneumatic.calibration.pneumatics import (
-    DISAGREEMENT,
-    bear_with_camera,
-    pneumatics_of,
-)
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 RESIDUAL_BOUND: Final = 0.1e-3
 """Rms of what joint and camera do not explain of the rods above which the fit is of no use, m."""
@@ -50,9 +44,6 @@ _TWIST: Final = 30e-3
 """Of a rod's stretch (m), the marker in a frame (m), the ring about its axis (rad); E, rms. Only
 their proportions matter. The ring turns about its axis by a milliradian, but for a whole petal and
 the other way on the way back: what tells only together with it is left out of every frame."""
-
-_ABSENCE: Final = 1.2
-"""The marker may be out of sight for so long, s."""
 
 _SETTLED: Final = 50e-6
 _ROUNDS: Final = 3
@@ -84,12 +75,12 @@ class Solved(NamedTuple):
 
     posterior: Posterior
     seen: Sightings
-    mounted: "Array"
+    mounted: Array
     before: Values
     channels: tuple[str, ...]
 
     @property
-    def residuals(self) -> "Array":
+    def residuals(self) -> Array:
         """Measured less modelled extension of each rod, m, shape (n, 4)."""
         return self.seen.rods - extensions_seen(self.posterior.by_name, self.seen, self.mounted)
 
@@ -116,57 +107,38 @@ class Solved(NamedTuple):
         ]  # fmt: skip
 
 
-def relaxed(profile: Profile) -> tuple[Profile, tuple[str, ...]]:
-    """Return a profile without the bounds that rest on what is looked for, and notes on them."""
-    settings = profile.mechanism_settings
-    limits = settings.limits
-    wider = dataclasses.replace(
-        limits,
-        disagreement=max(limits.disagreement, DISAGREEMENT),
-        residual=max(limits.residual, 4e-3),
-    )
-    notes = tuple(
-        f"limits.{name} is {1e3 * getattr(wider, name):g} mm instead of "
-        f"{1e3 * getattr(limits, name):g} mm: it rests on what is looked for"
-        for name in ("disagreement", "residual")
-        if getattr(wider, name) != getattr(limits, name)
-    )
-    # A wrong geometry turns the work of a pair round as swapped encoders do, by less.
-    swapped = dataclasses.replace(settings.alarms.swapped, share=1.0)
-    alarms = dataclasses.replace(settings.alarms, swapped=swapped)
-    mechanism = dataclasses.replace(settings, limits=wider, alarms=alarms)
-    loose = dataclasses.replace(profile, mechanism_settings=mechanism)
-    patient, more = bear_with_camera(loose, _ABSENCE)
-    return patient, (*notes, *more, "alarms.swapped.share is 1")
-
-
 def swing(profile: Profile, rosette: Rosette, done: Sequence[str]) -> Excitation:
     """Return a rosette under control of encoders alone; nothing if it is recorded already.
 
     One that was broken off is begun anew: its petals belong together.
     """
-    relaxed_profile, notes = relaxed(profile)
-    settings = relaxed_profile.controllers["cascade"]
-    blind: Any = dataclasses.replace(
-        settings, camera=dataclasses.replace(settings.camera, gain=0.0), learning=None
+    wider, notes = JointPneumatics(profile).with_limits_for_sightings()
+    wider = profile_with(
+        wider, {"controllers.cascade.camera.gain": 0.0, "controllers.cascade.learning": None}
     )
-    used = dataclasses.replace(
-        relaxed_profile, controllers={**relaxed_profile.controllers, "cascade": blind}
-    )
-    controller = make_controller(used, "cascade")
-    motion: Any = plan_motion(used, rosette, controller)
+    controller = make_controller(wider, "cascade")
+    motion = plan_motion(wider, rosette, controller)
     if all(segment.name in done for segment in rosette.segments):
-        motion = _Nothing(motion)
-    return Excitation(rosette, motion, controller, "cascade", used, notes, approach=2.0)
+        motion = _Recorded(motion)
+    return JointPneumatics(wider).excitation(rosette, motion, controller, "cascade", notes, 2.0)
 
 
-class _Nothing:
+class _Recorded(Motion[JointReference]):
     """A motion of which nothing is left to do."""
 
     segments = ()
 
-    def __init__(self, motion: Any) -> None:
-        self.at, self.duration = motion.at, motion.duration
+    def __init__(self, motion: Motion[JointReference]) -> None:
+        self._motion = motion
+
+    @property
+    def duration(self) -> float:
+        """How long it took, s."""
+        return self._motion.duration
+
+    def at(self, t: float) -> JointReference:
+        """Return the reference that it had at `t`."""
+        return self._motion.at(t)
 
 
 def solve(
@@ -208,7 +180,7 @@ def solve(
     turned = sum(drawing_of(profile).anchor_angles)
     part = settings.tolerance.part / np.sqrt(3.0)
 
-    def extra(values: Mapping[str, float]) -> "Array":
+    def extra(values: Mapping[str, float]) -> Array:
         rows = [(sum(values[name] for name in ANGLES) - turned) / (4.0 * _EQUAL)]
         if gauge is not None:
             shown = values["marker_height"] * axes_seen(values, upright, mounted)[0, 2]
@@ -223,8 +195,8 @@ def solve(
         whitening = _whitening(values, seen, mounted)
 
         def misfit(
-            values: Mapping[str, float], seen: Sightings = seen, whitening: "Array" = whitening
-        ) -> "Array":
+            values: Mapping[str, float], seen: Sightings = seen, whitening: Array = whitening
+        ) -> Array:
             rest = seen.rods - extensions_seen(values, seen, mounted)
             return np.asarray(np.einsum("nij,nj->ni", whitening, rest))
 
@@ -233,11 +205,11 @@ def solve(
         settled = abs(values["lateness"] - late) < _SETTLED or rounds == _ROUNDS
         late = values["lateness"]
     _check_zeros(profile, posterior)
-    channels = pneumatics_of(profile).channels
+    channels = JointPneumatics(profile).channels
     return Solved(posterior, seen, mounted, _before(profile, posterior), channels)
 
 
-def _whitening(values: Values, seen: Sightings, mounted: "Array") -> "Array":
+def _whitening(values: Values, seen: Sightings, mounted: Array) -> Array:
     """Return what makes the four misfits of each frame independent and alike, (n, 4, 4).
 
     A wrong axis moves opposite rods against each other; their sum tells more than either.
@@ -281,7 +253,7 @@ def _before(profile: Profile, posterior: Posterior) -> dict[str, float]:
 
 def _check_zeros(profile: Profile, posterior: Posterior) -> None:
     zero = profile.mechanism_settings.tolerance.zero
-    for k, channel in zip(WIRES, pneumatics_of(profile).channels, strict=True):
+    for k, channel in zip(WIRES, JointPneumatics(profile).channels, strict=True):
         off = posterior.by_name[f"offset_{k}"]
         if abs(off) > _WRONG_ZERO * zero:
             raise CalibrationRefused(

@@ -3,9 +3,8 @@
 The ring leans to and fro between its pairs, so that both slide, at two base pressures, so that what
 grows with the tensions is told from the rest (`rig.mechanisms.joint.calibration.stroke_fit`). Of
 what grows, ring and wires share as they were believed to: no such motion tells them apart. The
-controller has far less stiffness than in use
-(`rig.mechanisms.pneumatic.calibration.pneumatics.follower`): where seals have less friction than it
-was tuned for, the usual one hunts and never slides.
+controller has far less stiffness than in use (`JointPneumatics.with_gentle_controller`): the usual
+one hunts and never slides where seals have less friction than it was tuned for.
 
 Breakaway is the greatest force of a pair before it moves, when it alone is pushed ever harder, by
 20 N/s, with the ring upright (`rig.mechanisms.joint.calibration.breakaway`). The force at which the
@@ -14,18 +13,20 @@ bristles of seals and seat would yield at no speed at all is a little higher.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Final
 
 import numpy as np
 
 from rig.assembly import make_controller
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import Belief, belief_of
 from rig.mechanisms.joint.calibration.breakaway import Breakaways, cases_of, forces_of_tugs
+from rig.mechanisms.joint.calibration.leaning import Strokes
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.stroke_fit import (
     COULOMB,
     GROWTH,
@@ -33,20 +34,7 @@ from rig.mechanisms.joint.calibration.stroke_fit import (
     StrokeFit,
     fit_strokes,
 )
-from rig.mechanisms.joint.calibration.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, Tugging
-from rig.mechanisms.pneumatic.calibration.pneumatics import (
-    calm_base,
-    follower,
-    leaning,
-    reach,
-    relaxed,
-)
-from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.joint.calibration.tugs import DEPTH, PER_ROUND, StrokesAndTugs, Tug, TugScript
 
 SPEEDS: Final = (0.045, 0.06, 0.08) * 4
 _TURN: Final = 0.15
@@ -56,7 +44,6 @@ _RAISED: Final = 1.6
 _SHARE: Final = 0.9
 """Of what is permitted that the strokes use: the pairs share the way."""
 
-_BETWEEN: Final = 0.25 * math.pi
 _MORE: Final = 1.6
 """Times the breakaway that is believed, as far as a tug goes."""
 
@@ -70,46 +57,36 @@ _BOUND: Final = 1.5
 """rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
 
 
-class JointFriction:
-    """Coulomb, viscous and breakaway friction of a joint's pairs."""
+class JointFriction(Procedure[Recording]):
+    """Procedure for Coulomb, viscous and breakaway friction of a joint's pairs."""
 
     name = "friction"
     title = "friction of the pairs: Coulomb, viscous, breakaway"
-
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: monitors and encoders measure it."""
-        return ()
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return strokes and tugs; those of a run that was broken off are done again."""
         settings = _settings(profile)
         strokes = settings.strokes
-        wider, notes = relaxed(profile)
-        wider, name = follower(wider)
-        controller = make_controller(wider, name)
+        wider, notes = JointPneumatics(profile).with_wider_limits()
+        wider, name = JointPneumatics(wider).with_gentle_controller()
+        controller, pneumatics = make_controller(wider, name), JointPneumatics(wider)
         half = strokes.segments[len(strokes.speeds) - 1].end
-        base = calm_base(profile)
+        base = pneumatics.gentle_pressure
         bases = ((0.0, base), (half, _RAISED * base))
-        motion = leaning(wider, strokes, _BETWEEN, controller, bases)
-        tugging = Tugging(settings, motion, controller, _base(profile), base)
-        return Excitation(settings, tugging, tugging, name, wider, notes, approach=2.0)
+        motion = pneumatics.along_line(strokes, controller, bases)
+        script = TugScript(settings, motion, controller, _base(pneumatics), base)
+        return pneumatics.scripted(settings, script, name, notes, 2.0, follows=True)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit sliding, and find what breaks the pairs away."""
         settings = _settings(profile)
-        recording.require(segment.name for segment in settings.segments)
+        data.require(segment.name for segment in settings.segments)
         names = [segment.name for segment in settings.strokes.segments]
-        strokes, belief = fit_strokes(profile, recording, names, _travel(settings.strokes))
+        strokes, belief = fit_strokes(profile, data, names, _travel(settings.strokes))
         growth = [pair.estimate(GROWTH, "", "1") for pair in strokes]
         spread = math.hypot(*(g.std for g in growth)) / max(sum(g.value for g in growth), 1e-9)
         cases, tugs = cases_of(profile, belief, spread), settings.tugs
-        forces = forces_of_tugs(cases, recording, tugs)
+        forces = forces_of_tugs(cases, data, tugs)
         sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
         told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
         breakaways = Breakaways(tugs, forces[0], told)
@@ -149,20 +126,20 @@ class JointFriction:
 
 
 def _settings(profile: Profile) -> StrokesAndTugs:
-    settings, believed = profile.mechanism_settings, belief_of(profile)
+    pneumatics, believed = JointPneumatics(profile), belief_of(profile)
+    settings = pneumatics.settings
     expected = settings.friction.breakaway + believed.alone * believed.usual
     # A wire that is let go in a tug stays taut.
-    taut = 2.0 * (settings.area * _base(profile) - _TAUT * settings.limits.tension[0])
+    taut = 2.0 * (settings.area * _base(pneumatics) - _TAUT * settings.limits.tension[0])
     most = min(_MORE * expected, taut)
-    return StrokesAndTugs(Strokes(reach(profile, _SHARE), SPEEDS, _TURN), most=most)
+    return StrokesAndTugs(Strokes(pneumatics.reach(_SHARE), SPEEDS, _TURN), most=most)
 
 
-def _base(profile: Profile) -> float:
+def _base(pneumatics: JointPneumatics) -> float:
     """Return the base pressure of the tugs, Pa gauge: all that swings is permitted."""
-    settings = profile.mechanism_settings
-    limits = settings.limits
-    most = min(limits.pressure[1], limits.tension[1] / settings.area) / (1.0 + DEPTH)
-    return float(min(settings.base_pressure, most))
+    limits = pneumatics.settings.limits
+    most = min(limits.pressure[1], limits.tension[1] / pneumatics.area) / (1.0 + DEPTH)
+    return min(pneumatics.base_pressure, most)
 
 
 def _travel(strokes: Strokes) -> float:
@@ -174,14 +151,14 @@ def _travel(strokes: Strokes) -> float:
     return math.sqrt(0.5) * max(ways)
 
 
-def _sides(tugs: Sequence[Tug], forces: "Array", pair: int) -> "tuple[Array, Array]":
+def _sides(tugs: Sequence[Tug], forces: Array, pair: int) -> tuple[Array, Array]:
     """Return what those tugs at a pair took that moved it, to either side."""
     mine = np.isfinite(forces) & np.array([tug.pair == pair for tug in tugs])
     side = np.array([tug.side for tug in tugs])
     return forces[mine & (side > 0)], forces[mine & (side < 0)]
 
 
-def _values(profile: Profile, belief: Belief, breakaway: float | None) -> Mapping[str, Any]:
+def _values(profile: Profile, belief: Belief, breakaway: float | None) -> Mapping[str, object]:
     """Return what to lay over the believed friction; breakaway is never below Coulomb friction.
 
     Parameters
@@ -216,7 +193,7 @@ def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
     speeds = np.array([velocity.min(), 0.0, 0.0, velocity.max()])
     sides = np.array([-1.0, -1.0, 1.0, 1.0])
 
-    def was(v: "Array", side: "Array") -> "Array":
+    def was(v: Array, side: Array) -> Array:
         dry = believed.coulomb + believed.shared * believed.usual
         force: Array = dry * side + believed.viscous * v
         return force
@@ -229,7 +206,7 @@ def _panel_of_sliding(profile: Profile, pair: StrokeFit) -> Panel:
 
 
 def _panel_of_tugs(
-    profile: Profile, name: str, forward: "Array", backward: "Array", mean: float
+    profile: Profile, name: str, forward: Array, backward: Array, mean: float
 ) -> Panel:
     count, believed = len(forward) + len(backward), belief_of(profile)
     before = profile.mechanism_settings.friction.breakaway + believed.alone * believed.usual

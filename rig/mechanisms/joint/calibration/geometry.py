@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.camera import camera_finding
@@ -29,8 +29,8 @@ ROSETTE: Final = Rosette(tilt=0.73, petals=12, period=1.6)
 _GAUGE: Final = "height gauge"
 
 
-class Geometry:
-    """Dimensions of ball, ring and wires, with the camera's pose and latency."""
+class Geometry(Procedure[Recording]):
+    """Procedure for the dimensions of ball, ring and wires, with the camera's pose and latency."""
 
     name = "geometry"
     title = "dimensions of the joint, and its camera with them"
@@ -48,9 +48,7 @@ class Geometry:
         """Return the rosette; one that was broken off is begun anew."""
         return swing(profile, ROSETTE, done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit joint and camera."""
         gauge = readings.get(_GAUGE, {}).get(UPRIGHT)
         if gauge is None:
@@ -66,7 +64,7 @@ class Geometry:
                 f"{1e3 * drawn:.3f} mm within {1e3 * bound:.2f} mm: was it set to zero at the "
                 "ball's centre?"
             )
-        solved = solve(profile, recording, ROSETTE, gauge=gauge)
+        solved = solve(profile, data, ROSETTE, gauge=gauge)
         posterior = solved.posterior
         values = posterior.by_name
         written = {

@@ -1,19 +1,15 @@
 """The best joint and camera for what was seen, with priors, and how well each number is known."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.error_sums import half_width
+from rig.calibration.arrays import Array, Flags, Indices
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate
 from rig.calibration.recording import CalibrationRefused
 from rig.mechanisms.joint.calibration.parameters import Prior
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _ROUNDS: Final = 4
 _OUTLIER: Final = 6.0
@@ -38,9 +34,9 @@ class Data(NamedTuple):
         Further measurements, each over its own standard deviation, independent; shape (k,).
     """
 
-    misfit: "Callable[[Mapping[str, float]], Array]"
-    blocks: "NDArray[np.int64]"
-    extra: "Callable[[Mapping[str, float]], Array]"
+    misfit: Callable[[Mapping[str, float]], Array]
+    blocks: Indices
+    extra: Callable[[Mapping[str, float]], Array]
 
 
 class Posterior(NamedTuple):
@@ -67,12 +63,12 @@ class Posterior(NamedTuple):
 
     priors: Sequence[Prior]
     considered: Sequence[Prior]
-    values: "Array"
-    sampling: "Array"
-    even: "Array"
-    normal: "Array"
+    values: Array
+    sampling: Array
+    even: Array
+    normal: Array
     freedom: float
-    used: "NDArray[np.bool_]"
+    used: Flags
 
     @property
     def by_name(self) -> dict[str, float]:
@@ -89,13 +85,11 @@ class Posterior(NamedTuple):
     def estimate(self, name: str, shown: str | None = None, shift: float = 0.0) -> Estimate:
         """Return a parameter with its interval, under another name and shifted if wanted."""
         k = self._index(name)
-        half = half_width(
+        return estimate_of_sum(
+            shown or name, float(self.values[k]) + shift, self.priors[k].unit,
             float(np.sqrt(self.sampling[k, k])), self.freedom,
             float(np.linalg.norm(self.normal[k])), self.even[k].tolist(),
         )  # fmt: skip
-        value = float(self.values[k]) + shift
-        unit = self.priors[k].unit
-        return Estimate(shown or name, value, unit, self.std(name), value - half, value + half)
 
     def _index(self, name: str) -> int:
         return [prior.name for prior in self.priors].index(name)
@@ -145,7 +139,7 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
             f"{_LEAST_BLOCKS} are needed"
         )
 
-    def at(q: "Array") -> dict[str, float]:
+    def at(q: Array) -> dict[str, float]:
         return fixed | dict(zip(names, (mean + std * q).tolist(), strict=True))
 
     q, wanted = (np.array([start[name] for name in names]) - mean) / std, 1.0
@@ -153,7 +147,7 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
     for _ in range(_ROUNDS):
         weight = wanted
 
-        def rest(q: "Array", used: "NDArray[np.bool_]" = used, weight: float = weight) -> "Array":
+        def rest(q: Array, used: Flags = used, weight: float = weight) -> Array:
             values = at(q)
             rows = weight * data.misfit(values)[used].ravel()
             return np.concatenate([rows, data.extra(values), q])
@@ -197,15 +191,15 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
     )  # fmt: skip
 
 
-def _near(rows: "Array") -> "NDArray[np.bool_]":
+def _near(rows: Array) -> Flags:
     size = np.abs(rows).max(axis=1)
     return np.asarray(size < _OUTLIER * 1.4826 * max(float(np.median(np.abs(rows))), 1e-12))
 
 
 def _scatter(
-    jacobian: "Array", score: "Array", blocks: "NDArray[np.int64]", width: int,
-    inverse: "Array", weight: float,
-) -> "Array":  # fmt: skip
+    jacobian: Array, score: Array, blocks: Indices, width: int,
+    inverse: Array, weight: float,
+) -> Array:  # fmt: skip
     """Return the sum of the squares of the blocks' scores, enlarged by what the fit took away."""
     each = np.repeat(blocks, width)
     names = np.unique(blocks)

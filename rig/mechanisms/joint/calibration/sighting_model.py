@@ -6,17 +6,12 @@ The camera's ray ends on the marker's sphere; that gives the ring's axis, and th
 rods.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from rig.calibration.arrays import Array, Indices
 from rig.mechanisms.joint.calibration.parameters import PARTS, WIRES, Values
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
 
 _STEP = 1e-3
 """Over which a slope is taken, rad."""
@@ -51,16 +46,16 @@ class Sightings(NamedTuple):
         By how much the camera's stamps were taken to be too late for that, s.
     """
 
-    rays: "Array"
-    rods: "Array"
-    speeds: "Array"
-    pulls: "Array"
-    senses: "Array"
-    turns: "Array"
-    falls: "Array"
-    loads: "Array"
-    blocks: "NDArray[np.int64]"
-    t: "Array"
+    rays: Array
+    rods: Array
+    speeds: Array
+    pulls: Array
+    senses: Array
+    turns: Array
+    falls: Array
+    loads: Array
+    blocks: Indices
+    t: Array
     late: float = 0.0
 
 
@@ -75,8 +70,8 @@ class Wires(NamedTuple):
         Radius of the ball.
     """
 
-    anchors: "Array"
-    adjusts: "Array"
+    anchors: Array
+    adjusts: Array
     ball: float
 
     @classmethod
@@ -97,7 +92,7 @@ class Wires(NamedTuple):
         )
         return cls(anchors, adjusts, ball)
 
-    def lengths(self, axes: "Array", twist: float = 0.0) -> "Array":
+    def lengths(self, axes: Array, twist: float = 0.0) -> Array:
         """Return the length of each wire for axes of shape (n, 3), m, shape (n, 4).
 
         Parameters
@@ -127,14 +122,14 @@ class Wires(NamedTuple):
         return np.asarray(np.where(wound > 0.0, tangent + self.ball * wound, straight))
 
 
-def rotation(vector: "Array") -> "Array":
+def rotation(vector: Array) -> Array:
     """Return the matrix of a rotation vector, rad."""
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_rotvec(vector).as_matrix())
 
 
-def camera_pose(values: Values, mounted: "Array") -> tuple["Array", "Array"]:
+def camera_pose(values: Values, mounted: Array) -> tuple[Array, Array]:
     """Return orientation and place of the camera in the base.
 
     Parameters
@@ -149,7 +144,7 @@ def camera_pose(values: Values, mounted: "Array") -> tuple["Array", "Array"]:
     return rotation(mounted) @ rotation(turn), place
 
 
-def axes_seen(values: Values, rays: "Array", mounted: "Array") -> "Array":
+def axes_seen(values: Values, rays: Array, mounted: Array) -> Array:
     """Return the ring's axis that each ray shows, shape (n, 3).
 
     A ray that passes by the marker's sphere shows the nearest axis: an estimate under way may be
@@ -171,7 +166,7 @@ def axes_seen(values: Values, rays: "Array", mounted: "Array") -> "Array":
     return np.asarray(axes / np.linalg.norm(axes, axis=1)[:, None])
 
 
-def extensions_seen(values: Values, seen: Sightings, mounted: "Array") -> "Array":
+def extensions_seen(values: Values, seen: Sightings, mounted: Array) -> Array:
     """Return the extension that each rod's encoder shows at each frame, m, shape (n, 4)."""
     wires = Wires.of(values)
     upright = wires.lengths(np.array([[0.0, 0.0, 1.0]]))
@@ -186,7 +181,7 @@ def extensions_seen(values: Values, seen: Sightings, mounted: "Array") -> "Array
     return np.asarray(values["home"] - shortening - stretch + offset - moved)
 
 
-def rod_slopes(values: Values, seen: Sightings, mounted: "Array") -> tuple["Array", ...]:
+def rod_slopes(values: Values, seen: Sightings, mounted: Array) -> tuple[Array, ...]:
     """Return how each rod moves with the ring: two directions of its axis and its twist.
 
     Returns

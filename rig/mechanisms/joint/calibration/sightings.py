@@ -1,19 +1,15 @@
 """From the log of a joint to frames: where the camera saw the marker, and the rods just then."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from rig.calibration.arrays import Array, between_rows
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.joint.calibration.sighting_model import Sightings, rotation
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _HALF: Final = 2e-3
 """A rod's speed is its way from so long before to so long after, s."""
@@ -50,17 +46,17 @@ class Track(NamedTuple):
         See `Sightings`.
     """
 
-    t: "Array"
-    rods: "Array"
-    pulls: "Array"
-    senses: "Array"
-    turns: "Array"
-    falls: "Array"
-    loads: "Array"
+    t: Array
+    rods: Array
+    pulls: Array
+    senses: Array
+    turns: Array
+    falls: Array
+    loads: Array
 
-    def at(self, t: "Array", column: "Array") -> "Array":
+    def at(self, t: Array, column: Array) -> Array:
         """Return some columns at other times, shape (m, 4)."""
-        return np.column_stack([np.interp(t, self.t, each) for each in column.T])
+        return between_rows(column, self.t, t)
 
 
 def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Track:
@@ -71,13 +67,13 @@ def track_of(profile: Profile, recording: Recording, names: Sequence[str]) -> Tr
     settings = profile.mechanism_settings
     parts = [recording[name] for name in names]
 
-    def column(name: str) -> "Array":
+    def column(name: str) -> Array:
         return np.concatenate([part[name] for part in parts])
 
     t = column("t") - column("reading.age")
     base = settings.area * settings.base_pressure
     columns = []
-    for channel in pneumatics_of(profile).channels:
+    for channel in JointPneumatics(profile).channels:
         rod = column(f"reading.rod_{channel}")  # its shortening from home
         limit = limits_of(rod, t, settings.friction)
         raised = 1.0 + _STEP * (limit - 1.0)
@@ -138,7 +134,7 @@ def check_travel(profile: Profile, seen: Sightings) -> None:
     CalibrationRefused
         A rod hardly moved; which one, and by how much.
     """
-    channels = pneumatics_of(profile).channels
+    channels = JointPneumatics(profile).channels
     for channel, travel in zip(channels, np.ptp(seen.rods, axis=0), strict=True):
         if travel < _LEAST_TRAVEL:
             raise CalibrationRefused(
@@ -147,7 +143,7 @@ def check_travel(profile: Profile, seen: Sightings) -> None:
             )
 
 
-def _frames(profile: Profile, rows: Stretch, name: str) -> tuple["Array", "Array"]:
+def _frames(profile: Profile, rows: Stretch, name: str) -> tuple[Array, Array]:
     """Return ray and stamp of each frame of a stretch."""
     camera = profile.devices[profile.mechanism_settings.camera].settings
     t, age = rows["t"], rows["reading.marker_age"]
@@ -167,7 +163,7 @@ def _frames(profile: Profile, rows: Stretch, name: str) -> tuple["Array", "Array
     return rays / rays[:, 2:], stamp[fresh]
 
 
-def limits_of(rod: "Array", t: "Array", friction: Any) -> "Array":
+def limits_of(rod: Array, t: Array, friction: Any) -> Array:
     """Return how much friction a seal can hold at each instant, over what it holds when quick.
 
     Parameters
@@ -184,7 +180,7 @@ def limits_of(rod: "Array", t: "Array", friction: Any) -> "Array":
     return np.asarray(1.0 + excess * np.exp(-((speed / friction.stribeck_velocity) ** 2)))
 
 
-def senses_of(rod: "Array", limit: "Array", reversal: float) -> "Array":
+def senses_of(rod: Array, limit: Array, reversal: float) -> Array:
     """Return friction on a rod over its Coulomb friction, for its way over time; 1: it pulls in.
 
     Parameters

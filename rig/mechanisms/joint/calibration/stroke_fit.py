@@ -26,12 +26,13 @@ JCGM 101:2008, its Supplement 1: the interval is that of drawn sums.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.error_sums import half_width
-from rig.calibration.estimates import Estimate, Fit, fit
+from rig.calibration.arrays import Array
+from rig.calibration.error_sums import estimate_of_sum
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import (
@@ -42,13 +43,8 @@ from rig.mechanisms.joint.calibration.ball_friction import (
     sheared,
     with_stiffer_wires,
 )
-from rig.mechanisms.pneumatic.calibration.pair_signals import PairSignals, pairs_of
-from rig.mechanisms.pneumatic.calibration.sliding_samples import Signals, bump_of, sliding, smooth
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.smoothing import Bump, PairSignals, SmoothSignals
 
 _SLIDING: Final = 2.75
 """Times the believed Stribeck velocity: what is left of the effect there is 5e-4 of it."""
@@ -81,21 +77,21 @@ class Sliding(NamedTuple):
     """
 
     name: str
-    stroke: "Array"
-    force: "Array"
-    position: "Array"
-    velocity: "Array"
-    acceleration: "Array"
-    sheared: "Array"
-    on_ball: "Array"
-    load: "Array"
+    stroke: Array
+    force: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    sheared: Array
+    on_ball: Array
+    load: Array
 
 
 class _Stroke(NamedTuple):
     stretch: Stretch
-    axis: "Array"
+    axis: Array
     pairs: list[PairSignals]
-    signals: list[Signals]
+    signals: list[SmoothSignals]
 
 
 class StrokeFit(NamedTuple):
@@ -118,12 +114,12 @@ class StrokeFit(NamedTuple):
     stiffer: Fit
 
     @property
-    def values(self) -> "Array":
+    def values(self) -> Array:
         """The parameters."""
         return 0.5 * (self.fits[0].values + self.fits[1].values)
 
     @property
-    def residuals(self) -> "Array":
+    def residuals(self) -> Array:
         """Measured less fitted, N."""
         return 0.5 * (self.fits[0].residuals + self.fits[1].residuals)
 
@@ -135,9 +131,8 @@ class StrokeFit(NamedTuple):
         even = [abs(bound) / math.sqrt(3.0) for bound in bounds]
         stiffer = abs(float(self.stiffer.values[index]) - one.value)
         unity = np.eye(len(self.values))[index].tolist()
-        half = half_width(scatter, self.fits[0].freedom_of(unity), stiffer, even)
-        value, std = 0.5 * (one.value + other.value), math.hypot(scatter, stiffer, *even)
-        return Estimate(name, value, unit, std, value - half, value + half)
+        value, freedom = 0.5 * (one.value + other.value), self.fits[0].freedom_of(unity)
+        return estimate_of_sum(name, value, unit, scatter, freedom, stiffer, even)
 
 
 def fit_strokes(
@@ -191,19 +186,17 @@ def least_speed(profile: Profile) -> float:
 
 
 def _strokes(profile: Profile, belief: Belief, stretches: Sequence[Stretch]) -> list[_Stroke]:
-    strokes = []
+    strokes, bump, pneumatics = [], Bump(profile.loop.period), JointPneumatics(profile)
     for stretch in stretches:
         axis = axis_of(profile, belief, stretch)
-        pairs = pairs_of(profile, stretch, axis)
-        signals = [smooth(p.force, p.position, p.load, profile.loop.period) for p in pairs]
-        strokes.append(_Stroke(stretch, axis, pairs, signals))
+        pairs = pneumatics.signals(stretch, axis)
+        strokes.append(_Stroke(stretch, axis, pairs, [bump.smooth(pair) for pair in pairs]))
     return strokes
 
 
 def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
     """Raise if there is too little sliding to fit."""
-    width = len(bump_of(profile.loop.period)[0])
-    least = least_speed(profile)
+    bump, least = Bump(profile.loop.period), least_speed(profile)
     for number, pair in enumerate(strokes[0].pairs):
         went = max(float(np.ptp(stroke.pairs[number].position)) for stroke in strokes)
         if went < 0.5 * travel:
@@ -211,7 +204,7 @@ def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
                 f"{pair.name} moved by {1e3 * went:.3g} mm at most where {1e3 * travel:.3g} mm "
                 "were asked for: a rod is stuck, or the supply is shut"
             )
-        places = sum(len(sliding(s.signals[number].velocity, least, width)) for s in strokes)
+        places = sum(len(bump.sliding(s.signals[number].velocity, least)) for s in strokes)
         if places < _LEAST_ROWS:
             raise CalibrationRefused(
                 f"{pair.name} slid evenly and faster than {1e3 * least:.3g} mm/s in {places} "
@@ -221,14 +214,14 @@ def _check(profile: Profile, strokes: Sequence[_Stroke], travel: float) -> None:
 
 
 def _rows(profile: Profile, belief: Belief, strokes: Sequence[_Stroke]) -> list[Sliding]:
-    width, least = len(bump_of(profile.loop.period)[0]), least_speed(profile)
+    bump, least = Bump(profile.loop.period), least_speed(profile)
     parts: list[list[Array]] = [[] for _ in strokes[0].pairs]
     for number, (stretch, axis, pairs, signals) in enumerate(strokes):
         on_ball = friction_on_ball(profile, belief, stretch, axis, signals)
         speeds = sheared(profile, stretch, signals)
         for mine, pair, one, speed, on in zip(parts, pairs, signals, speeds, on_ball, strict=True):
             position = pair.position[0] + one.position
-            k = sliding(one.velocity, least, width)
+            k = bump.sliding(one.velocity, least)
             mine.append(
                 np.column_stack([np.full(len(k), float(number)), one.force[k], position[k],
                                  one.velocity[k], one.acceleration[k], speed[k], on[k],
@@ -253,13 +246,12 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
     force = rows.force - settings.moving_mass * rows.acceleration - rows.on_ball + sign * upright
     start = [0.0, belief.coulomb, belief.viscous, belief.shared, *(0.0,) * 6]
     scale = [1.0, 1.0, 10.0, 0.1, 10.0, 1.0, 10.0, 1e5, 10.0, 1e3]
-    try:
-        return fit(lambda q: force - regressors @ q, start, scale, groups=rows.stroke)
-    except ValueError as error:
-        raise CalibrationRefused(f"the friction of {rows.name}: {error}") from error
+    return fit_or_refuse(
+        f"the friction of {rows.name}", lambda q: force - regressors @ q, start, scale, rows.stroke
+    )
 
 
-def _found(belief: Belief, values: "Sequence[Array]", seals: float) -> Belief:
+def _found(belief: Belief, values: Sequence[Array], seals: float) -> Belief:
     """Return what the pairs say in the mean; ring and wires share what the ball takes.
 
     Parameters

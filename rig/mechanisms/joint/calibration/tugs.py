@@ -15,16 +15,23 @@ follows each equally often, so that what is left after all is not in their mean.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 from annotated_types import Ge, Gt, Unit
 
 from controllers.spherical_joint.great_circle import great_circle
-from controllers.spherical_joint.types import JointCommand, JointReference, JointState
-from rig.calibration.sequence import ScriptedMotion
+from controllers.spherical_joint.poses import Vector
+from controllers.spherical_joint.types import (
+    JointCommand,
+    JointEstimate,
+    JointReference,
+    JointState,
+)
+from rig.calibration.sequence import EstimatingController, GuidedScript
+from rig.config import format_quantity
 from rig.hal.motion import Segment
+from rig.mechanisms.joint.calibration.leaning import Strokes
 from rig.mechanisms.joint.motion import PosedMotion
-from rig.mechanisms.pneumatic.calibration.pressure_steps import Strokes
 
 _UPRIGHT: Final = (0.0, 0.0, 1.0)
 _ZERO: Final = (0.0, 0.0, 0.0)
@@ -107,7 +114,7 @@ class StrokesAndTugs:
     move: Annotated[float, Unit("s"), Gt(0)] = 0.8
     shake: Annotated[float, Unit("s"), Gt(0)] = 2.4
     rest: Annotated[float, Unit("s"), Gt(0)] = 0.3
-    _tugs: Any = field(init=False, repr=False, default=())
+    _tugs: tuple[Tug, ...] = field(init=False, repr=False, default=())
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_tugs", tuple(self._plan()))
@@ -135,12 +142,12 @@ class StrokesAndTugs:
     @property
     def tugs(self) -> tuple[Tug, ...]:
         """The tugs in their order."""
-        return tuple(self._tugs)
+        return self._tugs
 
     @property
     def duration(self) -> float:
         """How long it takes, s."""
-        return float(self._tugs[-1].end if self._tugs else self.strokes.duration)
+        return self._tugs[-1].end if self._tugs else self.strokes.duration
 
     @property
     def segments(self) -> tuple[Segment, ...]:
@@ -149,16 +156,16 @@ class StrokesAndTugs:
         return (*self.strokes.segments, *rises)
 
 
-class Tugging(ScriptedMotion[JointReference], PosedMotion):
-    """Does strokes and tugs; to the runtime it is the motion and its controller in one.
+class TugScript(GuidedScript[JointReference, JointState, JointCommand], PosedMotion):
+    """Does strokes under a controller, and tugs that it catches.
 
     Parameters
     ----------
     settings : StrokesAndTugs
         What is to be done.
-    strokes : Motion
+    strokes : PosedMotion
         The strokes as a motion of the joint.
-    controller : PoseController
+    controller : EstimatingController
         Follows it, and catches the ring.
     base : float
         Co-contraction of the tugs, Pa gauge.
@@ -166,84 +173,83 @@ class Tugging(ScriptedMotion[JointReference], PosedMotion):
         The same wherever the controller has the ring, Pa gauge.
     """
 
-    def __init__(
-        self, settings: StrokesAndTugs, strokes: Any, controller: Any, base: float, calm: float
-    ) -> None:
-        ScriptedMotion.__init__(self, settings.duration, settings.segments)
-        self.estimate = controller.estimate
-        self.learning = None  # what the joint's log keeps of laps
-        self.settings = settings
-        self._strokes = strokes
-        self._controller = controller
-        self.base = base
-        self._calm = calm
-        self._t = 0.0
-        self._restart()
+    estimate: JointEstimate
 
-    def _restart(self) -> None:
-        self._number = -1
-        self._from = _UPRIGHT
-        self._since = 0.0
-        self._stood: float | None = None
-        self._caught = False
+    def __init__(
+        self,
+        settings: StrokesAndTugs,
+        strokes: PosedMotion,
+        controller: EstimatingController[JointReference, JointState, JointCommand],
+        base: float,
+        calm: float,
+    ) -> None:
+        super().__init__(settings.duration, settings.segments, controller)
+        self._settings = settings
+        self._strokes = strokes
+        self._base, self._calm = base, calm
 
     @property
-    def pose(self) -> Any:
+    def pose(self) -> tuple[float, float, float]:
         """What a joint's log keeps of a plan."""
         return self._strokes.pose
 
-    def at(self, t: float) -> JointReference:
-        """Take the time, and return the reference: of tugs that to stand upright."""
-        self._t = t
-        if t < self.settings.strokes.duration:
-            reference: JointReference = self._strokes.at(t)
-            return reference
+    def describe(self) -> Iterator[str]:
+        """Yield what comes after the strokes."""
+        settings = self._settings
+        force, rate = format_quantity(settings.most, "N"), format_quantity(settings.rate, "N/s")
+        base, top = (format_quantity(share * self._base, "Pa") for share in (1.0, 1.0 + DEPTH))
+        count = len(settings.tugs)
+        yield f"then upright, at {base}: {count} times one pair is pushed until it moves,"
+        yield f"no controller holding it, with a force that rises by {rate}, up to {force}"
+        yield f"before each of them all four pressures swing, up to {top} and ever less"
+
+    def reference_at(self, t: float) -> JointReference:
+        """Return the strokes' reference, and of tugs that to stand upright."""
+        if t < self._settings.strokes.duration:
+            return self._strokes.at(t)
         return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=self._calm)
 
-    def reset(self, state: JointState) -> None:
-        """Start over."""
-        self._restart()
-        self._controller.reset(state)
+    def play(self) -> Iterator[JointCommand]:
+        """Do the strokes; for each tug go upright, swing and push, and catch the ring."""
+        tugs = self._settings.tugs
+        while not tugs or self.t < tugs[0].start:
+            yield self.follow(self.wanted)
+        for tug in tugs:
+            leant, moving = self._axis(), tug.start + self._settings.move
+            while self.t < moving:
+                yield self._go_upright(leant, tug.start)
+            stood = self._place(tug)
+            while self._is_at(tug):
+                if self.t < tug.rise:
+                    stood = self._place(tug)
+                force = self._settings.rate * max(self.t - tug.rise, 0.0)
+                gone = tug.side * (self._place(tug) - stood)
+                if gone >= BROKEN or force >= self._settings.most:
+                    break
+                yield self._push(tug, force)
+            leant, caught = self._axis(), self.t
+            while self._is_at(tug):
+                yield self._go_upright(leant, caught)
 
-    def update(self, state: JointState, reference: JointReference) -> JointCommand:
-        """Return the command of this instant."""
-        tug = self._tug_at(self._t)
-        if tug is not None:
-            reference = self._during(tug, state)
-        command: JointCommand = self._controller.update(state, reference)
-        self.estimate = self._controller.estimate
-        return command
+    def _is_at(self, tug: Tug) -> bool:
+        return self.t < tug.end or tug is self._settings.tugs[-1]
 
-    def _tug_at(self, t: float) -> Tug | None:
-        tugs = self.settings.tugs
-        if not tugs or t < tugs[0].start:
-            return None
-        while self._number < 0 or (t >= tugs[self._number].end and self._number < len(tugs) - 1):
-            self._number += 1
-            self._leave(tugs[self._number].start)
-        return tugs[self._number]
-
-    def _leave(self, t: float) -> None:
-        """Go upright from here on."""
+    def _axis(self) -> Vector:
+        """Return where the ring points by the rods."""
         x, y, z = self.estimate.encoder_marker
         length = math.sqrt(x * x + y * y + z * z)
-        self._from = (x / length, y / length, z / length)
-        self._since = t
-        self._stood, self._caught = None, False
+        return (x / length, y / length, z / length)
 
-    def _during(self, tug: Tug, state: JointState) -> JointReference:
-        """Return what the controller is asked for in a tug: to stand, to push or to catch."""
-        t, (a, b, c, d) = self._t, state.rods
-        place = 0.5 * (a - c) if tug.pair == 0 else 0.5 * (d - b)
-        if t >= tug.start + self.settings.move and not self._caught:
-            if t < tug.rise or self._stood is None:
-                self._stood = place
-            force = self.settings.rate * max(t - tug.rise, 0.0)
-            if tug.side * (place - self._stood) < BROKEN and force < self.settings.most:
-                push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
-                base = self.base * self.settings.swung(tug, t)
-                return JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=base, push=push)
-            self._leave(t)
-            self._caught = True
-        back = great_circle(self._from, _UPRIGHT, 0.8 * self.settings.move, t - self._since)
-        return back._replace(base_pressure=self._calm)
+    def _place(self, tug: Tug) -> float:
+        """Return where the pair of a tug is, m."""
+        a, b, c, d = self.state.rods
+        return 0.5 * (a - c) if tug.pair == 0 else 0.5 * (d - b)
+
+    def _go_upright(self, leant: Vector, since: float) -> JointCommand:
+        way = great_circle(leant, _UPRIGHT, 0.8 * self._settings.move, self.t - since)
+        return self.follow(way._replace(base_pressure=self._calm))
+
+    def _push(self, tug: Tug, force: float) -> JointCommand:
+        push = (tug.side * force, 0.0) if tug.pair == 0 else (0.0, tug.side * force)
+        base = self._base * self._settings.swung(tug, self.t)
+        return self.follow(JointReference(_UPRIGHT, _ZERO, _ZERO, base_pressure=base, push=push))

@@ -19,24 +19,21 @@ lean. Upright nothing is left of it.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final
 
 import numpy as np
 
-from rig.calibration.error_sums import half_width
+from rig.calibration.arrays import Array
+from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate, Fit, fit, welch
-from rig.calibration.instruments import Instrument
+from rig.calibration.instruments import Instrument, shown_in
 from rig.calibration.procedure import Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
+from rig.mechanisms.joint.calibration import sighting_model
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
-from rig.mechanisms.joint.calibration.sighting_model import Wires
-from rig.mechanisms.pneumatic.calibration.pneumatics import pneumatics_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
+from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, Wires, ends_of_sweeps
 
 INCLINOMETER_ACCURACY: Final = 2e-4
 """Standard uncertainty of a reading, rad: a digital one of 0.01 deg, turned round to lose its zero.
@@ -47,43 +44,49 @@ _MOST: Final = math.radians(10.0)
 """A ring that leans more does not stand upright."""
 
 
-class WireOffsets(NamedTuple):
-    """What is found of the single wires.
+class JointWires(Wires):
+    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself.
 
     Parameters
     ----------
-    offsets : tuple of float
-        How much further each rod stands out than all in the mean, m.
-    home, give : Estimate
-        Where all of them are taut in the mean, the ring upright, and how they give, m and m/N.
-    single : tuple of Estimate
-        Where each of them is taut.
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
     """
 
-    offsets: tuple[float, ...]
-    home: Estimate
-    give: Estimate
-    single: tuple[Estimate, ...]
-
-
-def inclinometers(stretches: Sequence[str]) -> tuple[Instrument, ...]:
-    """Return the inclinometer on the ring, read along both axes in some stretches."""
-    return tuple(
-        Instrument(
-            f"inclinometer {axis}", "rad", INCLINOMETER_ACCURACY, tuple(stretches), f"axis_{axis}"
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return the inclinometer on the ring, read along both axes where sweeps end."""
+        stretches = tuple(ends_of_sweeps())
+        return tuple(
+            Instrument(
+                f"inclinometer {axis}", "rad", INCLINOMETER_ACCURACY, stretches, f"axis_{axis}"
+            )
+            for axis in _AXES
         )
-        for axis in _AXES
-    )
+
+    def believed_stiffness(self, profile: Profile) -> float | None:
+        """Return the wires' stiffness that the profile has, N/m."""
+        return float(profile.mechanism_settings.wire_stiffness)
+
+    def with_single_wires(
+        self, profile: Profile, data: Recording, readings: Readings, found: Fit, mean: WireEstimates
+    ) -> WireEstimates:
+        """Return what the inclinometer tells of each wire, or that nobody read it."""
+        sides = ends_of_sweeps()
+        axes = _axes(readings, sides)
+        if axes is None:
+            note = "nobody read the inclinometer on the ring: single wires are not told"
+            return mean._replace(notes=(*mean.notes, note))
+        return wire_offsets(profile, data, axes, sides, found)._replace(notes=mean.notes)
 
 
 def wire_offsets(
     profile: Profile,
     recording: Recording,
-    readings: Readings,
+    axes: Array,
     sides: Mapping[str, int],
     found: Fit,
-) -> WireOffsets | None:
-    """Return what is found of the single wires; None if nobody read the inclinometer.
+) -> WireEstimates:
+    """Return where the wires are taut, in their mean and each by itself.
 
     Parameters
     ----------
@@ -91,27 +94,19 @@ def wire_offsets(
         Of a joint.
     recording : Recording
         What was recorded.
-    readings : mapping
-        Of the inclinometer.
+    axes : ndarray, shape (n, 3)
+        The ring's in each stretch, by the inclinometer.
     sides : mapping of str to int
-        The stretches in which it is read: +1 on the way up.
+        The n stretches in which it was read: +1 on the way up.
     found : Fit
         What the mean of all rods says while the ring leans as it does: home (mm), give (mm/N).
-
-    Raises
-    ------
-    CalibrationRefused
-        It was not read everywhere, or the ring does not stand upright.
     """
-    axes = _axes(readings, sides)
-    if axes is None:
-        return None
-    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
+    pneumatics = JointPneumatics(profile)
     recorded = [recording[name] for name in sides]
     extension = np.array(
         [[pneumatics.extension(p, c).mean() for c in pneumatics.channels] for p in recorded]
     )
-    pull = settings.area * np.array(
+    pull = pneumatics.area * np.array(
         [[p.mean(f"reading.pressure_{c}") for c in pneumatics.channels] for p in recorded]
     )
     side, mean_pull = np.array([float(value) for value in sides.values()]), pull.mean(axis=1)
@@ -151,22 +146,28 @@ def wire_offsets(
         others = [*parts[0], (own.std, len(side) - 3.0)]
         value = home.value + offsets[-1]
         single.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
-    return WireOffsets(tuple(offsets), home, give, tuple(single))
+    return WireEstimates(home, give, tuple(single), tuple(offsets))
 
 
-def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
-    """Return the ring's axis in each stretch, shape (n, 3), as the inclinometer shows it."""
-    shown = [readings.get(f"inclinometer {axis}", {}) for axis in _AXES]
-    if not any(shown):
+def _axes(readings: Readings, sides: Mapping[str, int]) -> Array | None:
+    """Return the ring's axis in each stretch, shape (n, 3); None if nobody read the inclinometer.
+
+    Raises
+    ------
+    CalibrationRefused
+        It was not read everywhere, or the ring does not stand upright.
+    """
+    if not any(readings.get(f"inclinometer {axis}") for axis in _AXES):
         return None
-    for axis, told in zip(_AXES, shown, strict=True):
-        lacking = [name for name in sides if name not in told]
-        if lacking:
-            raise CalibrationRefused(
-                f"the inclinometer along {axis} was not read in {len(lacking)} of {len(sides)} "
-                f"stretches, first in {lacking[0]!r}"
+    leaning = np.column_stack(
+        [
+            shown_in(
+                readings, f"inclinometer {axis}", tuple(sides),
+                f"the inclinometer along {axis} was not read",
             )
-    leaning = np.array([[told[name] for told in shown] for name in sides])
+            for axis in _AXES
+        ]
+    )  # fmt: skip
     if float(np.hypot(*leaning.T).max()) > _MOST:
         raise CalibrationRefused(
             f"the ring leans by {math.degrees(float(np.hypot(*leaning.T).max())):.3g} deg: put it "
@@ -177,7 +178,7 @@ def _axes(readings: Readings, sides: Mapping[str, int]) -> "Array | None":
 
 
 def _sum(
-    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: "Array"
+    name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: Array
 ) -> Estimate:
     """Return an estimate whose error is what scatters, and what tolerances leave.
 
@@ -191,9 +192,7 @@ def _sum(
         Standard deviation of what each tolerance leaves, in `unit`.
     """
     std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
-    half = half_width(std, freedom, even=made.tolist())
-    whole = float(np.hypot(std, np.linalg.norm(made)))
-    return Estimate(name, value, unit, whole, value - half, value + half)
+    return estimate_of_sum(name, value, unit, std, freedom, even=made.tolist())
 
 
 def _believed(profile: Profile) -> dict[str, float]:
@@ -206,13 +205,13 @@ def _believed(profile: Profile) -> dict[str, float]:
     }
 
 
-def _shortened(values: Mapping[str, float], axes: "Array") -> "Array":
+def _shortened(values: Mapping[str, float], axes: Array) -> Array:
     """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
-    wires = Wires.of(values)
+    wires = sighting_model.Wires.of(values)
     return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
 
 
-def _made(profile: Profile, believed: Mapping[str, float], axes: "Array") -> "Array":
+def _made(profile: Profile, believed: Mapping[str, float], axes: Array) -> Array:
     """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, n, 4)."""
     rows = {
         prior.name: 0.5 * (ahead - behind)

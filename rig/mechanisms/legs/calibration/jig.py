@@ -3,29 +3,25 @@
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from controllers.gait.geometry import AXIS_NAMES
 from controllers.gait.types import LegsCommand, LegsReference
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
 from rig.calibration.instruments import Instrument
 from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
-from rig.mechanisms.servo.calibration.posture_moves import PostureMoves, Postures
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.servo.calibration.posture_moves import Postures, PostureScript
 
 _ROOM: Final = 4.0 * math.pi
 """By how much a reading may be outside its limits, rad: any way that a horn can be mounted."""
 _LOOSE: Final = 2e-3
 """By how much a joint that a jig holds may move, beside two counts, rad."""
-_PLAN_COLUMNS: Final = 17
 
 
 def devices_of(profile: Profile) -> tuple[str, ...]:
@@ -75,32 +71,26 @@ def excite(
         (name,), AXIS_NAMES, ((0.0,) * len(AXIS_NAMES),), settings.jig.dwell,
         settings.jig.dwell, relative=True,
     )  # fmt: skip
-    motion = PostureMoves(
+    script = PostureScript(
         postures, (1.0,) * len(AXIS_NAMES), settings.geometry.limits,
-        reference=LegsReference, command=LegsCommand, columns=_PLAN_COLUMNS, has_torque=False,
+        reference=LegsReference, command=LegsCommand, has_torque=False,
     )  # fmt: skip
-    wider = dataclasses.replace(settings.limits, following=_ROOM)
-    relaxed = dataclasses.replace(
-        profile, mechanism_settings=dataclasses.replace(settings, limits=wider)
-    )
+    wider = profile_with(profile, {f"{profile.mechanism}.limits.following": _ROOM})
     if profile.plant is not None and name:  # a simulated robot is put where a real one is
-        stand = dataclasses.replace(profile.plant.settings, stand=poses[name])
-        relaxed = dataclasses.replace(
-            relaxed, plant=dataclasses.replace(profile.plant, settings=stand)
-        )
+        wider = profile_with(wider, {"plant.stand": poses[name]})
     notes = (
         "limits.following is not in force: there is no torque, and the zeros that the joints' "
         "limits rest on are what is looked for",
     )
     return Excitation(
-        postures, motion, motion, "joint-moves", relaxed, notes, approach=0.1,
+        postures, script, script, "joint-moves", wider, script.describe, notes, approach=0.1,
         placing=f"put both legs into the jig's pose {name!r}, without torque" if name else "",
     )  # fmt: skip
 
 
 def measured(
-    poses: dict[str, tuple[float, ...]], recording: Recording, readings: Readings, steps: "Array"
-) -> "tuple[Array, Array]":
+    poses: dict[str, tuple[float, ...]], recording: Recording, readings: Readings, steps: Array
+) -> tuple[Array, Array]:
     """Return what the encoders read and what the jig says, each (poses, 12), rad.
 
     Parameters
@@ -127,7 +117,7 @@ def measured(
     return np.array(read), np.array(said)
 
 
-def _check_still(name: str, stretch: Stretch, steps: "Array") -> None:
+def _check_still(name: str, stretch: Stretch, steps: Array) -> None:
     for joint, step in zip(AXIS_NAMES, steps.tolist(), strict=True):
         moved = float(np.ptp(stretch[f"reading.position_{joint}"]))
         if moved > _LOOSE + 2.0 * step:
@@ -147,7 +137,7 @@ def settings_of(profile: Profile) -> list[tuple[str, Any]]:
     return [found[joint] for joint in AXIS_NAMES]
 
 
-def steps_of(profile: Profile) -> "Array":
+def steps_of(profile: Profile) -> Array:
     """Return the steps of the encoders, rad; 0 where they are not known."""
     counts = [getattr(joint, "counts_per_radian", math.inf) for _, joint in settings_of(profile)]
     return np.array([1.0 / abs(count) for count in counts])
@@ -157,7 +147,7 @@ def findings(
     profile: Profile,
     values: Sequence[dict[str, Any]],
     estimates: Sequence[Sequence[Estimate]],
-    residuals: "Array",
+    residuals: Array,
     bound: float,
     panels: Sequence[Panel],
 ) -> list[Finding]:

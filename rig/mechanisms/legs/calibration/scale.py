@@ -6,14 +6,15 @@ may say the angles instead, in a file of readings.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from controllers.gait.geometry import AXIS_NAMES
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
@@ -27,11 +28,6 @@ from rig.mechanisms.legs.calibration.jig import (
     steps_of,
 )
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
 _LEAST_TURN = math.radians(10.0)
 _WIDEST = 2.0
 """A scale further from 1 than this factor is a frozen or slipping encoder."""
@@ -39,8 +35,8 @@ _BOUND = 3.0
 """Residual above which a line is not to be used, in the stated uncertainty."""
 
 
-class LegScale:
-    """Scale, direction and zero of every joint."""
+class LegScale(Procedure[Recording]):
+    """Procedure for scale, direction and zero of every joint."""
 
     name = "scale"
     title = "scale, direction and zero of the joints' encoders, in several poses of a jig"
@@ -57,13 +53,11 @@ class LegScale:
         """Return the jig's next pose."""
         return excite(profile, jig_poses(profile), done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit a line per joint."""
         poses = jig_poses(profile)
         steps = steps_of(profile)
-        read, said = measured(poses, recording, readings, steps)
+        read, said = measured(poses, data, readings, steps)
         tolerance = profile.mechanism_settings.jig.tolerance
         values, estimates, fitted = [], [], np.empty_like(said)
         for k, (device, joint) in enumerate(settings_of(profile)):
@@ -83,8 +77,8 @@ class LegScale:
 
 
 def _line(
-    name: str, joint: Any, nominal: Any, read: "Array", said: "Array", std: float
-) -> "tuple[dict[str, Any], tuple[Estimate, ...], Array]":
+    name: str, joint: Any, nominal: Any, read: Array, said: Array, std: float
+) -> tuple[dict[str, Any], tuple[Estimate, ...], Array]:
     """Return settings, estimates and fitted angles of a joint."""
     turned, moved = float(np.ptp(said)), float(np.ptp(read))
     if turned < _LEAST_TURN:
@@ -116,7 +110,7 @@ def _line(
     return value, estimates, design @ (gain, offset)
 
 
-def _panels(read: "Array", said: "Array", fitted: "Array") -> list[Panel]:
+def _panels(read: Array, said: Array, fitted: Array) -> list[Panel]:
     """Return a panel per leg; `read` with the directions corrected."""
     panels = []
     for leg, mine in (("right leg", slice(0, 6)), ("left leg", slice(6, 12))):

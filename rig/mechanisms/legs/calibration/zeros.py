@@ -6,14 +6,14 @@ makes of the joints, to its tolerance.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from controllers.gait.geometry import AXIS_NAMES
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import interval
 from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
@@ -27,17 +27,12 @@ from rig.mechanisms.legs.calibration.jig import (
     steps_of,
 )
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
-
 _SAMPLES = 5
 """Of each stretch that are shown."""
 
 
-class LegZeros:
-    """Zero of every joint, in one pose."""
+class LegZeros(Procedure[Recording]):
+    """Procedure for the zero of every joint, in one pose."""
 
     name = "zeros"
     title = "zeros of the joints, in a jig"
@@ -54,13 +49,11 @@ class LegZeros:
         """Return the jig's first pose."""
         return excite(profile, jig_poses(profile, 1), done)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Compare what the encoders read with what the jig is made to."""
         poses = jig_poses(profile, 1)
         steps = steps_of(profile)
-        (read,), (said,) = measured(poses, recording, readings, steps)
+        (read,), (said,) = measured(poses, data, readings, steps)
         tolerance = profile.mechanism_settings.jig.tolerance
         values, estimates = [], []
         for k, (_, joint) in enumerate(settings_of(profile)):
@@ -71,14 +64,14 @@ class LegZeros:
             name = f"{AXIS_NAMES[k]}.offset"
             estimates.append((interval(name, offset, "rad", std, math.inf),))
         (name,) = poses
-        stretch = recording[name]
+        stretch = data[name]
         samples = np.column_stack([stretch[f"reading.position_{j}"] for j in AXIS_NAMES])
         scatter = read - samples
         bound = 1e-3 + float(steps.max())
         return findings(profile, values, estimates, scatter, bound, (_panel(said, read, scatter),))
 
 
-def _panel(said: "Array", read: "Array", scatter: "Array") -> Panel:
+def _panel(said: Array, read: Array, scatter: Array) -> Panel:
     shown = scatter[:: max(len(scatter) // _SAMPLES, 1)][:_SAMPLES]
     joint = np.broadcast_to(np.arange(1.0, 13.0), shown.shape)
     fit = np.broadcast_to(1e3 * (said - read), shown.shape)

@@ -5,33 +5,27 @@ rods move; at each level somebody measures how far every rod stands out. The ext
 straight line through what the encoder counted.
 """
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import Any, Final
 
 import numpy as np
 
 from rig.assembly import make_controller
-from rig.calibration.estimates import Fit, fit
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.arrays import Array
+from rig.calibration.estimates import fit_or_refuse
+from rig.calibration.instruments import Instrument, shown_in
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.references import Staircase
-from rig.mechanisms.pneumatic.calibration.pneumatics import leaning, pneumatics_of, reach, relaxed
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 
 CALIPER_ACCURACY: Final = 10e-6
 """Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
 
 _SHARE: Final = 0.6
 """Of the permitted positions that is used."""
-
-_BETWEEN: Final = 0.25 * math.pi
-"""Azimuth between a joint's pairs, rad: leaning there moves both."""
 
 _LEVELS: Final = 15
 _ROOM: Final = 5e-3
@@ -41,51 +35,53 @@ _LEAST_TRAVEL: Final = 10e-3
 _BOUND: Final = 50e-6
 
 
-class Encoders:
-    """Zero, direction and scale of the rods' encoders."""
+class Encoders(Procedure[Recording]):
+    """Procedure for zero, direction and scale of the rods' encoders.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "encoders"
     title = "zero, direction and scale of the rods' encoders against a caliper"
 
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
+
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the encoders' files."""
-        return pneumatics_of(profile).encoders
+        return self._of(profile).encoders
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
         """Return a caliper per rod, read at every level."""
-        names = tuple(segment.name for segment in _stairs(profile).segments)
+        pneumatics = self._of(profile)
+        names = tuple(segment.name for segment in _stairs(pneumatics).segments)
         return tuple(
             Instrument(f"caliper {channel}", "m", CALIPER_ACCURACY, names, f"extension_{channel}")
-            for channel in pneumatics_of(profile).channels
+            for channel in pneumatics.channels
         )
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the levels; a staircase that was broken off is climbed again from its foot."""
-        stairs = _stairs(profile)
-        wider, notes = relaxed(profile, _ROOM)
+        stairs = _stairs(self._of(profile))
+        wider, notes = self._of(profile).with_wider_limits(_ROOM)
         # It knows nothing of wires that rods are calibrated against.
-        controller = make_controller(wider, "pid")
-        motion = leaning(wider, stairs, _BETWEEN, controller)
-        return Excitation(stairs, motion, controller, "pid", wider, notes, approach=3.0)
+        controller, moved = make_controller(wider, "pid"), self._of(wider)
+        motion = moved.along_line(stairs, controller)
+        return moved.excitation(stairs, motion, controller, "pid", notes, approach=3.0)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit a line per encoder."""
-        pneumatics = pneumatics_of(profile)
-        names = [segment.name for segment in _stairs(profile).segments]
-        recording.require(names)
+        pneumatics = self._of(profile)
+        names = [segment.name for segment in _stairs(pneumatics).segments]
+        data.require(names)
         findings = []
         for device, channel in zip(pneumatics.encoders, pneumatics.channels, strict=True):
-            shown = readings.get(f"caliper {channel}", {})
-            lacking = [name for name in names if name not in shown]
-            if lacking:
-                raise CalibrationRefused(
-                    f"the caliper of {channel} was not read in {len(lacking)} of {len(names)} "
-                    f"stretches, first in {lacking[0]!r}"
-                )
-            extension = np.array([shown[name] for name in names])
-            read = np.array([pneumatics.extension(recording[n], channel).mean() for n in names])
+            lack = f"the caliper of {channel} was not read"
+            extension = np.array(shown_in(readings, f"caliper {channel}", names, lack))
+            read = np.array([pneumatics.extension(data[n], channel).mean() for n in names])
             settings, nominal = (
                 profile.devices[device].settings,
                 profile.devices[device].nominal,
@@ -97,8 +93,8 @@ class Encoders:
         return findings
 
 
-def _stairs(profile: Profile) -> Staircase:
-    half = reach(profile, _SHARE)
+def _stairs(pneumatics: Pneumatics[Any, Any]) -> Staircase:
+    half = pneumatics.reach(_SHARE)
     count = _LEVELS // 2 + 1
     up = [half * (-1.0 + 2.0 * k / (count - 1)) for k in range(count)]
     down = [0.5 * (a + b) for a, b in pairwise(up)][::-1]
@@ -108,9 +104,9 @@ def _stairs(profile: Profile) -> Staircase:
 
 def _line(
     device: str,
-    counted: "NDArray[np.float64]",
-    extension: "NDArray[np.float64]",
-    before: "NDArray[np.float64]",
+    counted: Array,
+    extension: Array,
+    before: Array,
     step: float,
 ) -> Finding:
     travel, moved = float(np.ptp(extension)), float(np.ptp(counted))
@@ -126,12 +122,9 @@ def _line(
         )
     middle = float(counted.mean())
     x = counted - middle
-    try:
-        found: Fit = fit(
-            lambda q: 1e3 * (extension - q[0] - q[1] * x), (extension.mean(), 1.0), (1e-3, 1.0)
-        )
-    except ValueError as error:
-        raise CalibrationRefused(f"{device}: {error}") from error
+    found = fit_or_refuse(
+        device, lambda q: 1e3 * (extension - q[0] - q[1] * x), (extension.mean(), 1.0), (1e-3, 1.0)
+    )
     slope = float(found.values[1])
     zero = float(found.values[0]) - slope * middle
     sign = 1.0 if slope > 0.0 else -1.0

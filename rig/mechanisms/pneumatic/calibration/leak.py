@@ -33,14 +33,14 @@ ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristi
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
-from rig.calibration.estimates import Estimate, Fit, fit
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.arrays import Array
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.lock_cycles import (
@@ -48,24 +48,9 @@ from rig.mechanisms.pneumatic.calibration.lock_cycles import (
     OPENED,
     SHUT,
     LockCycles,
-    Locking,
+    LockScript,
 )
-from rig.mechanisms.pneumatic.calibration.pneumatics import (
-    balanced,
-    calm_base,
-    command_type,
-    leaning,
-    mover,
-    pneumatics_of,
-    reach,
-    relaxed,
-    unseen,
-)
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 
 ATMOSPHERE: Final = 101_325.0
 _FLOW: Final = 1.185 * 287.05 * 293.15
@@ -88,10 +73,6 @@ _GIVE: Final = 1e-3
 """How far a joint's wire may seem to move while the monitors are blind, m: three times their give.
 """
 
-_SHARE: Final = {"cylinder": 0.5, "joint": 0.75}
-"""Of what is permitted. The smaller chamber empties faster, and friction alone holds the rods."""
-
-_BETWEEN: Final = 0.25 * math.pi
 _BOUND: Final = 5e-3
 """rms of the residuals, 1: a few times the noise of a monitor."""
 
@@ -111,25 +92,26 @@ class _Waits(NamedTuple):
         Of the chamber but for a part that is always the same, m³.
     """
 
-    place: "Array"
-    time: "Array"
-    left: "Array"
-    volume: "Array"
+    place: Array
+    time: Array
+    left: Array
+    volume: Array
 
 
-class Leak:
-    """Leak of every chamber."""
+class Leak(Procedure[Recording]):
+    """Procedure for the leak of every chamber.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "leak"
     title = "leak of the chambers, locked in for a while"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: the monitors measure it."""
-        return ()
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the waits that are not done.
@@ -139,37 +121,27 @@ class Leak:
         RigLacks
             A chamber cannot be locked: says which, and what it takes.
         """
-        _check_locks(profile)
-        cycles = _cycles(profile, done)
-        wider, notes = relaxed(profile)
-        wider, more = unseen(wider, _GIVE)
-        wider, name = mover(wider)
-        controller = make_controller(wider, name)
-        base = calm_base(profile)
-        motion = leaning(wider, cycles, _BETWEEN, controller, ((0.0, base),))
-        first = {cycle.place: cycle.start for cycle in reversed(list(cycles.cycles()))}
-        pressures = {
-            place: balanced(wider, motion.at(start), cycles.pressure)
-            for place, start in first.items()
-        }
-        locking = Locking(
-            cycles, motion, controller, pressures, base, command_type(profile),
-            pneumatics_of(profile).regulators,
-        )  # fmt: skip
-        return Excitation(cycles, locking, locking, name, wider, (*notes, *more), approach=3.0)
+        pneumatics = self._of(profile)
+        _check_locks(pneumatics)
+        cycles = _cycles(pneumatics, done)
+        wider, notes = pneumatics.with_wider_limits()
+        wider, more = self._of(wider).with_blind_monitors(_GIVE)
+        wider, name = self._of(wider).with_gentle_controller()
+        moved = self._of(wider)
+        script = LockScript(cycles, moved, make_controller(wider, name))
+        return moved.scripted(cycles, script, name, (*notes, *more), 3.0, follows=True)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit the rates at both places."""
-        cycles = _cycles(profile, ())
-        recording.require(segment.name for segment in cycles.segments)
+        pneumatics = self._of(profile)
+        cycles = _cycles(pneumatics, ())
+        data.require(segment.name for segment in cycles.segments)
         estimates: list[Estimate] = []
         residuals: list[Array] = []
         panels: list[Panel] = []
         notes: list[str] = []
-        for channel in pneumatics_of(profile).channels:
-            waits = _waits(profile, recording, cycles, channel)
+        for channel in pneumatics.channels:
+            waits = _waits(pneumatics, data, cycles, channel)
             found = _fit_rates(channel, waits)
             rates = found.values[:2]
             estimates.append(
@@ -196,10 +168,9 @@ class Leak:
         )  # fmt: skip
 
 
-def _check_locks(profile: Profile) -> None:
-    pneumatics = pneumatics_of(profile)
+def _check_locks(pneumatics: Pneumatics[Any, Any]) -> None:
     device = pneumatics.regulators
-    channels = profile.devices[device].settings.channels
+    channels = pneumatics.profile.devices[device].settings.channels
     open_ended = [name for name in pneumatics.channels if channels[name].lock_bit is None]
     if open_ended:
         key = f"devices.{device}.channels.{open_ended[0]}.lock_bit"
@@ -210,7 +181,7 @@ def _check_locks(profile: Profile) -> None:
         )
 
 
-def _cycles(profile: Profile, done: Sequence[str]) -> LockCycles:
+def _cycles(pneumatics: Pneumatics[Any, Any], done: Sequence[str]) -> LockCycles:
     rows = [
         (f"{'in' if place > 0 else 'out'} {k + 1}", place, wait)
         for place in (1, -1)
@@ -219,11 +190,13 @@ def _cycles(profile: Profile, done: Sequence[str]) -> LockCycles:
     looks = (BEFORE, SHUT, OPENED)
     rows = [row for row in rows if not all(f"{row[0]} {look}" in done for look in looks)]
     names, places, waits = zip(*rows, strict=True) if rows else ((), (), ())
-    travel = reach(profile, _SHARE[profile.mechanism])
+    travel = pneumatics.reach(pneumatics.locked_share)
     return LockCycles(travel, _PRESSURE, _BELOW, names, places, waits)
 
 
-def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: str) -> _Waits:
+def _waits(
+    pneumatics: Pneumatics[Any, Any], recording: Recording, cycles: LockCycles, channel: str
+) -> _Waits:
     """Return what is judged of a chamber.
 
     Raises
@@ -231,8 +204,8 @@ def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: 
     CalibrationRefused
         Too few waits tell anything; says why.
     """
-    settings, pneumatics = profile.mechanism_settings, pneumatics_of(profile)
-    monitor, period = f"reading.pressure_{channel}", profile.loop.period
+    area, stroke = pneumatics.area, pneumatics.stroke
+    monitor, period = f"reading.pressure_{channel}", pneumatics.profile.loop.period
     parts = []
     for place in (1, -1):
         traces, rows, slipped = [], [], 0
@@ -244,9 +217,9 @@ def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: 
             if abs(x_1 - x_0) > _SLIPPED:
                 slipped += 1
                 continue
-            v_0, v_1 = (settings.area * (settings.stroke - float(x)) for x in (x_0, x_1))
+            v_0, v_1 = (area * (stroke - float(x)) for x in (x_0, x_1))
             # The tube's volume beside the cylinder's is not known: the wires' give is small.
-            tube = 0.5 * settings.area * settings.stroke
+            tube = 0.5 * area * stroke
             swelled = (v_1 - v_0) / (tube + v_1)
             after = np.rint((opened["t"] - opened["t"][0]) / period).astype(int)
             trace = np.full(after[-1] + 1, np.nan)
@@ -272,7 +245,7 @@ def _waits(profile: Profile, recording: Recording, cycles: LockCycles, channel: 
     return _Waits(*np.concatenate(parts).T)
 
 
-def _nothing_seen(channel: str, seen: "Array", times: Sequence[float]) -> str:
+def _nothing_seen(channel: str, seen: Array, times: Sequence[float]) -> str:
     shortest = np.array(times) < 1.0
     if np.nanmax(seen[shortest], initial=0.0) > _WIDE:
         return (
@@ -289,14 +262,11 @@ def _fit_rates(channel: str, waits: _Waits) -> Fit:
     """Fit the rates at both places (1/s), and where the lines begin."""
     inside = waits.place > 0
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         rate, begin = np.where(inside, q[0], q[1]), np.where(inside, q[2], q[3])
         return np.asarray(waits.left - begin + rate * waits.time)
 
-    try:
-        return fit(residuals, (0.005, 0.005, 0.0, 0.0), (0.01, 0.01, 0.1, 0.1))
-    except ValueError as error:
-        raise CalibrationRefused(f"{channel}: {error}") from error
+    return fit_or_refuse(channel, residuals, (0.005, 0.005, 0.0, 0.0), (0.01, 0.01, 0.1, 0.1))
 
 
 def _conductance(channel: str, waits: _Waits, found: Fit) -> Estimate | None:
@@ -311,11 +281,7 @@ def _conductance(channel: str, waits: _Waits, found: Fit) -> Estimate | None:
     inverse = found.estimate("", "", gradient, per * (1.0 / other - 1.0 / one))
     if inverse.low <= 0.0:
         return None
-    value = 1.0 / inverse.value
-    return Estimate(
-        f"leak.{channel}.conductance", value, "m^3/(s Pa)", value**2 * inverse.std,
-        1.0 / inverse.high, 1.0 / inverse.low,
-    )  # fmt: skip
+    return inverse.inverse(f"leak.{channel}.conductance", "m^3/(s Pa)")
 
 
 def _panel(channel: str, waits: _Waits, found: Fit) -> Panel:

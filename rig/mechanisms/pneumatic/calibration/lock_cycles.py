@@ -1,23 +1,29 @@
 """Air locked into the chambers for a while, at two places of the rods: the excitation of a leak."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple, TypeVar
 
 from annotated_types import Gt, Unit
 
 from controllers.cylinder.types import PairReference
 from controllers.minimum_jerk import minimum_jerk
-from rig.calibration.sequence import ScriptedMotion
-from rig.hal import ConfigurationError
-from rig.hal.motion import Segment
+from rig.calibration.sequence import EstimatingController, GuidedScript, between
+from rig.config import format_quantity
+from rig.hal import ConfigurationError, Device
+from rig.hal.motion import Motion, Segment
+from rig.mechanisms.pneumatic.calibration.pneumatics import Pneumatics
+
+State = TypeVar("State")
+Reference = TypeVar("Reference")
+Command = TypeVar("Command", bound=tuple[float, ...])
 
 BEFORE, SHUT, OPENED = "before", "shut", "opened"
 """The three looks at a cycle: pressurised, locked in, and right after the valves opened."""
 
 _HALT: Final = (0.02, 0.2)
-"""When a place is reached: within how long the chambers get pressures that turn nothing, in case
-the controller shook the rods, and when those rest, s."""
+"""At a place the chambers get pressures that turn nothing, in case the controller shook the rods:
+within the first time, until the second one, s."""
 
 _RAMP: Final = 0.3
 _LOOK: Final = 0.3
@@ -50,7 +56,7 @@ class Cycle(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class LockCycles:
+class LockCycles(Motion[PairReference]):
     """Locked waits at two places, one place after the other.
 
     Parameters
@@ -65,7 +71,7 @@ class LockCycles:
         Of the cycles.
     places : tuple of int
         +1 or -1 for each.
-    waits : tuple of float
+    times : tuple of float
         How long each is locked, s.
     settle : float
         Time at pressure before the valves shut, s.
@@ -78,14 +84,14 @@ class LockCycles:
     below: Annotated[float, Unit("Pa"), Gt(0)]
     names: tuple[str, ...]
     places: tuple[int, ...]
-    waits: tuple[Annotated[float, Unit("s"), Gt(0)], ...]
+    times: tuple[Annotated[float, Unit("s"), Gt(0)], ...]
     settle: Annotated[float, Unit("s"), Gt(0)] = 1.0
     move: Annotated[float, Unit("s"), Gt(0)] = 1.5
 
     def cycles(self) -> Iterator[Cycle]:
         """Yield the cycles in their order."""
         t, last = 0.0, 0
-        for name, place, wait in zip(self.names, self.places, self.waits, strict=True):
+        for name, place, wait in zip(self.names, self.places, self.times, strict=True):
             if place != last:
                 # The first place is where the approach ends.
                 t += self.move * (2.0 if last else 1.0)
@@ -128,59 +134,39 @@ class LockCycles:
         return PairReference(0.0 if before is None else before.place * self.travel, 0.0, 0.0)
 
 
-class Locking(ScriptedMotion[Any]):
-    """Follows a motion between its cycles, and in them gives pressures and shuts the valves.
-
-    To the runtime it is the motion and its controller in one; see `OpenLoop`.
+class LockScript(GuidedScript[Reference, State, Command]):
+    """Follows a motion between its cycles; in them it sets pressures and shuts the valves.
 
     Parameters
     ----------
     cycles : LockCycles
         What is to be done when.
-    motion : object
-        `cycles` as a motion of the mechanism.
-    controller : object
-        Who follows it from place to place.
-    pressures : mapping of int to sequence of float
-        By the place: what each chamber has when it is locked, Pa gauge; in balance.
-    base : float
-        Their mean while the controller works, Pa gauge.
-    command : callable
-        Makes the mechanism's command of one pressure per channel.
-    regulators : str
-        The device that has the valves.
+    pneumatics : Pneumatics
+        Of the mechanism, with the profile that it is done under.
+    controller : EstimatingController
+        Who follows from place to place.
     """
 
     def __init__(
         self,
         cycles: LockCycles,
-        motion: Any,
-        controller: Any,
-        pressures: Mapping[int, Sequence[float]],
-        base: float,
-        command: Callable[..., Any],
-        regulators: str,
+        pneumatics: Pneumatics[Reference, Command],
+        controller: EstimatingController[Reference, State, Command],
     ) -> None:
-        self.pressures = pressures
-        super().__init__(cycles.duration, cycles.segments)
-        self.estimate = controller.estimate
-        self.learning = None
+        super().__init__(cycles.duration, cycles.segments, controller)
         self._cycles = list(cycles.cycles())
-        self.below = cycles.below
-        self.count = len(self._cycles)
-        self._motion = motion
-        self._controller = controller
-        self._command = command
-        self._regulators = regulators
+        self._below = cycles.below
+        self._pneumatics = pneumatics
+        self._base = pneumatics.gentle_pressure
+        self._motion = pneumatics.along_line(cycles, controller, ((0.0, self._base),))
+        first = {cycle.place: cycle.start for cycle in reversed(self._cycles)}
+        self.pressures = {
+            place: pneumatics.balanced(self._motion.at(start), cycles.pressure)
+            for place, start in first.items()
+        }
         self._lock: Callable[[tuple[bool, ...]], None] | None = None
-        self._shut = False
-        self._base = base
-        self._following = True
-        self._from: tuple[float, ...] = ()
-        self._number = 0
-        self._since = self._t = 0.0
 
-    def attach(self, devices: Mapping[str, Any]) -> None:
+    def attach(self, devices: Mapping[str, Device]) -> None:
         """Take the valves of the rig.
 
         Raises
@@ -188,53 +174,64 @@ class Locking(ScriptedMotion[Any]):
         ConfigurationError
             The regulators have none.
         """
-        device = devices[self._regulators]
+        name = self._pneumatics.regulators
+        device: Any = devices[name]
         if not device.lockable or not all(device.lockable):
-            raise ConfigurationError(f"{self._regulators}: not every chamber has a lock valve")
+            raise ConfigurationError(f"{name}: not every chamber has a lock valve")
         self._lock = device.lock
 
-    def at(self, t: float) -> Any:
-        """Take the time, and return the motion's reference."""
-        self._t = t
+    def describe(self) -> Iterator[str]:
+        """Yield what each chamber is given."""
+        for number, column in enumerate(zip(*self.pressures.values(), strict=True), 1):
+            low, high = min(column) - self._below, max(column)
+            shown = f"{format_quantity(low, 'Pa')} … {format_quantity(high, 'Pa')}"
+            yield f"chamber {number}: set-points {shown}, locked in {len(self._cycles)} times"
+        yield "while they are locked, no controller holds the rods: friction does"
+
+    def reference_at(self, t: float) -> Reference:
+        """Return the motion's reference."""
         return self._motion.at(t)
 
-    def reset(self, state: Any) -> None:
-        """Start over."""
-        self._number, self._shut, self._following = 0, False, True
-        self._controller.reset(state)
+    def play(self) -> Iterator[Command]:
+        """Go to each cycle's place; pressurise, lock, wait and open there."""
+        last: tuple[float, ...] = ()
+        for number, cycle in enumerate(self._cycles):
+            wanted = self.pressures[cycle.place]
+            if self.t < cycle.start:
+                if number:
+                    self.controller.reset(self.state)
+                while self.t < cycle.start:
+                    command = self.follow(self.wanted)
+                    last = tuple(command)
+                    yield command
+                last = yield from self._halt(cycle, last)
+                begun = self.t - cycle.start
+            else:
+                begun = 0.0
+            while self.t < cycle.lock:
+                share = (self.t - cycle.start - begun) / _RAMP
+                yield self._pneumatics.command(*between(last or wanted, wanted, share))
+            self._shut(True)
+            last = tuple(p - self._below for p in wanted)
+            locked = self._pneumatics.command(*last)
+            while self.t < cycle.open:
+                yield locked
+            self._shut(False)
+            while self.t < cycle.end or cycle is self._cycles[-1]:
+                yield locked
 
-    def update(self, state: Any, reference: Any) -> Any:
-        """Return the command of this instant, and work the valves."""
-        t, cycles = self._t, self._cycles
-        while self._number < len(cycles) - 1 and t >= cycles[self._number].end:
-            self._number += 1
-        cycle = cycles[self._number]
-        self._set_valves(cycle.lock <= t < cycle.open)
-        if t < cycle.start:
-            if not self._following:
-                self._following = True
-                self._controller.reset(state)
-            command = self._controller.update(state, reference)
-            self.estimate = self._controller.estimate
-            self._from = tuple(command)
-            return command
-        wanted = tuple(self.pressures[cycle.place])
-        since = t - cycle.start
-        if t >= cycle.lock:
-            goal, share = tuple(p - self.below for p in wanted), 1.0
-        elif self._following and since < _HALT[1]:
-            low = self._base * len(wanted) / sum(wanted)
-            goal, share = tuple(low * p for p in wanted), min(since / _HALT[0], 1.0)
-        else:
-            if self._following:
-                self._following, self._since = False, since
-            goal, share = wanted, min((since - self._since) / _RAMP, 1.0)
-        now = tuple(a + share * (b - a) for a, b in zip(self._from or goal, goal, strict=True))
-        if share >= 1.0:
-            self._from, self._since = goal, 0.0
-        return self._command(*now)
+    def _halt(
+        self, cycle: Cycle, last: tuple[float, ...]
+    ) -> Generator[Command, None, tuple[float, ...]]:
+        """Give the chambers pressures that turn nothing; return the ones that they have then."""
+        wanted = self.pressures[cycle.place]
+        low = self._base * len(wanted) / sum(wanted)
+        goal = tuple(low * p for p in wanted)
+        while self.t - cycle.start < _HALT[1]:
+            share = (self.t - cycle.start) / _HALT[0]
+            yield self._pneumatics.command(*between(last, goal, share))
+        return goal
 
-    def _set_valves(self, shut: bool) -> None:
-        if shut is not self._shut and self._lock is not None:
-            self._lock((shut,) * len(next(iter(self.pressures.values()))))
-            self._shut = shut
+    def _shut(self, shut: bool) -> None:
+        if self._lock is not None:
+            self._lock((shut,) * len(self._pneumatics.channels))

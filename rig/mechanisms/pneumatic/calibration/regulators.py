@@ -11,22 +11,18 @@ with the minus sign on the way up; c is the set-point and P the chamber's pressu
 """
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate, Fit, fit
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.arrays import Array
+from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
+from rig.calibration.instruments import Instrument, shown_in
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import open_loop, pneumatics_of, relaxed
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 SWEEPS: Final = 2
 LEVELS: Final = 9
@@ -34,35 +30,46 @@ LEVELS: Final = 9
 GAUGE_ACCURACY: Final = 100.0
 """Standard uncertainty of a reading of the gauge, Pa: a class 0.05 instrument of 600 kPa."""
 
+_WHAT: Final = "the regulators' characteristic"
 _BOUND: Final = 1.5e3
 """rms above which a fit is not to be used, Pa: 0.3 % of full scale."""
 
 
-class Regulators:
-    """Set-point and monitor of every regulator: offset, gain, linearity, hysteresis."""
+class Regulators(Procedure[Recording]):
+    """Procedure for set-point and monitor of every regulator: offset, gain, linearity, hysteresis.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "regulators"
     title = "set-point and monitor of the regulators against a gauge"
 
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
+
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the module's file."""
-        return (pneumatics_of(profile).regulators,)
+        return (self._of(profile).regulators,)
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
         """Return a gauge per chamber, read at every step."""
-        names = tuple(name for sweep in range(SWEEPS) for name, _, _ in _sweep(profile, sweep))
+        pneumatics = self._of(profile)
+        names = tuple(name for sweep in range(SWEEPS) for name, _, _ in _sweep(pneumatics, sweep))
         return tuple(
             Instrument(f"gauge {channel}", "Pa", GAUGE_ACCURACY, names, f"pressure_{channel}")
-            for channel in pneumatics_of(profile).channels
+            for channel in pneumatics.channels
         )
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
         names: list[str] = []
         levels: list[float] = []
-        pneumatics = pneumatics_of(profile)
+        pneumatics = self._of(profile)
         for sweep in range(SWEEPS):
-            steps = list(_sweep(profile, sweep))
+            steps = list(_sweep(pneumatics, sweep))
             if all(name in done for name, _, _ in steps):
                 continue
             # Below the first and above the last step, so that each is reached from one side.
@@ -73,42 +80,30 @@ class Regulators:
                 pneumatics.lowest, *(p for _, p, _ in rising),
                 pneumatics.highest, *(p for _, p, _ in falling),
             ]  # fmt: skip
-        steps_of = PressureSteps(tuple(names), tuple(levels))
-        base = profile.mechanism_settings.base_pressure
-        times, pressures = steps_of.knots(base)
-        count = len(pneumatics.channels)
-        motion = open_loop(profile, times, [(p,) * count for p in pressures], steps_of.segments)
-        wider, notes = relaxed(profile)
-        return Excitation(steps_of, motion, motion, "open-loop", wider, notes, approach=0.5)
+        plan = PressureSteps(tuple(names), tuple(levels))
+        return pneumatics.together(plan, room=0.0, approach=0.5)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit both characteristics of every channel."""
-        pneumatics = pneumatics_of(profile)
-        steps = [step for sweep in range(SWEEPS) for step in _sweep(profile, sweep)]
-        recording.require(name for name, _, _ in steps)
+        pneumatics = self._of(profile)
+        steps = [step for sweep in range(SWEEPS) for step in _sweep(pneumatics, sweep)]
+        names, levels, ways = zip(*steps, strict=True)
+        data.require(names)
+        sides = np.array(ways, float)
         entry = profile.devices[pneumatics.regulators]
         values: dict[str, Any] = {}
         estimates: list[Estimate] = []
         residuals: list[Array] = []
         panels: list[Panel] = []
         for channel in pneumatics.channels:
-            shown = readings.get(f"gauge {channel}", {})
-            lacking = [name for name, _, _ in steps if name not in shown]
-            if lacking:
-                raise CalibrationRefused(
-                    f"the gauge of {channel} was not read in {len(lacking)} of {len(steps)} "
-                    f"stretches, first in {lacking[0]!r}"
-                )
             wired, nominal = entry.settings.channels[channel], entry.nominal.channels[channel]
-            gauge = np.array([shown[name] for name, _, _ in steps])
-            sent = np.array([recording[name].mean(f"applied.{channel}") for name, _, _ in steps])
-            read = np.array(
-                [recording[name].mean(f"reading.pressure_{channel}") for name, _, _ in steps]
+            lack = f"the gauge of {channel} was not read"
+            gauge = np.array(shown_in(readings, f"gauge {channel}", names, lack))
+            sent, read = (
+                np.array([data[name].mean(column) for name in names])
+                for column in (f"applied.{channel}", f"reading.pressure_{channel}")
             )
-            sides = np.array([side for _, _, side in steps], float)
-            _check(channel, np.array([p for _, p, _ in steps]), sent, gauge)
+            _check(channel, np.array(levels), sent, gauge)
             # In the maker's terms, whatever calibration was in force while it was recorded.
             sent = _through(wired.setpoint, nominal.setpoint, sent)
             read = _through(wired.monitor, nominal.monitor, read)
@@ -152,9 +147,8 @@ class Regulators:
         )  # fmt: skip
 
 
-def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name, pressure and side (+1 from below) of the steps of one sweep."""
-    pneumatics = pneumatics_of(profile)
     spacing = (pneumatics.highest - pneumatics.lowest) / (LEVELS + 1)
     # Each sweep has levels of its own: the converter's steps then err independently.
     shift = 0.5 * spacing * (sweep / SWEEPS)
@@ -165,7 +159,7 @@ def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
         yield f"sweep {sweep + 1} down {k + 1}", level - 0.2 * spacing, -1
 
 
-def _check(channel: str, wanted: "Array", sent: "Array", gauge: "Array") -> None:
+def _check(channel: str, wanted: Array, sent: Array, gauge: Array) -> None:
     """Refuse a regulator that was clipped, does not follow or has run out of supply."""
     off = np.abs(sent - wanted).max()
     if off > 1e3:
@@ -190,32 +184,25 @@ def _check(channel: str, wanted: "Array", sent: "Array", gauge: "Array") -> None
         )
 
 
-def _fit_setpoint(sent: "Array", gauge: "Array", sides: "Array", scale: float) -> Fit:
+def _fit_setpoint(sent: Array, gauge: Array, sides: Array, scale: float) -> Fit:
     """Fit offset, gain, bow and loop, pressures over full scale."""
     c, p = sent / scale, gauge / scale
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         return p - _characteristic(c, sides, q)
 
-    return _fitted(residuals, (0.0, 1.0, 0.0, 0.005), (1e-3, 1e-2, 1e-2, 1e-2))
+    return fit_or_refuse(_WHAT, residuals, (0.0, 1.0, 0.0, 0.005), (1e-3, 1e-2, 1e-2, 1e-2))
 
 
-def _characteristic(c: "Array", sides: "Array", q: "Array") -> "Array":
+def _characteristic(c: Array, sides: Array, q: Array) -> Array:
     offset, gain, bow, loop = q
     s = offset + gain * c - 0.5 * loop * sides
     return np.asarray(s + 4.0 * bow * s * (1.0 - s))
 
 
-def _fit_line(read: "Array", gauge: "Array", scale: float) -> Fit:
+def _fit_line(read: Array, gauge: Array, scale: float) -> Fit:
     x, y = read / scale, gauge / scale
-    return _fitted(lambda q: y - (q[0] + q[1] * x), (0.0, 1.0), (1e-3, 1e-2))
-
-
-def _fitted(residuals: Any, start: Sequence[float], scale: Sequence[float]) -> Fit:
-    try:
-        return fit(residuals, start, scale)
-    except ValueError as error:
-        raise CalibrationRefused(f"the regulators' characteristic: {error}") from error
+    return fit_or_refuse(_WHAT, lambda q: y - (q[0] + q[1] * x), (0.0, 1.0), (1e-3, 1e-2))
 
 
 def _setpoint_estimates(channel: str, found: Fit, scale: float) -> list[Estimate]:
@@ -229,7 +216,7 @@ def _setpoint_estimates(channel: str, found: Fit, scale: float) -> list[Estimate
     ]
 
 
-def _best_line(q: "Array", scale: float) -> tuple[float, float]:
+def _best_line(q: Array, scale: float) -> tuple[float, float]:
     """Return gain and offset (Pa) of the straight line that is nearest over the whole scale."""
     c = np.linspace(0.0, 1.0, 101)
     middle = _characteristic(c, np.zeros_like(c), q)
@@ -245,14 +232,12 @@ def _line_between(one: Any, other: Any) -> tuple[float, float]:
     return gain, other.pressure[0] - b * other.raw[0] - gain * (one.pressure[0] - a * one.raw[0])
 
 
-def _through(one: Any, other: Any, pressure: "Array") -> "Array":
+def _through(one: Any, other: Any, pressure: Array) -> Array:
     gain, offset = _line_between(one, other)
     return gain * pressure + offset
 
 
-def _panel(
-    title: str, x_label: str, x: "Array", y: "Array", fitted: "Array", before: "Array"
-) -> Panel:
+def _panel(title: str, x_label: str, x: Array, y: Array, fitted: Array, before: Array) -> Panel:
     """Show what is off a perfect line, since the line itself would hide it."""
     return Panel(
         title, x_label, "gauge less it (kPa)", "residual (kPa)",

@@ -16,22 +16,17 @@ then (Welch and Satterthwaite), and not those of two directions that scatter ali
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import open_loop, pneumatics_of, relaxed
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 REPEATS: Final = 16
 _HEIGHT: Final = 40e3
@@ -41,19 +36,20 @@ _LEAST: Final = 0.3
 _BOUND: Final = 3e3
 
 
-class Response:
-    """Step response and dead time of the regulators."""
+class Response(Procedure[Recording]):
+    """Procedure for step response and dead time of the regulators.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "response"
     title = "step response and dead time of the regulators"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file: its controllers are told of the response."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: the monitors measure it."""
-        return ()
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the repetitions that are not done."""
@@ -69,20 +65,14 @@ class Response:
             ("", "", *names), (base + _HEIGHT, base, *levels), ramp=_RAMP, dwell=_DWELL,
             judged=_DWELL + _RAMP,
         )  # fmt: skip
-        times, pressures = plan.knots(base)
-        count = len(pneumatics_of(profile).channels)
-        motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
-        wider, notes = relaxed(profile)
-        return Excitation(plan, motion, motion, "open-loop", wider, notes, approach=1.0)
+        return self._of(profile).together(plan, room=0.0, approach=1.0)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit every step of every channel."""
-        channels = pneumatics_of(profile).channels
+        channels = self._of(profile).channels
         base = profile.mechanism_settings.base_pressure
         sides = {side: [f"{side} {k + 1}" for k in range(REPEATS)] for side in ("up", "down")}
-        recording.require(name for names in sides.values() for name in names)
+        data.require(name for names in sides.values() for name in names)
         estimates: list[Estimate] = []
         rests: list[Array] = []
         panels: list[Panel] = []
@@ -93,7 +83,7 @@ class Response:
             for side, names in sides.items():
                 rows = []
                 for number, name in enumerate(names):
-                    part = recording[name]
+                    part = data[name]
                     before = base if side == "up" else base + _HEIGHT
                     t = part["t"] - _sent(part["t"], part[f"applied.{channel}"], before)
                     pressure = part[f"reading.pressure_{channel}"]
@@ -125,14 +115,14 @@ class Response:
         )
 
 
-def _sent(t: "Array", setpoint: "Array", before: float) -> float:
+def _sent(t: Array, setpoint: Array, before: float) -> float:
     """Return when a step of the set-point was sent, s: the mean of its parts if it has several."""
     parts = np.diff(setpoint, prepend=before)
     whole = setpoint[-1] - before
     return float(t @ parts / whole) if whole else float(t[0])
 
 
-def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Array"]:
+def _fit_step(channel: str, t: Array, pressure: Array) -> tuple[Array, Array]:
     from scipy.optimize import least_squares
 
     start, end = float(pressure[:5].mean()), float(pressure[-50:].mean())
@@ -143,7 +133,7 @@ def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Ar
         )
     scale = end - start
 
-    def residuals(q: "Array") -> "Array":
+    def residuals(q: Array) -> Array:
         return (
             pressure - _step(t, (q[0], q[1], q[2], start + q[3] * scale, end + q[4] * scale))
         ) / scale
@@ -157,7 +147,7 @@ def _fit_step(channel: str, t: "Array", pressure: "Array") -> tuple["Array", "Ar
     return whole, _step(t, whole)
 
 
-def _step(t: "Array", q: Any) -> "Array":
+def _step(t: Array, q: Any) -> Array:
     """Return the response to a step at 0, Pa."""
     w, z, dead, start, end = (float(x) for x in q)
     s = np.maximum(t - dead, 0.0)
@@ -176,7 +166,7 @@ def _step(t: "Array", q: Any) -> "Array":
     return np.asarray(start + (end - start) * h)
 
 
-def _panel(title: str, t: "Array", y: "Array", fitted: "Array", before: "Array") -> Panel:
+def _panel(title: str, t: Array, y: Array, fitted: Array, before: Array) -> Panel:
     return Panel(
         title, "time (ms)", "monitor (kPa)", "residual (kPa)",
         1e3 * t, y / 1e3, fitted / 1e3, before / 1e3,

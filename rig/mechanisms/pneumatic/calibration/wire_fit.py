@@ -26,16 +26,12 @@ P. R. Dahl, "A solid friction model", Aerospace Corp. TOR-158(3107-18), 1968.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from rig.calibration.arrays import Array
 from rig.calibration.estimates import Fit, differ, fit
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
 
 _SURE: Final = 0.999
 """That whole sweeps err together, before it is said."""
@@ -79,7 +75,7 @@ class WireFit(NamedTuple):
     """
 
     found: Fit
-    fitted: "Array"
+    fitted: Array
     steady: bool
 
 
@@ -128,7 +124,7 @@ def fit_wires(levels: Sequence[Level]) -> WireFit:
     )
     sweep, side = (np.array([float(level[k]) for level in levels])[seen] for k in (0, 1))
 
-    def modelled(q: "Array") -> "Array":
+    def modelled(q: Array) -> Array:
         dry, growth, bend = float(q[2]), float(q[3]), abs(float(q[4])) + 1e-6
         kept = [f for path in paths for f in friction_along(path, dry, growth, bend)]
         return np.asarray(q[0] - q[1] * (pull - np.array(kept)[seen]))

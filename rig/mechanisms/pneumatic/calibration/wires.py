@@ -13,17 +13,15 @@ single ones have beyond it, see `rig.mechanisms.joint.calibration.wire_offsets`.
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rig.calibration.estimates import Estimate
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.estimates import Estimate, Fit
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.joint.calibration.wire_offsets import inclinometers, wire_offsets
-from rig.mechanisms.pneumatic.calibration.pneumatics import open_loop, pneumatics_of, relaxed
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 from rig.mechanisms.pneumatic.calibration.wire_fit import Level, fit_wires
 
@@ -46,47 +44,86 @@ _UNSTEADY: Final = (
 _LEAST_GIVE: Final = 50e-6
 
 
-class Wires:
-    """Wire offset, stiffness and pretension."""
+class WireEstimates(NamedTuple):
+    """Where the wires are taut and how they give.
+
+    Parameters
+    ----------
+    home : Estimate
+        Extension of the rods where the wires are just taut, in their mean, m.
+    give : Estimate
+        Of a wire, m/N.
+    each : tuple of Estimate
+        Where each single wire is taut, if that is known.
+    offsets : tuple of float
+        How much further each rod stands out than the mean of all, m, if that is known.
+    notes : tuple of str
+        What was not found.
+    """
+
+    home: Estimate
+    give: Estimate
+    each: tuple[Estimate, ...] = ()
+    offsets: tuple[float, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+class Wires(Procedure[Recording]):
+    """Procedure for wire offset, stiffness and pretension.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
 
     name = "wires"
     title = "wire offset, stiffness and pretension"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the mechanism's file."""
-        return (profile.mechanism,)
+    def __init__(self, pneumatics: AnyPneumatics) -> None:
+        self._of = pneumatics
 
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none for a pair: the encoders measure it; for a joint, how its ring stands."""
-        return () if profile.mechanism == "cylinder" else inclinometers(tuple(_read(profile)))
+    def believed_stiffness(self, profile: Profile) -> float | None:
+        """Return the wires' stiffness that the profile has, N/m; None if it has none."""
+        return None
+
+    def with_single_wires(
+        self, profile: Profile, data: Recording, readings: Readings, found: Fit, mean: WireEstimates
+    ) -> WireEstimates:
+        """Return what is known beyond the mean of all rods; default: nothing.
+
+        Parameters
+        ----------
+        profile, data, readings
+            See `identify`.
+        found : Fit
+            Of the mean of all rods: home (mm), give (mm/N) and three of the seals.
+        mean : WireEstimates
+            What follows from it.
+        """
+        return mean
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the sweeps that are not done as a whole."""
-        pneumatics = pneumatics_of(profile)
+        pneumatics = self._of(profile)
         steps = [
             step
             for sweep in range(SWEEPS)
-            for step in _sweep(profile, sweep)
-            if not all(name in done for name, _, _ in _sweep(profile, sweep) if name)
+            for step in _sweep(pneumatics, sweep)
+            if not all(name in done for name, _, _ in _sweep(pneumatics, sweep) if name)
         ]
         plan = PressureSteps(
             tuple(name for name, _, _ in steps), tuple(p for _, p, _ in steps),
             ramp=0.5, dwell=0.6, judged=0.3,
         ) if steps else PressureSteps(("",), (pneumatics.lowest,))  # fmt: skip
-        times, pressures = plan.knots(profile.mechanism_settings.base_pressure)
-        count = len(pneumatics.channels)
-        motion = open_loop(profile, times, [(p,) * count for p in pressures], plan.segments)
-        wider, notes = relaxed(profile, _ROOM)
-        return Excitation(plan, motion, motion, "open-loop", wider, notes, approach=0.5)
+        return pneumatics.together(plan, _ROOM, approach=0.5)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit free length, compliance and friction."""
-        steps = [step for sweep in range(SWEEPS) for step in _sweep(profile, sweep) if step[0]]
-        recording.require(name for name, _, _ in steps)
-        settings = profile.mechanism_settings
-        levels = [level for sweep in range(SWEEPS) for level in _levels(profile, recording, sweep)]
+        pneumatics = self._of(profile)
+        every = [step for sweep in range(SWEEPS) for step in _sweep(pneumatics, sweep)]
+        data.require(name for name, _, _ in every if name)
+        levels = [level for sweep in range(SWEEPS) for level in _levels(pneumatics, data, sweep)]
         seen = [level for level in levels if not math.isnan(level.extension)]
         extension = np.array([level.extension for level in seen])
         pull = np.array([level.pull for level in seen])
@@ -102,50 +139,60 @@ class Wires:
         home, give = (1e-3 * float(value) for value in found.values[:2])
         if give <= 0.0:
             raise CalibrationRefused("the rods come out as the pull grows: an encoder is reversed")
-        base = settings.area * settings.base_pressure
-        # Of a pair nobody believes anything: its controllers do without.
-        gave = 1.0 / settings.wire_stiffness if profile.mechanism == "joint" else 0.0
+        wires = WireEstimates(
+            found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home),
+            found.estimate("give", "m/N", (0, 1e-3, 0, 0, 0), give),
+            notes=() if steady else (_UNSTEADY,),
+        )
+        wires = self.with_single_wires(profile, data, readings, found, wires)
+        stiffness, stretch = _stiffness(wires.give, pneumatics.area * pneumatics.base_pressure)
+        values: dict[str, object] = {}
+        if wires.offsets:
+            values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
+        values["home"] = quantity(wires.home.value, "m")
+        believed = self.believed_stiffness(profile)
+        if believed is not None:
+            values["wire_stiffness"] = quantity(stiffness.value, "N/m")
+        # A controller that knows no stiffness takes the wires as rigid.
+        give_before = 0.0 if believed is None else 1.0 / believed
         panel = Panel(
             "mean extension of the rods", "pull of a chamber (N)", "extension (mm)",
             "residual (µm)", pull, 1e3 * extension, 1e3 * fitted,
-            1e3 * (settings.home - gave * pull), 1e3,
+            1e3 * (profile.mechanism_settings.home - give_before * pull), 1e3,
         )  # fmt: skip
-        told = found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home)
-        gives = found.estimate("give", "m/N", (0, 1e-3, 0, 0, 0), give)
-        values: dict[str, Any] = {}
-        single: tuple[Estimate, ...] = ()
-        notes: tuple[str, ...] = () if steady else (_UNSTEADY,)
-        if profile.mechanism == "joint":
-            wires = wire_offsets(profile, recording, readings, _read(profile), found)
-            if wires is None:
-                notes += ("nobody read the inclinometer on the ring: single wires are not told",)
-            else:
-                values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
-                told, gives, single = wires.home, wires.give, wires.single
-        values["home"] = quantity(told.value, "m")
-        stretch = Estimate("wire.stretch", gives.value * base, "m", *(base * x for x in gives[3:]))
-        stiffness = Estimate(
-            "wire.stiffness", 1.0 / gives.value, "N/m", gives.std / gives.value**2,
-            1.0 / gives.high, 1.0 / gives.low,
-        )  # fmt: skip
-        if profile.mechanism == "joint":
-            values["wire_stiffness"] = quantity(stiffness.value, "N/m")
         return (
             Finding(
-                profile.mechanism, values, (told, stiffness, stretch, *single),
-                extension - fitted, "m", _BOUND, 2 * SWEEPS, (panel,), notes=notes,
+                profile.mechanism, values, (wires.home, stiffness, stretch, *wires.each),
+                extension - fitted, "m", _BOUND, 2 * SWEEPS, (panel,), notes=wires.notes,
             ),
         )  # fmt: skip
 
 
-def _levels(profile: Profile, recording: Recording, sweep: int) -> list[Level]:
+def ends_of_sweeps() -> dict[str, int]:
+    """Return the first and last stretch of each way, and whether it goes up (+1) or down (-1)."""
+    return {
+        f"sweep {sweep + 1} {name}": side
+        for sweep in range(SWEEPS)
+        for name, side in (
+            ("up 1", 1), (f"up {LEVELS}", 1), (f"down {LEVELS}", -1), ("down 1", -1)
+        )
+    }  # fmt: skip
+
+
+def _stiffness(give: Estimate, base_pull: float) -> tuple[Estimate, Estimate]:
+    """Return the stiffness of a wire, and its stretch under the pull at base pressure (N)."""
+    spread = (base_pull * x for x in (give.std, give.low, give.high))
+    stretch = Estimate("wire.stretch", give.value * base_pull, "m", *spread)
+    return give.inverse("wire.stiffness", "N/m"), stretch
+
+
+def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) -> list[Level]:
     """Return all steps of a sweep.
 
-    What is only passed is not recorded: its pressure is what was asked for, less what those that
-    are recorded lack of it.
+    A step that is only passed is not recorded. It lacks as much of its setpoint as recorded steps
+    do in the mean.
     """
-    pneumatics, area = pneumatics_of(profile), profile.mechanism_settings.area
-    channels, steps = pneumatics.channels, list(_sweep(profile, sweep))
+    channels, steps = pneumatics.channels, list(_sweep(pneumatics, sweep))
     pressures = {
         name: sum(recording[name].mean(f"reading.pressure_{c}") for c in channels) / len(channels)
         for name, *_ in steps
@@ -154,7 +201,7 @@ def _levels(profile: Profile, recording: Recording, sweep: int) -> list[Level]:
     lack = float(np.mean([p - pressures[name] for name, p, _ in steps if name]))
     return [
         Level(
-            sweep, side, area * pressures.get(name, p - lack),
+            sweep, side, pneumatics.area * pressures.get(name, p - lack),
             sum(pneumatics.extension(recording[name], c).mean() for c in channels) / len(channels)
             if name else math.nan,
         )
@@ -162,9 +209,8 @@ def _levels(profile: Profile, recording: Recording, sweep: int) -> list[Level]:
     ]  # fmt: skip
 
 
-def _sweep(profile: Profile, sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name (empty: not recorded), pressure and side (0: not on a line) of a sweep's steps."""
-    pneumatics = pneumatics_of(profile)
     low, high = pneumatics.lowest, 0.9 * pneumatics.highest
     spacing = (high - low) / (LEVELS + 5)
     shift = 0.3 * spacing * sweep
@@ -187,15 +233,3 @@ def _uneven(level: int) -> float:
     At even ones whole sweeps would err together wherever a spacing is a whole number of steps.
     """
     return level + 0.2 * (_GOLDEN * level % 1.0)
-
-
-def _read(profile: Profile) -> dict[str, int]:
-    """Return the stretches in which the inclinometer on a joint's ring is read, and their sides."""
-    return {
-        name: side
-        for sweep in range(SWEEPS)
-        for name, side in (
-            (f"sweep {sweep + 1} up 1", 1), (f"sweep {sweep + 1} up {LEVELS}", 1),
-            (f"sweep {sweep + 1} down {LEVELS}", -1), (f"sweep {sweep + 1} down 1", -1),
-        )
-    }  # fmt: skip

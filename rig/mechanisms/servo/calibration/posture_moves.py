@@ -1,18 +1,44 @@
-"""Joint moves from posture to posture; to the runtime they are motion and controller in one."""
+"""Moves of servo axes from posture to posture."""
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Protocol, TypeVar
 
 from annotated_types import Gt, MinLen, Unit
 
 from controllers.minimum_jerk import minimum_jerk
 from rig.calibration.sequence import ScriptedMotion
+from rig.config import format_quantity
 from rig.hal import LimitExceeded
 from rig.hal.motion import Segment
 
 Posture = tuple[float, ...]
+
+
+class AxisPositions(Protocol):
+    """Where axes are or should be."""
+
+    @property
+    def positions(self) -> Posture:
+        """Rad."""
+        ...
+
+
+class AxisMotion(AxisPositions, Protocol):
+    """Where axes should be, and how fast."""
+
+    @property
+    def velocities(self) -> Posture:
+        """rad/s."""
+        ...
+
+
+Reference = TypeVar("Reference", bound=AxisMotion)
+Command = TypeVar("Command")
+
+_STEP = 0.01
+"""The motion is looked at every so often for the preview, s."""
 
 _PEAK = 1.875
 """Of the speed of a minimum-jerk move over its mean."""
@@ -30,15 +56,15 @@ class Postures:
     names : tuple of str
         Of the postures; one without a name is passed and not judged.
     joints : tuple of str
-        Of the joints.
+        Of the axes.
     angles : tuple of tuple of float
-        Of every joint in every posture, rad.
+        Of every axis in every posture, rad.
     dwell : float
         Time in each posture that has a name, s.
     judged : float
         So much of its end is judged, s.
     relative : bool
-        Angles count from where the joints stand at the start.
+        Angles count from where the axes stand at the start.
     """
 
     names: Annotated[tuple[str, ...], MinLen(1)]
@@ -49,21 +75,19 @@ class Postures:
     relative: bool = False
 
 
-class PostureMoves(ScriptedMotion[Any]):
-    """Goes through postures by minimum-jerk moves, each as fast as its slowest joint may.
+class PostureScript(ScriptedMotion[Reference, AxisPositions, Command]):
+    """Goes through postures by minimum-jerk moves, each as fast as its slowest axis may.
 
     Parameters
     ----------
     settings : Postures
         Where to, and for how long.
     speeds : sequence of float
-        That no joint exceeds, rad/s.
+        That no axis exceeds, rad/s.
     limits : sequence of tuple of float
-        Of each joint, rad; a motion from where the joints stand is refused if it leaves them.
+        Of each axis, rad; a motion from where the axes stand is refused if it leaves them.
     reference, command : callable
         The mechanism's, of positions, velocities (and whether a law follows a path: never).
-    columns : int
-        How many columns of a plan the mechanism's log has.
     has_torque : bool
         Without it nobody moves: the drives are only listened to.
     """
@@ -77,15 +101,13 @@ class PostureMoves(ScriptedMotion[Any]):
         speeds: Sequence[float],
         limits: Sequence[tuple[float, float]],
         *,
-        reference: Callable[..., Any],
-        command: Callable[..., Any],
-        columns: int,
+        reference: Callable[..., Reference],
+        command: Callable[..., Command],
         has_torque: bool = True,
     ) -> None:
         self.settings = settings
         self.has_torque = has_torque
         self._reference, self._command = reference, command
-        self._row = (0.0,) * columns
         self._limits = tuple(limits)
         self._still = (0.0,) * len(self._limits)
         self._origin: Posture = self._still
@@ -107,8 +129,24 @@ class PostureMoves(ScriptedMotion[Any]):
         # The loop stops at its duration: the last segment is to be there as a whole.
         super().__init__(t + 0.1, segments)
 
-    def at(self, t: float) -> Any:
-        """Return where the joints should be at `t`."""
+    def describe(self) -> Iterator[str]:
+        """Yield how far each axis goes, and how fast."""
+        settings = self.settings
+        if not self.has_torque:
+            yield "no torque: the joints are moved by hand, and nothing moves by itself"
+            return
+        rows = [self.at(k * _STEP).velocities for k in range(int(self.duration / _STEP))]
+        where = " from where it stands" if settings.relative else ""
+        for name, angles, speeds in zip(
+            settings.joints, zip(*settings.angles, strict=True), zip(*rows, strict=True),
+            strict=True,
+        ):  # fmt: skip
+            low, high = format_quantity(min(angles), "rad"), format_quantity(max(angles), "rad")
+            speed = format_quantity(max(map(abs, speeds)), "rad/s")
+            yield f"{name} moves {low} … {high}{where}, up to {speed}"
+
+    def reference_at(self, t: float) -> Reference:
+        """Return where the axes should be at `t`."""
         k = max(bisect_right(self._starts, t) - 1, 0)
         duration, before = self._moves[k]
         there = self.settings.angles[k]
@@ -122,18 +160,15 @@ class PostureMoves(ScriptedMotion[Any]):
         here = self._from_origin(tuple([way[0] for way in ways]))
         return self._reference(here, tuple([way[1] for way in ways]), False)
 
-    def sample(self, number: int) -> tuple[float, ...]:
-        """Return the plan's columns: there is no plan."""
-        return self._row
-
-    def reset(self, state: Any) -> None:
-        """Start from where the joints stand, if the postures count from there.
+    def reset(self, state: AxisPositions) -> None:
+        """Start from where the axes stand, if the postures count from there.
 
         Raises
         ------
         LimitExceeded
-            A joint would leave its limits.
+            An axis would leave its limits.
         """
+        super().reset(state)
         if not self.settings.relative:
             return
         for k, (low, high) in enumerate(self._limits):
@@ -146,9 +181,10 @@ class PostureMoves(ScriptedMotion[Any]):
                     )  # fmt: skip
         self._origin = state.positions
 
-    def update(self, state: Any, reference: Any) -> Any:
-        """Return the command to be where the reference is."""
-        return self._command(reference.positions, reference.velocities)
+    def play(self) -> Iterator[Command]:
+        """Yield the command to be where the reference is."""
+        while True:
+            yield self._command(self.wanted.positions, self.wanted.velocities)
 
     def _from_origin(self, angles: Posture) -> Posture:
         return tuple([a + b for a, b in zip(self._origin, angles, strict=True)])

@@ -1,0 +1,147 @@
+"""One regulator on a CiA 401 module: what commands it, what it reports, what keeps it safe."""
+
+from dataclasses import dataclass
+from typing import Annotated, Final, Literal
+
+from annotated_types import Interval, Unit
+
+from drivers.canopen.mapping import RANGES, DataTypeName, Entry
+
+_Pascal = Annotated[float, Unit("Pa")]
+_Volt = Annotated[float, Unit("V")]
+_Ampere = Annotated[float, Unit("A")]
+
+DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
+DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AnalogueSignal:
+    """One analogue channel: a straight line from counts over the wire to pressure.
+
+    Parameters
+    ----------
+    sub : int
+        Sub-index of the channel's object, which is the channel's number on most modules.
+    index : int
+        Index of the object.
+    type : str
+        Its data type.
+    raw : tuple of float
+        The converter's counts at the two ends.
+    voltage, current : tuple of float, optional
+        The signal at the two ends, V or A: one of the two.
+    pressure : tuple of float
+        The pressure at the two ends, Pa gauge.
+    """
+
+    sub: Annotated[int, Interval(ge=0, le=254)]
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)]
+    type: DataTypeName = "i16"
+    raw: tuple[float, float] = (0.0, 32767.0)
+    voltage: tuple[_Volt, _Volt] | None = None
+    current: tuple[_Ampere, _Ampere] | None = None
+    pressure: tuple[_Pascal, _Pascal]
+
+    def __post_init__(self) -> None:
+        if (self.voltage is None) == (self.current is None):
+            raise ValueError("give either voltage or current, the signal on the wire.")
+        for name, (low, high) in (
+            ("raw", self.raw),
+            ("current" if self.voltage is None else "voltage", self.signal),
+            ("pressure", self.pressure),
+        ):
+            if low == high:
+                raise ValueError(f"{name}: both ends are {low:g}; a line needs two points.")
+        if self.type in RANGES:
+            low, high = RANGES[self.type]
+            if not (low <= min(self.raw) and max(self.raw) <= high):
+                raise ValueError(
+                    f"raw: {self.raw[0]:g} … {self.raw[1]:g} does not fit into {self.type}, "
+                    f"which holds {low} … {high}."
+                )
+
+    @property
+    def signal(self) -> tuple[float, float]:
+        """The signal at the two ends, V or A."""
+        ends = self.voltage if self.current is None else self.current
+        assert ends is not None
+        return ends
+
+    @property
+    def signal_unit(self) -> str:
+        """``"V"`` or ``"A"``."""
+        return "V" if self.current is None else "A"
+
+    @property
+    def entry(self) -> Entry:
+        """The object, as it is mapped into a PDO."""
+        return Entry(self.index, self.sub, self.type)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointSignal(AnalogueSignal):
+    """The analogue output that commands a regulator.
+
+    Parameters
+    ----------
+    index : int
+        Index of the object: 0x6411 on a CiA 401 module, or the maker's.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6411
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MonitorSignal(AnalogueSignal):
+    """The analogue input that reads a regulator's pressure monitor.
+
+    Parameters
+    ----------
+    index : int
+        Index of the object: 0x6401 on a CiA 401 module, or the maker's.
+    wire_break : float, optional
+        Share of the lower end's signal below which the wire is broken. Needs a live zero
+        (4 … 20 mA, 1 … 5 V). None: 0.9 for a current (3.6 mA, NAMUR NE 43), 0.5 for a
+        voltage. 0: not checked.
+    """
+
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6401
+    wire_break: Annotated[float, Unit("1"), Interval(ge=0, lt=1)] | None = None
+
+    @property
+    def broken_below(self) -> float:
+        """The signal below which the wire is broken, V or A; 0 without a live zero."""
+        zero = min(self.signal)
+        if zero <= 0.0:
+            return 0.0
+        share = self.wire_break
+        if share is None:
+            share = 0.5 if self.current is None else 0.9
+        return share * zero
+
+
+@dataclass(frozen=True, slots=True)
+class RegulatorChannel:
+    """One regulator.
+
+    Parameters
+    ----------
+    setpoint : SetpointSignal
+        What commands it.
+    monitor : MonitorSignal
+        What it reports.
+    safe : str
+        What it does when the rig is made safe, or the master falls silent. ``vent``: the
+        setpoint goes to `vented`. ``hold``: it keeps its last setpoint, and the supply stays
+        open. ``lock``: the valve of `lock_bit` shuts the air in, and the setpoint goes to
+        `vented` behind it.
+    lock_bit : int, optional
+        Bit of the first digital output byte that opens the valve between the regulator and its
+        chamber; low shuts it.
+    """
+
+    setpoint: SetpointSignal
+    monitor: MonitorSignal
+    safe: Literal["vent", "hold", "lock"] = "vent"
+    lock_bit: Annotated[int, Interval(ge=0, le=7)] | None = None

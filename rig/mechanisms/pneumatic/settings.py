@@ -1,0 +1,154 @@
+"""What a profile says of any mechanism whose rods pneumatic cylinders pull."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Unit
+
+Pressure = Annotated[float, Unit("Pa"), Ge(0)]
+
+
+@dataclass(frozen=True, slots=True)
+class SealFriction:
+    """Friction of a pair's seals as the controllers believe it.
+
+    Parameters
+    ----------
+    coulomb, breakaway : float
+        While sliding and when it starts to slide, N.
+    stribeck_velocity : float
+        Where breakaway has faded into Coulomb friction, m/s.
+    viscous : float
+        N s/m.
+    """
+
+    coulomb: Annotated[float, Unit("N"), Ge(0)]
+    breakaway: Annotated[float, Unit("N"), Ge(0)]
+    stribeck_velocity: Annotated[float, Unit("m/s"), Gt(0)]
+    viscous: Annotated[float, Unit("N s/m"), Ge(0)]
+
+
+@dataclass(frozen=True, slots=True)
+class RegulatorModel:
+    """Second-order response of the regulators as the controllers believe it.
+
+    Parameters
+    ----------
+    bandwidth : float
+        Natural frequency, rad/s.
+    damping : float
+        Damping ratio.
+    """
+
+    bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
+    damping: Annotated[float, Gt(0)] = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PneumaticLimits:
+    """Limits of any such mechanism; each is checked or enforced in every cycle.
+
+    Parameters
+    ----------
+    speed : float
+        Permitted speed of a rod or pair, m/s; above is a fault.
+    pressure : tuple of float
+        Permitted setpoints, Pa gauge; beyond is clipped.
+    pressure_rate : float
+        Greatest change of a setpoint, Pa/s; beyond is clipped.
+    reading_age : float
+        Oldest reading of encoders and regulators that control may use, s; older is a fault.
+    """
+
+    speed: Annotated[float, Unit("m/s"), Gt(0)]
+    pressure: tuple[Pressure, Pressure]
+    pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
+    reading_age: Annotated[float, Unit("s"), Gt(0)]
+
+    def __post_init__(self) -> None:
+        check_order("pressure", self.pressure)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PneumaticSettings:
+    """Cylinders and regulators of any such mechanism.
+
+    Parameters
+    ----------
+    regulators : str
+        The device that sets the chambers' pressures.
+    bore, rod, stroke : float
+        Cylinder bore, rod diameter and stroke, m.
+    home : float
+        Rod extension of every cylinder where the mechanism's position is zero, m.
+    moving_mass : float
+        Mass referred to a pair's position: two pistons and what they move, kg.
+    base_pressure : float
+        Co-contraction: the mean of the setpoints at home, Pa gauge.
+    friction : SealFriction
+        Friction as the controllers believe it.
+    limits : PneumaticLimits
+        What the loop never permits.
+    regulator_response : RegulatorModel
+        Response of the regulators as the controllers believe it.
+    emergency_stop : str, optional
+        The device that reads the emergency-stop contact.
+    """
+
+    regulators: str
+    bore: Annotated[float, Unit("m"), Gt(0)]
+    rod: Annotated[float, Unit("m"), Gt(0)]
+    stroke: Annotated[float, Unit("m"), Gt(0)]
+    home: Annotated[float, Unit("m"), Gt(0)]
+    moving_mass: Annotated[float, Unit("kg"), Gt(0)]
+    base_pressure: Pressure
+    friction: SealFriction
+    limits: PneumaticLimits
+    regulator_response: RegulatorModel = field(default_factory=RegulatorModel)
+    emergency_stop: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.rod < self.bore:
+            raise ValueError(f"rod ({self.rod:g} m) does not fit into bore ({self.bore:g} m).")
+        if not self.home < self.stroke:
+            raise ValueError(f"home ({self.home:g} m) is not within stroke ({self.stroke:g} m).")
+        low, high = self.limits.pressure
+        if not low <= self.base_pressure <= high:
+            raise ValueError(
+                f"base_pressure ({self.base_pressure:g} Pa) is outside limits.pressure "
+                f"{low:g} … {high:g} Pa."
+            )
+
+    @property
+    def area(self) -> float:
+        """Effective piston area on the rod side, m²."""
+        return math.pi / 4 * (self.bore**2 - self.rod**2)
+
+    def told(self) -> dict[str, float]:
+        """Return what the laws of any such mechanism are told of it, SI."""
+        return {
+            "area": self.area,
+            "mass": self.moving_mass,
+            "base_pressure": self.base_pressure,
+            "pressure_min": self.limits.pressure[0],
+            "pressure_max": self.limits.pressure[1],
+            "regulator_bandwidth": self.regulator_response.bandwidth,
+            "regulator_damping": self.regulator_response.damping,
+            "coulomb": self.friction.coulomb,
+            "breakaway": self.friction.breakaway,
+            "stribeck_velocity": self.friction.stribeck_velocity,
+            "viscous": self.friction.viscous,
+        }
+
+
+def check_order(name: str, bounds: tuple[float, float]) -> None:
+    """Refuse limits of which the lower one is not below the upper one.
+
+    Raises
+    ------
+    ValueError
+    """
+    lower, upper = bounds
+    if not lower < upper:
+        raise ValueError(f"{name}: the lower limit {lower:g} is not below {upper:g}.")
