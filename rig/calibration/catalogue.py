@@ -1,7 +1,7 @@
 """The procedures of a rig."""
 
 from rig.assembly import REGISTRY
-from rig.calibration.procedure import AnyProcedure
+from rig.calibration.procedure import AnyProcedure, Procedure
 from rig.config import Profile
 from rig.hal import ConfigurationError
 

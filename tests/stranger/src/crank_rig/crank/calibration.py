@@ -7,7 +7,7 @@ reached from below and from above, so that friction cancels.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -15,18 +15,14 @@ import numpy as np
 from annotated_types import Gt, Unit
 
 from controllers.minimum_jerk import minimum_jerk
-from crank_rig.crank.types import CrankReference
-from rig.assembly import make_controller
+from crank_rig.crank.types import CrankCommand, CrankReference, CrankState
 from rig.calibration.estimates import fit
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.calibration.sequence import ScriptedMotion
-from rig.config import Profile
+from rig.config import Profile, format_quantity
 from rig.hal import Segment
 
-_LAW = "independent"
-"""The one law that does not trim the twists away."""
 _BOUND = 1e-3
 """Of the residuals' rms, rad: above it the rod is no spring."""
 
@@ -56,11 +52,14 @@ class Twists:
         )
 
 
-class TwistMoves(ScriptedMotion[CrankReference]):
-    """The cranks a quarter of a turn up, and the right one's lead from step to step."""
+class TwistMoves(ScriptedMotion[CrankReference, CrankState, CrankCommand]):
+    """The cranks a quarter of a turn up, and the right one's lead from step to step.
+
+    It is its own controller: a law would trim the twists away.
+    """
 
     def __init__(self, twists: Twists) -> None:
-        self._hold = twists.hold
+        self._twists = twists
         self._levels = [twists.steps[0][1], *(twist for _, twist in twists.steps)]
         super().__init__(
             twists.hold * len(twists.steps) + 0.1,
@@ -70,42 +69,43 @@ class TwistMoves(ScriptedMotion[CrankReference]):
             ],
         )
 
-    def at(self, t: float) -> CrankReference:
+    def describe(self) -> Iterator[str]:
+        """Yield what moves and how far."""
+        most = format_quantity(self._twists.most, "rad")
+        yield f"the cranks stand at a quarter of a turn, and the right one leads by up to ±{most}"
+
+    def reference_at(self, t: float) -> CrankReference:
         """Return where the cranks should be at `t`."""
-        k = min(int(t / self._hold), len(self._levels) - 2)
-        into = t - k * self._hold
-        twist, speed, _ = minimum_jerk(self._levels[k], self._levels[k + 1], 0.3 * self._hold, into)
+        hold = self._twists.hold
+        k = min(int(t / hold), len(self._levels) - 2)
+        start, end = self._levels[k : k + 2]
+        twist, speed, _ = minimum_jerk(start, end, 0.3 * hold, t - k * hold)
         return CrankReference((0.5 * math.pi, 0.5 * math.pi + twist), (0.0, speed))
 
+    def play(self) -> Iterator[CrankCommand]:
+        """Yield the reference as the command."""
+        while True:
+            yield CrankCommand(self.wanted.positions, self.wanted.velocities)
 
-class RodZero:
-    """The twist at which the rod is unstrained."""
+
+class RodZero(Procedure[Recording]):
+    """The procedure that finds the twist at which the rod is unstrained."""
 
     name = "rod-zero"
     title = "twist at which the rod is unstrained"
 
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the file that it writes: the mechanism's."""
-        return (profile.mechanism,)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return none: the drives' own encoders suffice."""
-        return ()
-
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the twists; friction has a memory, so none is left out."""
         twists = Twists()
-        controller = make_controller(profile, _LAW)
-        return Excitation(twists, TwistMoves(twists), controller, _LAW, profile)
+        script = TwistMoves(twists)
+        return Excitation(twists, script, script, "twists", profile, script.describe)
 
-    def identify(
-        self, profile: Profile, recording: Recording, readings: Readings
-    ) -> Sequence[Finding]:
+    def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit the line and take its zero."""
         names = [name for name, _ in Twists().steps]
-        recording.require(names)
-        twist = np.array([_lead(recording, name, "reading") for name in names])
-        off = np.array([_lead(recording, name, "applied") for name in names]) - twist
+        data.require(names)
+        twist = np.array([_lead(data, name, "reading") for name in names])
+        off = np.array([_lead(data, name, "applied") for name in names]) - twist
         try:
             line = fit(lambda p: off - p[1] * (twist - p[0]), (0.0, 1.0), (1e-2, 1.0))
         except ValueError as error:

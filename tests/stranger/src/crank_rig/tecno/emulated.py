@@ -5,10 +5,11 @@ that a mistake in one shows against the other.
 """
 
 from crank_rig.tecno.settings import TecnoSettings
-from drivers.sim.direct.regulators import RegulatorPort, SimulatedRegulators
+from drivers.sim.direct.regulators import SimulatedRegulators
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.object_dictionary import UNSIGNED32, Variable
-from drivers.sim.wiring import Wiring
+from drivers.sim.regulator_port import RegulatorPort
+from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
 
 
@@ -18,12 +19,10 @@ class EmulatedTecno(EmulatedNode):
     Fault of its own, beside those of every node: ``regulator_fault``.
     """
 
-    def __init__(
-        self, name: str, node: int, plant: RegulatorPort, channels: tuple[int, ...], serial: int
-    ) -> None:
-        super().__init__(name, node, device_type=0, serial=serial)
-        self._plant = plant
-        self._channels = channels
+    def __init__(self, of: Installed[TecnoSettings, RegulatorPort]) -> None:
+        super().__init__(of.name, of.settings.node, device_type=0, serial=of.serial or 0)
+        self._plant = of.plant
+        self._channels = of.channels
         self._faulty = False
         add = self.dictionary.add
         self._setpoints = add(0x2100, 0, Variable(UNSIGNED32, 0, mapping="r"))
@@ -61,25 +60,17 @@ class EmulatedTecno(EmulatedNode):
         self._faulty = faulty
 
 
-def emulate(
-    name: str, settings: TecnoSettings, plant: RegulatorPort, channels: tuple[int, ...], serial: int
-) -> EmulatedTecno:
+def emulate(of: Installed[TecnoSettings, RegulatorPort]) -> tuple[EmulatedTecno, ...]:
     """Return the node of an emulated bus."""
-    return EmulatedTecno(name, settings.node, plant, channels, serial)
+    return (EmulatedTecno(of),)
 
 
-def simulate(
-    name: str,
-    settings: TecnoSettings,
-    plant: RegulatorPort,
-    channels: tuple[int, ...],
-    clock: Clock,
-) -> SimulatedRegulators:
+def simulate(of: Installed[TecnoSettings, RegulatorPort], clock: Clock) -> SimulatedRegulators:
     """Return regulators straight on the plant, with the bank's range and resolution."""
     return SimulatedRegulators(
-        name,
-        settings.channels,
-        plant,
+        of.name,
+        of.settings.channels,
+        of.plant,
         clock,
         pressure_range=(0.0, 409.5e3),
         resolution=100.0,
