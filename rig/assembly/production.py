@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from controllers.motion import InfeasibleMotion
+from rig.assembly.contract_check import check_offers
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
 from rig.config.named_settings import controller_key
-from rig.hal import Clock, ConfigurationError, CyclicBus, Device, MotionRefused
+from rig.hal import Clock, ConfigurationError, CyclicBus, Device, Mechanism, MotionRefused
 from rig.hal.motion import Motion
 
 
@@ -45,16 +46,19 @@ def make_devices(
             raise ConfigurationError(f"{name}: the driver {entry.driver} hangs on no bus")
         if entry.bus is not None:
             devices[name] = driver(name, entry.settings, buses[entry.bus], serial=entry.serial)
-            continue
-        link = {"link": links[name]} if links and name in links else {}
-        devices[name] = driver(name, entry.settings, clock, serial=entry.serial, **link)
+        else:
+            link = {"link": links[name]} if links and name in links else {}
+            devices[name] = driver(name, entry.settings, clock, serial=entry.serial, **link)
+        check_offers(f"{name}: the driver {entry.driver}", devices[name], Device)
     return devices
 
 
 def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     """Make the loop's view of the rig."""
-    mechanism = REGISTRY.load("mechanism", profile.mechanism)
-    return mechanism.assemble(profile.mechanism_settings, devices, profile.loop.period)
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    mechanism = view.assemble(profile.mechanism_settings, devices, profile.loop.period)
+    check_offers(f"the mechanism {profile.mechanism}", mechanism, Mechanism)
+    return mechanism
 
 
 def make_controller(profile: Profile, name: str) -> Any:
@@ -72,13 +76,15 @@ def make_controller(profile: Profile, name: str) -> Any:
             f"the profile {profile.name} has no controller {name!r}; "
             f"it has {', '.join(profile.controllers)}"
         )
-    model = REGISTRY.load("mechanism", profile.mechanism).model_of(profile.mechanism_settings)
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    model = view.model_of(profile.mechanism_settings)
     key = controller_key(REGISTRY, profile.mechanism, name)
     controller = REGISTRY.load("controller", key)
     try:
         made = controller(profile.controllers[name], model, profile.loop.period)
     except InfeasibleMotion as error:
         raise MotionRefused(str(error)) from error
+    check_offers(f"the controller {name} of a {profile.mechanism}", made, view.law)
     made.compile()
     return made
 
@@ -98,4 +104,5 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
         )
     except ValueError as error:
         raise MotionRefused(str(error)) from error
+    check_offers(f"the motion that the mechanism {profile.mechanism} has planned", motion, Motion)
     return motion

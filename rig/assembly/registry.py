@@ -11,11 +11,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, NamedTuple, TypeVar
 
+from rig.assembly.contract_check import (
+    check_class,
+    check_kind,
+    check_offers,
+    check_settings,
+    check_table,
+)
 from rig.config.named_settings import Kind
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, CyclicBus, Device, Mechanism, Plant
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 
 Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
+Thing = TypeVar("Thing")
 
 MECHANISMS = {
     "cylinder": "rig.mechanisms.cylinder.parts:PARTS",
@@ -44,14 +52,14 @@ def load(path: str) -> Any:
     Raises
     ------
     ConfigurationError
-        There is no such module or no such name in it.
+        There is no such module or no such name in it, or its import fails.
     """
     module, _, name = path.partition(":")
     try:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except (ImportError, AttributeError) as error:
+    except Exception as error:  # anything may happen in the code of others
         raise ConfigurationError(f"{path} cannot be imported: {error}") from error
     return found
 
@@ -85,40 +93,59 @@ class InstalledParts:
     def settings(self, kind: Kind, name: str) -> type[Any]:
         """Return the settings dataclass of a name; KeyError if there is none."""
         code = _code_of(kind, name)
-        if code.settings is not None:
-            found: type[Any] = load(code.settings)
-            return found
-        thing = load(code.path)
-        try:
-            found = thing.Settings
-        except AttributeError:
-            raise ConfigurationError(
-                f"{kind} {name}: {code.path} has no Settings, the dataclass of its section"
-            ) from None
+        path = code.settings or f"{code.path}.Settings"
+        found: type[Any] = load(path)
+        check_settings(f"{kind} {name}: {path}", found)
         return found
 
     def load(self, kind: Kind, name: str) -> Any:
-        """Return the class behind a name; KeyError if there is none."""
-        return load(_code_of(kind, name).path)
+        """Return the class behind a name; KeyError if there is none.
+
+        Raises
+        ------
+        ConfigurationError
+            It is not what the contract says.
+        """
+        path = _code_of(kind, name).path
+        found = load(path)
+        protocol = _PROTOCOL_OF.get(kind)
+        if kind == "controller":
+            protocol = load(_mechanisms().rows[name.partition("/")[0]].view).law
+        if protocol is not None:
+            check_class(f"{kind} {name}: {path}", found, protocol)
+        return found
 
     # What mechanisms add to the frameworks ----------------------------------------------
 
-    def measures(self) -> Mapping[str, Any]:
-        """Return every `rig.experiment.measure.Measure` by name."""
-        return _merged("measure", lambda row: row.measures)
+    def measures(self, mechanism: str | None, kind: type[Thing]) -> Mapping[str, Thing]:
+        """Return every measure by name.
 
-    def figures(self) -> Mapping[str, Any]:
-        """Return every mechanism's `rig.report.figure.FigureKind` by name."""
-        return _merged("figure", lambda row: row.figures)
+        Parameters
+        ----------
+        mechanism : str, optional
+            Whose own go before those of others.
+        kind : type
+            `rig.experiment.measure.Measure`.
+        """
+        return _merged("measure", lambda row: row.measures, mechanism, kind)
 
-    def comparisons(self) -> tuple[Any, ...]:
-        """Return every `rig.report.comparison.Comparison`, the most particular first."""
-        return tuple(load(path) for row in reversed(_additions()) for path in row.comparisons)
+    def figures(self, mechanism: str | None, kind: type[Thing]) -> Mapping[str, Thing]:
+        """Return every mechanism's figures by name, which are `rig.report.figure.FigureKind`."""
+        return _merged("figure", lambda row: row.figures, mechanism, kind)
 
-    def procedures(self, mechanism: str) -> tuple[Any, ...]:
+    def comparisons(self, mechanism: str | None, kind: type[Thing]) -> tuple[Thing, ...]:
+        """Return a mechanism's comparisons, or everybody's; the most particular first."""
+        return tuple(
+            check_kind(f"comparison: {path}", load(path), kind)
+            for row in reversed(_additions())
+            if mechanism is None or row.mechanism == mechanism
+            for path in row.comparisons
+        )
+
+    def procedures(self, mechanism: str, protocol: type[Thing]) -> tuple[Thing, ...]:
         """Return a mechanism's procedures, in the order in which they build on each other."""
         return tuple(
-            load(path)()
+            _made_procedure(path, protocol)
             for row in _additions()
             if row.mechanism == mechanism
             for path in row.procedures
@@ -192,8 +219,12 @@ def _protocols() -> _Rows:
 @functools.cache
 def _additions() -> tuple[Additions, ...]:
     """Return what is known of every mechanism: its own row first, then what others add to it."""
-    others = _collect({}, "rig.additions", Additions)
-    return (*_mechanisms().rows.values(), *others.rows.values())
+    return (*_mechanisms().rows.values(), *_foreign_additions().rows.values())
+
+
+@functools.cache
+def _foreign_additions() -> _Rows:
+    return _collect({}, "rig.additions", Additions)
 
 
 # Code behind names ----------------------------------------------------------------------
@@ -208,21 +239,27 @@ class _Code(NamedTuple):
 
 def _code_of(kind: Kind, name: str) -> _Code:
     try:
-        return _code(kind)[name]
+        first, *others = _code(kind)[name]
     except KeyError:
         for found in _ROWS_OF.get(kind, ()):
             _find(found(), name)  # an installed row that is broken says why
+        for why in () if kind in _ROWS_OF else _foreign_additions().broken.values():
+            raise ConfigurationError(f"no {kind} is called {name!r}; {why}") from None
         raise
+    for other in others:  # said where the name is used: it is no concern of other rigs
+        raise ConfigurationError(
+            f"two packages have a {kind} {name!r}: {first.path} and {other.path}"
+        )
+    return first
 
 
 @functools.cache
-def _code(kind: Kind) -> Mapping[str, _Code]:
-    found: dict[str, _Code] = {}
+def _code(kind: Kind) -> Mapping[str, list[_Code]]:
+    """Return what is behind each name; it is one thing, if no two packages took the name."""
+    found: dict[str, list[_Code]] = {}
     for name, code in _CODE_OF[kind]():
-        if found.setdefault(name, code) != code:
-            raise ConfigurationError(
-                f"two packages have a {kind} {name!r}: {found[name].path} and {code.path}"
-            )
+        if code not in found.setdefault(name, []):
+            found[name].append(code)
     return found
 
 
@@ -244,6 +281,12 @@ def _references() -> Iterator[tuple[str, _Code]]:
             yield name, _Code(path, path)
 
 
+_PROTOCOL_OF: dict[Kind, type] = {
+    "mechanism": Mechanism,
+    "driver": Device,
+    "bus": CyclicBus,
+    "plant": Plant,
+}
 _ROWS_OF: dict[Kind, Sequence[Callable[[], _Rows]]] = {
     "mechanism": (_mechanisms,),
     "driver": (_drivers,),
@@ -265,15 +308,39 @@ _CODE_OF: dict[Kind, Callable[[], Iterator[tuple[str, _Code]]]] = {
 }
 
 
-def _merged(kind: str, paths_of: Callable[[Additions], tuple[str, ...]]) -> Mapping[str, Any]:
-    """Return the union of the mappings that rows name, in the order of the rows."""
-    found: dict[str, Any] = {}
+def _merged(
+    kind: str,
+    paths_of: Callable[[Additions], tuple[str, ...]],
+    mechanism: str | None,
+    type_of: type[Thing],
+) -> Mapping[str, Thing]:
+    """Return the union of the mappings that rows name, in the order of the rows.
+
+    What others call by the same name as a mechanism's own does not concern it, or a package could
+    break the rigs of all others.
+    """
+    found: dict[str, Thing] = {}
+    own: dict[str, str] = {}
     for row in _additions():
         for path in paths_of(row):
-            for name, thing in load(path).items():
-                if found.setdefault(name, thing) is not thing:
-                    raise ConfigurationError(f"two packages have a {kind} {name!r}; one is {path}")
+            for name, thing in check_table(f"{kind}s: {path}", load(path), type_of).items():
+                if row.mechanism != mechanism:
+                    found.setdefault(name, thing)
+                elif own.setdefault(name, path) != path:
+                    raise ConfigurationError(
+                        f"two packages have a {kind} {name!r}: {own[name]} and {path}"
+                    )
+                else:
+                    found[name] = thing
     return found
+
+
+def _made_procedure(path: str, protocol: type[Thing]) -> Thing:
+    kind = load(path)
+    check_class(f"procedure: {path}", kind, protocol)
+    made: Thing = kind()
+    check_offers(f"procedure: {path}", made, protocol)
+    return made
 
 
 REGISTRY = InstalledParts()

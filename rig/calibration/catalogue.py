@@ -1,14 +1,14 @@
 """The procedures of a rig."""
 
 from rig.assembly import REGISTRY
-from rig.calibration.procedure import AnyProcedure
+from rig.calibration.procedure import AnyProcedure, Procedure
 from rig.config import Profile
 from rig.hal import ConfigurationError
 
 
 def procedures(profile: Profile) -> dict[str, AnyProcedure]:
     """Return the procedures of a rig by name, in the order in which they build on each other."""
-    every = REGISTRY.procedures(profile.mechanism)
+    every = REGISTRY.procedures(profile.mechanism, Procedure)
     return {procedure.name: procedure for procedure in every if procedure.targets(profile)}
 
 

@@ -81,7 +81,13 @@ def _report(error: Exception) -> int:
         return 3 if isinstance(error, DeviceError) else 4
     import traceback
 
+    from rig.assembly.contract_check import whose_bug
+
     traceback.print_exc()
+    place = whose_bug(error)
+    if place is not None:
+        click.echo(f"\nerror: {place}: {type(error).__name__}: {error}", err=True)
+        return 2
     click.echo(
         "\nThis is a bug in rig, not in your files. Please report it with the text above.", err=True
     )

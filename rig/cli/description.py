@@ -134,12 +134,12 @@ def _unit(annotation: Any) -> str:
 
 def describe_experiment(plan: Plan) -> dict[str, Any]:
     """Return what an experiment says, in SI; it must have been checked."""
-    from rig.assembly import REGISTRY
     from rig.experiment.measure import Measure
+    from rig.experiment.metrics import known_measures
     from rig.hal.motion import Fact
 
     experiment, motion = plan.experiment, plan.motion
-    known: dict[str, Measure | Fact] = {**REGISTRY.measures(), **motion.facts}
+    known: dict[str, Measure | Fact] = {**known_measures(plan.profile.mechanism), **motion.facts}
     metrics = []
     for name, spec in experiment.metrics.items():
         measure = known[spec.measure or name]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from rig.assembly import REGISTRY
-from rig.experiment.measure import NoTruth, Samples, Window
+from rig.experiment.measure import Measure, NoTruth, Samples, Window
 from rig.hal import RigError
 from rig.hal.motion import Fact, Segment
 from rig.runtime.log import LogError
@@ -106,6 +106,7 @@ def evaluate(
     segments: Sequence[Segment],
     specs: Mapping[str, MetricRequest],
     facts: Mapping[str, Fact] | None = None,
+    mechanism: str | None = None,
 ) -> list[Metric]:
     """Compute an experiment's metrics from a log.
 
@@ -120,6 +121,8 @@ def evaluate(
         and ``name.min`` for the lower.
     facts : mapping of str to Fact, optional
         What the motion's plan says of it; a metric may name one instead of a measure.
+    mechanism : str, optional
+        Whose own measures go before those of others.
 
     Returns
     -------
@@ -133,7 +136,7 @@ def evaluate(
         to its end: a number over half of it would look like one over all of it.
     """
     samples = Samples(log)
-    known = REGISTRY.measures()
+    known = known_measures(mechanism)
     metrics: list[Metric] = []
     for name, spec in specs.items():
         measure_name = spec.measure or name
@@ -177,14 +180,21 @@ def _bounded(name: str, spec: MetricRequest, measure: str, value: float, unit: s
     ]
 
 
+def known_measures(mechanism: str | None) -> Mapping[str, Measure]:
+    """Return every measure by name; a mechanism's own go before those of others."""
+    return REGISTRY.measures(mechanism, Measure)
+
+
 def evaluation_as_json(
     segments: Sequence[Segment],
     specs: Mapping[str, MetricRequest],
     figures: Sequence[str] = (),
     facts: Mapping[str, Fact] | None = None,
+    mechanism: str | None = None,
 ) -> dict[str, Any]:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
+        "mechanism": mechanism,
         "figures": list(figures),
         "facts": {
             name: {**fact._asdict(), "value": fact.value if math.isfinite(fact.value) else None}

@@ -21,6 +21,7 @@ from rig.config import (
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
 from rig.experiment.measure import Measure
+from rig.experiment.metrics import known_measures
 from rig.hal import ConfigurationError
 from rig.hal.motion import Fact, Motion
 
@@ -133,8 +134,8 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
         motion = plan_motion(profile, experiment.reference.settings, controller)
-        _check_metrics(experiment, motion)
-        _check_figures(experiment)
+        _check_metrics(experiment, motion, profile.mechanism)
+        _check_figures(experiment, profile.mechanism)
     except ConfigurationError as error:
         raise type(error)(f"{experiment.name}: {error}") from error
     return Plan(experiment, profile, controller, motion)
@@ -153,10 +154,10 @@ def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experi
     return replace(experiment, metrics=applying)
 
 
-def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
+def _check_metrics(experiment: Experiment, motion: Motion[Any], mechanism: str) -> None:
     names = [segment.name for segment in motion.segments]
     facts = motion.facts
-    known: dict[str, Measure | Fact] = {**REGISTRY.measures(), **facts}
+    known: dict[str, Measure | Fact] = {**known_measures(mechanism), **facts}
     for name, spec in experiment.metrics.items():
         measure = known.get(spec.measure or name)
         if measure is None:
@@ -176,10 +177,10 @@ def _check_metrics(experiment: Experiment, motion: Motion[Any]) -> None:
             )
 
 
-def _check_figures(experiment: Experiment) -> None:
+def _check_figures(experiment: Experiment, mechanism: str) -> None:
     from rig.report.figures import known_figures
 
-    known = known_figures() if experiment.figures else {}
+    known = known_figures(mechanism) if experiment.figures else {}
     for name in experiment.figures:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)

@@ -202,7 +202,11 @@ def _create_folder(
     folder.write_json(
         EVALUATION,
         evaluation_as_json(
-            plan.motion.segments, experiment.metrics, experiment.figures, plan.motion.facts
+            plan.motion.segments,
+            experiment.metrics,
+            experiment.figures,
+            plan.motion.facts,
+            profile.mechanism,
         ),
     )
     return folder
@@ -340,7 +344,13 @@ def _finish(
         folder.write_timing(summarise_timing(log) | stopwatch.facts)
     if status is not RunStatus.OK:
         return []
-    metrics = evaluate(log, plan.motion.segments, plan.experiment.metrics, plan.motion.facts)
+    metrics = evaluate(
+        log,
+        plan.motion.segments,
+        plan.experiment.metrics,
+        plan.motion.facts,
+        plan.profile.mechanism,
+    )
     folder.write_metrics(metrics)
     return metrics
 

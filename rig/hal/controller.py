@@ -1,5 +1,6 @@
 """What the loop needs of a controller: a pure function of its state, reference and own memory."""
 
+from abc import abstractmethod
 from typing import ClassVar, Protocol, TypeVar
 
 State = TypeVar("State", contravariant=True)
@@ -14,10 +15,12 @@ class Controller(Protocol[Reference, State, Command]):
     same sequence of commands.
     """
 
+    @abstractmethod
     def reset(self, state: State) -> None:
         """Forget the past and start bumplessly from the measured `state`."""
         ...
 
+    @abstractmethod
     def update(self, state: State, reference: Reference) -> Command:
         """Return the command for this period.
 

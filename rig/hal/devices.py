@@ -6,6 +6,7 @@ Everything is in SI units: m, rad, s, Pa (gauge). Vectors are tuples of floats, 
 Drivers inherit these protocols: what has a default need not be written.
 """
 
+from abc import abstractmethod
 from typing import NamedTuple, Protocol
 
 from rig.hal.columns import Column
@@ -26,6 +27,7 @@ class Device(Protocol):
         """Return this cycle's values for `log_columns`; called after `check`. Hot path."""
         return ()
 
+    @abstractmethod
     def connect(self) -> None:
         """Find, identify, configure and read back; leave it safe and not energised.
 
@@ -36,10 +38,12 @@ class Device(Protocol):
         """
         ...
 
+    @abstractmethod
     def arm(self) -> None:
         """Make it follow setpoints from now on (NMT operational, torque on, supply open)."""
         ...
 
+    @abstractmethod
     def check(self, now: float) -> None:
         """Raise if the device is not well.
 
@@ -50,6 +54,7 @@ class Device(Protocol):
         """
         ...
 
+    @abstractmethod
     def make_safe(self) -> None:
         """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
         ...
@@ -62,6 +67,7 @@ class Device(Protocol):
         """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
         return None
 
+    @abstractmethod
     def close(self) -> None:
         """Release it. Idempotent, and safe to call in any state."""
         ...
@@ -93,14 +99,17 @@ class PressureRegulator(Device, Protocol):
     lockable: tuple[bool, ...] = ()
     """Which of the channels have a valve between regulator and chamber; empty: none has."""
 
+    @abstractmethod
     def pressure(self) -> Reading[Vector]:
         """Return the monitored pressures, Pa gauge, shape (n,)."""
         ...
 
+    @abstractmethod
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,)."""
         ...
 
+    @abstractmethod
     def safe_pressure(self) -> Vector:
         """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
         ...
@@ -125,10 +134,12 @@ class LinearEncoder(Device, Protocol):
     channels: tuple[str, ...]
     stroke: float
 
+    @abstractmethod
     def position(self) -> Reading[Vector]:
         """Return the rod extensions, m, shape (n,), each within 0 … `stroke`."""
         ...
 
+    @abstractmethod
     def velocity(self) -> Reading[Vector]:
         """Return the device's own velocities, m/s, shape (n,); often coarse."""
         ...
@@ -137,6 +148,7 @@ class LinearEncoder(Device, Protocol):
 class EmergencyStopInput(Protocol):
     """A device that also reads the emergency-stop contact."""
 
+    @abstractmethod
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop is pressed (an open contact or broken wire is pressed)."""
         ...
@@ -162,6 +174,7 @@ class MarkerCamera(Device, Protocol):
         """Radius of the sphere on which the camera believes the marker, m; None: on none."""
         return None
 
+    @abstractmethod
     def markers(self) -> Reading[Markers]:
         """Return the newest markers; `t` is the middle of the exposure."""
         ...
@@ -172,22 +185,27 @@ class ServoBus(Device, Protocol):
 
     axis_names: tuple[str, ...]
 
+    @abstractmethod
     def positions(self) -> Reading[Vector]:
         """Return the joint positions, rad, shape (n,)."""
         ...
 
+    @abstractmethod
     def velocities(self) -> Reading[Vector]:
         """Return the drives' own joint velocities, rad/s, shape (n,); often coarse."""
         ...
 
+    @abstractmethod
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,)."""
         ...
 
+    @abstractmethod
     def command_velocities(self, velocities: Vector) -> None:
         """Take velocity setpoints for this cycle, rad/s, shape (n,)."""
         ...
 
+    @abstractmethod
     def set_torque_enabled(self, enabled: bool) -> None:
         """Energise or release all joints."""
         ...

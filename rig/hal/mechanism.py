@@ -1,12 +1,15 @@
 """The seam between the loop, which is the same for every rig, and a mechanism."""
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple, Protocol, TypeVar, cast
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 from rig.hal.columns import Column
+from rig.hal.controller import Controller
 from rig.hal.devices import Device
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
+from rig.hal.offers import lacking
 
 Settings = TypeVar("Settings")
 State = TypeVar("State")
@@ -31,10 +34,14 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
 
     columns: Sequence[Column]
 
+    law: ClassVar[type] = Controller
+    """What its laws must offer: `Controller`, or a protocol that asks for more."""
+
     stopping_time: float = 0.0
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""
 
     @classmethod
+    @abstractmethod
     def assemble(
         cls, settings: Settings, devices: Mapping[str, Device], period: float
     ) -> "Mechanism[Settings, State, Reference, Command]":
@@ -72,11 +79,13 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         return None
 
     @classmethod
+    @abstractmethod
     def model_of(cls, settings: Settings) -> object:
         """Return what the controllers are told of the mechanics, from the profile's settings."""
         ...
 
     @classmethod
+    @abstractmethod
     def plan(
         cls, settings: Settings, reference: object, controller: Any, period: float
     ) -> Motion[Reference]:
@@ -101,6 +110,7 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         ...
 
     @classmethod
+    @abstractmethod
     def approach(cls, start: Reference, end: Reference, duration: float, t: float) -> Reference:
         """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
         ...
@@ -109,6 +119,7 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """Take the controller and the motion of the run that begins, for what is logged of them."""
         return
 
+    @abstractmethod
     def read(self, now: float) -> State:
         """Assemble one frozen state from the devices' last readings.
 
@@ -119,6 +130,7 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """
         ...
 
+    @abstractmethod
     def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe.
 
@@ -139,48 +151,59 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """Say how the mechanism is held after a fault, for the operator; None: it is not."""
         return None
 
+    @abstractmethod
     def resting_command(self, state: State) -> Command:
         """Return the command that changes nothing: what the devices hold now."""
         ...
 
+    @abstractmethod
     def energised_command(self, state: State) -> Command:
         """Return the command that energises without moving; control starts from it."""
         ...
 
+    @abstractmethod
     def released_command(self) -> Command:
         """Return the command of the released rig, to which a stop leads."""
         ...
 
+    @abstractmethod
     def blend(self, start: Command, end: Command, share: float) -> Command:
         """Return the command `share` (0 … 1) of the way from `start` to `end`."""
         ...
 
+    @abstractmethod
     def start_limiting(self, state: State) -> None:
         """Make the measured state the one that the rate limit starts from."""
         ...
 
+    @abstractmethod
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied; the one choke point."""
         ...
 
+    @abstractmethod
     def write(self, applied: Command) -> None:
         """Hand the applied command to the devices as this cycle's setpoints."""
         ...
 
+    @abstractmethod
     def row(
         self, state: State, reference: Reference, command: Command, applied: Command
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
         ...
 
+    @abstractmethod
     def reference_of(self, state: State) -> Reference:
         """Return the reference that the rig fulfils as it stands: no motion."""
         ...
 
+    @abstractmethod
     def worst_margin(self, state: State, applied: Command, now: float) -> Margin:
         """Return the quantity that is nearest to its limit."""
         ...
 
+    @abstractmethod
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
         ...
@@ -234,14 +257,9 @@ def pick_device(role: str, name: str, kind: type[Kind], devices: Mapping[str, De
             f"{role}: no device is called {name!r}; there are {', '.join(devices)}"
         )
     device = devices[name]
-    lacking = sorted(
-        member
-        for base in kind.__mro__
-        for member in (*vars(base), *vars(base).get("__annotations__", ()))
-        if not member.startswith("_") and not hasattr(device, member)
-    )
-    if lacking:
+    missing = lacking(device, kind)
+    if missing:
         raise ConfigurationError(
-            f"{role}: {name} is no {kind.__name__}: it has no {', '.join(lacking)}"
+            f"{role}: {name} is no {kind.__name__}: it has no {', '.join(missing)}"
         )
     return cast("Kind", device)

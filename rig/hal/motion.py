@@ -1,5 +1,6 @@
 """What the loop follows, and the stretches of it that metrics look at."""
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple, Protocol, TypeVar
@@ -56,15 +57,18 @@ class Motion(Protocol[Followed]):
     """What is known of it before it is done."""
 
     @property
+    @abstractmethod
     def duration(self) -> float:
         """How long it takes, s."""
         ...
 
     @property
+    @abstractmethod
     def segments(self) -> tuple[Segment, ...]:
         """The stretches that metrics look at."""
         ...
 
+    @abstractmethod
     def at(self, t: float) -> Followed:
         """Return the reference at `t` seconds, 0 … `duration`."""
         ...

@@ -1,5 +1,6 @@
 """The port of a plant: what the simulation needs of the physics of a mechanism."""
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Protocol, Self
 
@@ -15,17 +16,23 @@ class Plant(Protocol):
     channel_names: tuple[str, ...]
     """What devices may be wired to: chambers, rods, axes."""
 
+    known_faults: tuple[str, ...]
+    """Names that `inject` understands; empty if nothing of it breaks."""
+
     truth_columns: Sequence[tuple[str, str]]
     """Names and SI units of what `truth` returns."""
 
+    @abstractmethod
     def advance(self, t: float) -> None:
         """Integrate up to time `t`, s."""
         ...
 
+    @abstractmethod
     def truth(self) -> tuple[float, ...]:
         """Return the true state, which no device measures, one value for each column."""
         ...
 
+    @abstractmethod
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.
 

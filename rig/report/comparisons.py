@@ -10,5 +10,7 @@ from rig.report.metric_bars import METRICS_COMPARISON
 
 def comparison_of(runs: Sequence[RunData]) -> Comparison:
     """Return the first comparison that can draw all of the runs; bars of metrics can draw any."""
-    kinds: tuple[Comparison, ...] = (*REGISTRY.comparisons(), METRICS_COMPARISON)
+    mechanisms = {run.mechanism for run in runs}
+    (mechanism,) = mechanisms if len(mechanisms) == 1 else (None,)
+    kinds = (*REGISTRY.comparisons(mechanism, Comparison), METRICS_COMPARISON)
     return next(kind for kind in kinds if all(kind.suits(run) for run in runs))

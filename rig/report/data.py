@@ -56,9 +56,20 @@ class RunData:
         return run if run.any() else np.ones(len(self.log.t), bool)
 
     @property
+    def mechanism(self) -> str | None:
+        """The rig's mechanism; None of a run that was recorded before it was noted."""
+        return mechanism_of(self.folder)
+
+    @property
     def error(self) -> "NDArray[np.float64]":
         """Reference minus reading of the position, m, shape (n,)."""
         return self.log.column("reference.position") - self.log.column("reading.position")
+
+
+def mechanism_of(folder: RunFolder) -> str | None:
+    """Return the mechanism of the rig that a run was recorded on; None if it is not noted."""
+    mechanism = folder.read_json(EVALUATION).get("mechanism")
+    return mechanism if isinstance(mechanism, str) else None
 
 
 def load_run(path: str | Path) -> RunData:

@@ -11,9 +11,9 @@ from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_folder import FIGURES as FIGURES_FOLDER
 
 
-def known_figures() -> dict[str, FigureKind]:
+def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
     """Return every figure by name: those of the mechanisms, and what any run's cycles cost."""
-    return {**REGISTRY.figures(), **TIMING_FIGURES}
+    return {**REGISTRY.figures(mechanism, FigureKind), **TIMING_FIGURES}
 
 
 def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[Path]:
@@ -40,12 +40,12 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[P
     ConfigurationError, LogError
         There is no run folder, or no log in it.
     """
-    known = known_figures()
+    run = load_run(path)
+    known = known_figures(run.mechanism)
     chosen = list(known) if names is None else list(names)
     for name in chosen:
         if name not in known:
             raise ValueError(f"there is no figure {name!r}; there are {', '.join(known)}")
-    run = load_run(path)
     written: list[Path] = []
     if len(run.log.t) < 2:
         return written

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import cast
 
 from rig.config import format_against
+from rig.report.data import mechanism_of
 from rig.report.figures import known_figures
 from rig.report.timing import Spread, TimingSummary
 from rig.run_folder import (
@@ -62,7 +63,7 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     sections = [
         _header(folder, title),
         _metrics(folder.metrics(), problems),
-        _figures(figures),
+        _figures(figures, mechanism_of(folder)),
         _timing(cast("TimingSummary", folder.read_json(TIMING))),
         _events(folder.events()),
         _reproduce(manifest),
@@ -131,8 +132,8 @@ def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> str:
     return _section("Metrics", table + (f'<ul class="problems">{notes}</ul>' if notes else ""))
 
 
-def _figures(figures: Sequence[Path]) -> str:
-    parts, known = [], known_figures()
+def _figures(figures: Sequence[Path], mechanism: str | None) -> str:
+    parts, known = [], known_figures(mechanism)
     for figure in figures:
         content = figure.read_bytes()
         data = base64.b64encode(content).decode()

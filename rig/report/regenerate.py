@@ -10,6 +10,7 @@ from rig.experiment.metrics import (
     evaluation_from_json,
     facts_from_json,
 )
+from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.timing import summarise_timing
@@ -74,7 +75,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     problems: list[str] = []
     for name, spec in specs.items():
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts)
+            metrics += evaluate(log, segments, {name: spec}, facts, mechanism_of(folder))
         except MetricError as error:
             problems.append(str(error))
     return metrics, problems

@@ -49,6 +49,7 @@ class LegsPlant:
     Settings = LegsPlantSettings
 
     channel_names = CHANNELS
+    known_faults: tuple[str, ...] = ()
 
     truth_columns = (
         ("waist_x", "m"),
@@ -178,6 +179,17 @@ class LegsPlant:
             moved = True
         if moved:
             self._look()
+
+    def inject(self, fault: str, value: float | None = None) -> None:
+        """Refuse every fault: the legs themselves have none.
+
+        Raises
+        ------
+        ValueError
+            Always.
+        """
+        del value
+        raise ValueError(f"plant: no fault {fault!r}; the legs' plant knows none")
 
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it."""

@@ -16,6 +16,7 @@ from controllers.arm.kinematics import (
 from controllers.arm.plan import ArmPlan
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from controllers.base import PlanningLaw
 from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Fact, Motion, Segment
@@ -108,6 +109,7 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     """
 
     Settings = ArmSettings
+    law = PlanningLaw
 
     columns = (
         *servo_columns(AXIS_NAMES),

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
+    Controller,
     Device,
     EmergencyStopInput,
     LimitExceeded,
@@ -32,7 +33,7 @@ _SPEED_WINDOW = 0.01
 """The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
 
 
-class EstimatingController(Protocol):
+class EstimatingController(Controller[PairReference, PairState, PairCommand], Protocol):
     """A controller that shows what it believes: velocity (m/s) and disturbance (N)."""
 
     @property
@@ -64,6 +65,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     """
 
     Settings = CylinderSettings
+    law = EstimatingController
 
     # The reference comes first, where the loop's own column of that group ends: a log whose groups
     # stand together already needs no rearranging.

@@ -17,6 +17,7 @@ from controllers.spherical_joint.types import (
     JointState,
 )
 from rig.hal import (
+    Controller,
     Device,
     EmergencyStopInput,
     LinearEncoder,
@@ -40,7 +41,7 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 _ZERO = (0.0, 0.0, 0.0)
 
 
-class PoseController(Protocol):
+class PoseController(Controller[JointReference, JointState, JointCommand], Protocol):
     """A controller that shows what it believes of the joint."""
 
     @property
@@ -79,6 +80,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     """
 
     Settings = JointSettings
+    law = PoseController
 
     columns = JOINT_COLUMNS
 

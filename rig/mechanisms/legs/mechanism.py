@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from controllers.base import PlanningLaw
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
@@ -103,6 +104,7 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     """
 
     Settings = LegsSettings
+    law = PlanningLaw
 
     columns = (
         *servo_columns(AXIS_NAMES),

@@ -63,6 +63,16 @@ class FakeServo(Idle, ServoBus):
         raise AssertionError("a mechanism does not switch torque")
 
 
+class BareAxes(ServoAxes):
+    """Axes without what a mechanism adds to them."""
+
+    @classmethod
+    def assemble(cls, *_):
+        raise AssertionError("these tests ask the axes alone")
+
+    model_of = plan = approach = row = assemble
+
+
 class ServoBench:
     """Axes a and c on one device, c first, and b on the other."""
 
@@ -71,7 +81,7 @@ class ServoBench:
         self.right = FakeServo("right", ("b",))
         self.stop = FakeStop()
         values = {"following": FOLLOWING, "reading_age": AGE, "acceleration": ACCELERATION}
-        self.axes = ServoAxes(
+        self.axes = BareAxes(
             AxisLimits(NAMES, LOWER, UPPER, RATES),
             ServoLimits(**(values | limits)),
             [self.left, self.right],

@@ -4,7 +4,18 @@ import math
 
 import pytest
 from pneumatic_fakes import FakeStop
-from servo_fakes import AGE, FOLLOWING, LOWER, NAMES, RATES, TINY, UPPER, FakeServo, ServoBench
+from servo_fakes import (
+    AGE,
+    FOLLOWING,
+    LOWER,
+    NAMES,
+    RATES,
+    TINY,
+    UPPER,
+    BareAxes,
+    FakeServo,
+    ServoBench,
+)
 
 from rig.hal import ConfigurationError, EmergencyStop, LimitExceeded, SafetyError, StaleReading
 from rig.hal.mechanism import Margin
@@ -13,7 +24,7 @@ from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
 
 
 def wired(*servos):
-    return ServoAxes(
+    return BareAxes(
         AxisLimits(NAMES, LOWER, UPPER, RATES), ServoLimits(), servos, None, Kinds(*[tuple] * 3), 1
     )
 

@@ -63,6 +63,11 @@ class FakeDevice(Device):
         self.safe = 0
         self.fault_at = float("inf")
 
+    def connect(self):
+        raise AssertionError("a loop is given devices that are armed")
+
+    arm = close = connect
+
     def check(self, now):
         if now >= self.fault_at:
             raise DeviceFault(self.name, "it broke")
@@ -80,6 +85,12 @@ class FakeMechanism(Mechanism):
         self.written = []
         self.value = 7.0
         self.hits = {"range": 2, "rate": 0}
+
+    @classmethod
+    def assemble(cls, *_):
+        raise AssertionError("a loop is given a mechanism and a motion")
+
+    model_of = plan = assemble
 
     def read(self, now):
         return self.value

@@ -1,0 +1,120 @@
+"""Whether what was loaded is what the contract says: what it lacks is a sentence with its name.
+
+Anybody's code may be behind a name. It is asked once, when it is loaded; what nobody asked shows as
+an error from deep inside, which is then told from a bug of this program by whose code raised it.
+"""
+
+import traceback
+from collections.abc import Mapping
+from dataclasses import is_dataclass
+from importlib.metadata import entry_points
+from typing import TypeVar
+
+from rig.hal import ConfigurationError
+from rig.hal.offers import lacking
+
+Thing = TypeVar("Thing")
+
+GROUPS = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
+"""Of the entry points by which other packages offer their rows."""
+
+
+def check_offers(what: str, thing: object, protocol: type) -> None:
+    """Refuse a class, or an instance of one, that has not all that a protocol asks for.
+
+    Parameters
+    ----------
+    what : str
+        What it is, for messages: its kind, its name and where it is.
+    thing : object
+        The class or the instance.
+    protocol : type
+        Of `rig.hal`, or a mechanism's own.
+
+    Raises
+    ------
+    ConfigurationError
+        With what it lacks.
+    """
+    missing = lacking(thing, protocol)
+    if missing:
+        raise ConfigurationError(
+            f"{what} is no {protocol.__module__}.{protocol.__name__}: it has no "
+            f"{', '.join(missing)}"
+        )
+
+
+def check_settings(what: str, settings: object) -> None:
+    """Refuse what is no dataclass: a section of a file cannot become one.
+
+    Raises
+    ------
+    ConfigurationError
+        It is none.
+    """
+    if not (isinstance(settings, type) and is_dataclass(settings)):
+        raise ConfigurationError(f"{what} is no dataclass, which the settings of a section must be")
+
+
+def check_class(what: str, thing: object, protocol: type) -> None:
+    """Refuse what is no class, or one that has not all that a protocol asks for.
+
+    Raises
+    ------
+    ConfigurationError
+        With what it lacks.
+    """
+    if not isinstance(thing, type):
+        raise ConfigurationError(f"{what} is a {type(thing).__name__}, and no class")
+    check_offers(what, thing, protocol)
+
+
+def check_table(what: str, table: object, kind: type[Thing]) -> Mapping[str, Thing]:
+    """Return a table of names, if it is one of the right things.
+
+    Raises
+    ------
+    ConfigurationError
+        It is no mapping, or something in it is of another type.
+    """
+    if not isinstance(table, Mapping):
+        raise ConfigurationError(
+            f"{what} is a {type(table).__name__}, and no mapping of names to {kind.__name__}"
+        )
+    for name, thing in table.items():
+        check_kind(f"{what}: {name!r}", thing, kind)
+    return table
+
+
+def check_kind(what: str, thing: object, kind: type[Thing]) -> Thing:
+    """Return a thing, if it is of the right type.
+
+    Raises
+    ------
+    ConfigurationError
+        It is of another.
+    """
+    if not isinstance(thing, kind):
+        raise ConfigurationError(f"{what} is a {type(thing).__name__}, and no {kind.__name__}")
+    return thing
+
+
+def whose_bug(error: BaseException) -> str | None:
+    """Say which other package's code raised an error, and where; None if it was none of theirs.
+
+    It was theirs if, of all that took part, the last of our code and of theirs is theirs: what a
+    library refuses is the fault of who called it.
+    """
+    names = {
+        point.value.partition(":")[0].partition(".")[0]
+        for group in GROUPS
+        for point in entry_points(group=group)
+    }
+    for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
+        module = str(frame.f_globals.get("__name__", ""))
+        package = module.partition(".")[0]
+        if package in ("rig", "drivers", "controllers"):
+            return None
+        if package in names:
+            return f"{module}, line {line}"
+    return None

@@ -1,0 +1,1 @@
+"""What this lab adds to mechanisms of others."""

@@ -1,0 +1,1 @@
+"""A load cell behind an analogue input: logged, and used by nobody."""

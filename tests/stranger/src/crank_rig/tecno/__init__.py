@@ -1,0 +1,1 @@
+"""A bank of two electro-pneumatic regulators, "tecno", with a code of its maker's."""
