@@ -1,5 +1,6 @@
 """What a procedure is: an excitation within the rig's limits, and what its log says."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
@@ -169,11 +170,13 @@ class Procedure(Protocol[Data]):
     """
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """What the command line calls it."""
         ...
 
     @property
+    @abstractmethod
     def title(self) -> str:
         """What it finds, for people."""
         ...
@@ -212,6 +215,7 @@ class Procedure(Protocol[Data]):
         """
         raise NoFiles(f"{self.name} reads no files")
 
+    @abstractmethod
     def identify(self, profile: Profile, data: Data, readings: Readings) -> Sequence[Finding]:
         """Return what the data say.
 

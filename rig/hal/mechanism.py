@@ -35,7 +35,7 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     columns: Sequence[Column]
 
     law: ClassVar[type] = Controller
-    """What its laws must offer: `Controller`, or a protocol that asks for more than the loop does."""
+    """What its laws must offer: `Controller`, or a protocol that asks for more."""
 
     stopping_time: float = 0.0
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""

@@ -5,9 +5,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Unit
 
-from crank_rig.crank.types import CrankCommand, CrankModel, CrankReference, CrankState
-
 from controllers.base import Law
+from crank_rig.crank.types import CrankCommand, CrankModel, CrankReference, CrankState
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,9 +43,7 @@ class CrossCoupledSettings:
     max_trim: Annotated[float, Unit("rad"), Gt(0)] = 0.05
 
 
-class CrossCoupled(
-    Law[CrossCoupledSettings, CrankModel, CrankReference, CrankState, CrankCommand]
-):
+class CrossCoupled(Law[CrossCoupledSettings, CrankModel, CrankReference, CrankState, CrankCommand]):
     """Trims both references against each other until the rod is no longer strained.
 
     References

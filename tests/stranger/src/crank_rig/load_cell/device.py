@@ -3,7 +3,6 @@
 from math import inf
 
 from crank_rig.load_cell.settings import FORCE, PROFILE, LoadCellSettings
-
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.node import CanopenNode

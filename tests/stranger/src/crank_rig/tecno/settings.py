@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Annotated, Final
 
 from annotated_types import Interval
-from drivers.canopen.device_settings import CanopenDeviceSettings
 
 from crank_rig.tecno.codec import decode_monitors
 from drivers.canopen.described import DescribedNode, Quantity
+from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import Entry
 from rig.hal import Address
 
