@@ -5,7 +5,7 @@ from math import ceil, floor, inf
 from typing import NamedTuple
 
 from drivers.canopen.mapping import RANGES
-from drivers.cia401.channels import MonitorSignal, SetpointSignal
+from drivers.cia401.channel_settings import MonitorSignal, SetpointSignal
 
 
 class SetpointCodec(NamedTuple):

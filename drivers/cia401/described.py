@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 
 from drivers.canopen.described import Quantity
 from drivers.canopen.mapping import Entry
-from drivers.cia401.channels import (
+from drivers.cia401.channel_settings import (
     DIGITAL_INPUT,
     DIGITAL_OUTPUT,
     AnalogueSignal,

@@ -8,7 +8,7 @@ from annotated_types import Ge, Gt, Interval, MinLen, Unit
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import Entry, Layout, layout_size, pack
-from drivers.cia401.channels import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
+from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
 from drivers.cia401.described import describe_channels, typed_objects
 from rig.hal import Address
 

@@ -44,10 +44,8 @@ class Plant(Protocol):
         ...
 
 
-class PhysicsSettings:
-    """Base of the settings of a plant."""
-
-    __slots__ = ()
+class PhysicsSettings(Protocol):
+    """The settings of a plant. Inherit it: what has a default need not be written."""
 
     def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
         """Return the settings of a rig that differs from its profile.

@@ -13,7 +13,7 @@ from servo_bench import NoBus, Wire
 
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.settings import CanBusSettings
-from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal
+from drivers.cia401.channel_settings import MonitorSignal, RegulatorChannel, SetpointSignal
 from drivers.cia401.device import Cia401Regulators
 from drivers.cia401.settings import Cia401Settings, FollowingSettings
 from drivers.cia406.device import Cia406Encoder

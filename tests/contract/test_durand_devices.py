@@ -15,7 +15,7 @@ from durand.scheduler import VirtualScheduler, get_scheduler, set_scheduler  # n
 
 from drivers.canopen.bus import CanopenBus  # noqa: E402
 from drivers.canopen.settings import CanBusSettings  # noqa: E402
-from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal  # noqa: E402
+from drivers.cia401.channel_settings import MonitorSignal, RegulatorChannel, SetpointSignal  # noqa: E402
 from drivers.cia401.device import Cia401Regulators  # noqa: E402
 from drivers.cia401.settings import Cia401Settings  # noqa: E402
 from drivers.cia406.device import Cia406Encoder  # noqa: E402

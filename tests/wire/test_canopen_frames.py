@@ -7,7 +7,7 @@ from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
 
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
 from drivers.canopen.emergency import decode_emergency
-from drivers.cia401.channels import MonitorSignal, RegulatorChannel, SetpointSignal
+from drivers.cia401.channel_settings import MonitorSignal, RegulatorChannel, SetpointSignal
 from drivers.cia401.device import Cia401Regulators
 from drivers.cia401.settings import Cia401Settings, FollowingSettings
 from drivers.cia406.device import Cia406Encoder

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from drivers.cia401.channels import MonitorSignal, SetpointSignal
+from drivers.cia401.channel_settings import MonitorSignal, SetpointSignal
 from drivers.cia401.codec import (
     decode_pressure,
     encode_pressure,

@@ -4,7 +4,7 @@ The device is wired as its maker says; the calibration is what the driver knows 
 a bus the two meet in counts; here they meet in straight lines between pressures.
 """
 
-from drivers.cia401.channels import AnalogueSignal
+from drivers.cia401.channel_settings import AnalogueSignal
 from drivers.cia401.settings import Cia401Settings
 from drivers.sim.regulator_port import RegulatorPort
 from drivers.sim.wiring import Installed

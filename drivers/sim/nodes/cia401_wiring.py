@@ -1,6 +1,6 @@
 """From the settings of a CiA 401 module to its simulated forms."""
 
-from drivers.cia401.channels import AnalogueSignal
+from drivers.cia401.channel_settings import AnalogueSignal
 from drivers.cia401.settings import Cia401Settings
 from drivers.sim.direct.corrected_regulators import CorrectedRegulators
 from drivers.sim.direct.regulators import SimulatedRegulators

@@ -11,8 +11,6 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Unit
 
-from rig.hal import PhysicsSettings
-
 Torque = Annotated[float, Unit("N m"), Gt(0)]
 Friction = Annotated[float, Unit("N m"), Ge(0)]
 Viscous = Annotated[float, Unit("N m s/rad"), Ge(0)]
@@ -117,7 +115,7 @@ class ArmLinkSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class ArmPlantSettings(PhysicsSettings):
+class ArmPlantSettings:
     """The arm with its drives.
 
     Parameters
@@ -151,3 +149,9 @@ class ArmPlantSettings(PhysicsSettings):
     mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.05
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.3
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=2e-3)] = 1e-3
+
+    def perturbed(
+        self, *, friction: float, stribeck: float, wire_offset: float
+    ) -> "ArmPlantSettings":
+        """Return them as they are: an arm has no seals and no wires."""
+        return self

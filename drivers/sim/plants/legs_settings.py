@@ -9,8 +9,6 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
-from rig.hal import PhysicsSettings
-
 
 @dataclass(frozen=True, slots=True)
 class LegServoSettings:
@@ -38,7 +36,7 @@ class LegServoSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class LegsPlantSettings(PhysicsSettings):
+class LegsPlantSettings:
     """The legs, their upper body and the floor.
 
     Parameters
@@ -69,3 +67,9 @@ class LegsPlantSettings(PhysicsSettings):
     stand: tuple[Annotated[float, Unit("rad")], ...] = ()
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
+
+    def perturbed(
+        self, *, friction: float, stribeck: float, wire_offset: float
+    ) -> "LegsPlantSettings":
+        """Return them as they are: legs have no seals and no wires."""
+        return self

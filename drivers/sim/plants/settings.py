@@ -9,8 +9,6 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
-from rig.hal import PhysicsSettings
-
 
 @dataclass(frozen=True, slots=True)
 class SealFriction:
@@ -175,7 +173,7 @@ class CarriageSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class PlantSettings(PhysicsSettings):
+class PlantSettings:
     """One antagonistic pair of pneumatic cylinders.
 
     Parameters

@@ -12,7 +12,6 @@ from annotated_types import Ge, Gt, Le, Lt, Unit
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.settings import ActuatorSettings, RegulatorSettings, WireSettings
-from rig.hal import PhysicsSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +78,7 @@ class RingSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SphericalJointPlantSettings(PhysicsSettings):
+class SphericalJointPlantSettings:
     """A wide-angle spherical joint on four wires, each pulled by a pneumatic cylinder.
 
     Parameters
