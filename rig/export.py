@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -103,7 +103,7 @@ def write_mat(log: Log, target: Path) -> None:
     from scipy.io import savemat
 
     legal = matlab_names(["cycle", "t", *(column.name for column in log.columns)])
-    arrays: dict[str, Any] = dict(zip(legal, _arrays(log).values(), strict=True))
+    arrays: dict[str, object] = dict(zip(legal, _arrays(log).values(), strict=True))
     arrays["columns"] = {
         "variable": np.array(legal[2:], dtype=object),
         "name": np.array([c.name for c in log.columns], dtype=object),
@@ -143,7 +143,7 @@ FORMATS: dict[str, Callable[[Log, Path], None]] = {
 }
 
 
-def _arrays(log: Log) -> "dict[str, NDArray[Any]]":
-    arrays: dict[str, NDArray[Any]] = {"cycle": log.cycle, "t": log.t}
+def _arrays(log: Log) -> "dict[str, NDArray[np.generic]]":
+    arrays: dict[str, NDArray[np.generic]] = {"cycle": log.cycle, "t": log.t}
     arrays.update({column.name: log.column(column.name) for column in log.columns})
     return arrays

@@ -1,4 +1,4 @@
-"""Where a run came from: the checkout, the versions, the machine, the input files."""
+"""The origin of a run: checkout, versions, machine and input files."""
 
 import hashlib
 import os
@@ -9,7 +9,7 @@ import sys
 from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 PACKAGES = (
     "rig-controller",
@@ -29,7 +29,14 @@ _GIT_TIMEOUT = 2.0
 """A checkout on a slow network drive must not hold up a run, s."""
 
 
-def git_state(directory: Path | None = None) -> dict[str, Any] | None:
+class GitState(TypedDict):
+    """A checkout: its commit, and whether files differ from it."""
+
+    commit: str
+    dirty: bool
+
+
+def git_state(directory: Path | None = None) -> GitState | None:
     """Return commit and dirty flag of the checkout that this program runs from.
 
     Parameters
@@ -39,8 +46,8 @@ def git_state(directory: Path | None = None) -> dict[str, Any] | None:
 
     Returns
     -------
-    dict or None
-        ``{"commit": str, "dirty": bool}``; None when it is not a checkout or git is missing.
+    GitState or None
+        None when it is not a checkout or git is missing.
     """
     directory = Path(__file__).resolve().parent if directory is None else directory
     # Without this, a package installed inside some other project would report that project.
@@ -65,7 +72,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def machine() -> dict[str, Any]:
+def machine() -> dict[str, object]:
     """Return host name, platform and processor count."""
     return {
         "host": socket.gethostname(),

@@ -9,7 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Protocol, TypedDict, cast
+
+import numpy as np
 
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
@@ -26,7 +28,7 @@ FIGURES = "figures"
 
 
 class RunStatus(StrEnum):
-    """How a run stands or ended."""
+    """The state of a run, or how it ended."""
 
     RUNNING = "running"
     OK = "ok"
@@ -37,6 +39,53 @@ class RunStatus(StrEnum):
     FAULTED = "faulted"
     CRASHED = "crashed"
     """The process died; the log holds what had happened until then."""
+
+
+class Manifest(TypedDict, total=False):
+    """The facts of a run, as ``manifest.json`` keeps them."""
+
+    status: str
+    experiment: str
+    backend: str
+    seed: int | None
+    command: list[str]
+    started: str
+    ended: str | None
+    exit_code: int | None
+    message: str | None
+    git: provenance.GitState | None
+    versions: dict[str, str]
+    machine: dict[str, object]
+    files: dict[str, str]
+
+
+MetricRow = TypedDict(
+    "MetricRow",
+    {
+        "name": str,
+        "value": float | None,
+        "unit": str,
+        "bound": float | None,
+        "bound_kind": str | None,
+        "pass": bool | None,
+        "measure": str,
+        "segments": str,
+    },
+)
+"""One entry of ``metrics.json``, SI; an older file may lack all but the first three."""
+
+
+class Event(TypedDict, total=False):
+    """One line of ``events.jsonl``; `t` is on the rig's clock, s."""
+
+    t: float | None
+    kind: str
+    message: str
+    data: dict[str, object]
+
+
+class _AsJson(Protocol):
+    def as_json(self) -> Mapping[str, object]: ...
 
 
 class RunFolderError(RigError):
@@ -54,11 +103,11 @@ class RunFolder:
     ----------
     path : Path
         The folder.
-    manifest : dict
+    manifest : Manifest
         The content of its ``manifest.json``.
     """
 
-    def __init__(self, path: Path, manifest: dict[str, Any], events_fd: int | None = None) -> None:
+    def __init__(self, path: Path, manifest: Manifest, events_fd: int | None = None) -> None:
         self.path = path
         self.manifest = manifest
         self._events_fd = events_fd
@@ -108,7 +157,7 @@ class RunFolder:
                 target = path / name
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8")
-            manifest = {
+            manifest: Manifest = {
                 "status": RunStatus.RUNNING.value,
                 "experiment": experiment,
                 "backend": backend,
@@ -149,7 +198,7 @@ class RunFolder:
             ) from error
         if not isinstance(manifest, dict) or "status" not in manifest:
             raise ConfigurationError(f"{path} is not a run folder: its {MANIFEST} has no status")
-        folder = cls(path, manifest)
+        folder = cls(path, cast("Manifest", manifest))
         if folder.status is RunStatus.RUNNING and not folder.is_live():
             # The process may have finished between our look at the manifest and at its lock.
             folder.manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
@@ -171,7 +220,7 @@ class RunFolder:
         """Return whether a living process still works on this run."""
         return is_locked(self.path / EVENTS) or is_locked(self.log_path)
 
-    def record_event(self, t: float | None, kind: str, message: str, **data: Any) -> None:
+    def record_event(self, t: float | None, kind: str, message: str, **data: object) -> None:
         """Append one line to the events; the kernel has it when this returns.
 
         Parameters
@@ -201,7 +250,7 @@ class RunFolder:
                 f"cannot write {self.path / EVENTS}: {error.strerror or error}"
             ) from error
 
-    def events(self) -> list[dict[str, Any]]:
+    def events(self) -> list[Event]:
         """Return the events; a torn last line is left out."""
         try:
             lines = (self.path / EVENTS).read_text(encoding="utf-8", errors="replace").split("\n")
@@ -213,7 +262,7 @@ class RunFolder:
                 events.append(json.loads(line))
         return events
 
-    def write_json(self, name: str, content: Mapping[str, Any]) -> None:
+    def write_json(self, name: str, content: Mapping[str, object]) -> None:
         """Write one of the folder's JSON files, whole or not at all.
 
         Numbers that JSON does not have (infinite, not a number) are written as null.
@@ -230,7 +279,7 @@ class RunFolder:
                 f"cannot write {self.path / name}: {error.strerror or error}"
             ) from error
 
-    def read_json(self, name: str) -> dict[str, Any]:
+    def read_json(self, name: str) -> dict[str, object]:
         """Return the content of one of the folder's JSON files, ``{}`` if it is absent."""
         try:
             content = json.loads((self.path / name).read_text(encoding="utf-8"))
@@ -240,11 +289,15 @@ class RunFolder:
             raise RunFolderError(f"{self.path / name} is not JSON: {error}") from error
         return content if isinstance(content, dict) else {}
 
-    def write_metrics(self, metrics: Iterable[Any]) -> None:
+    def metrics(self) -> tuple[MetricRow, ...]:
+        """Return the entries of ``metrics.json``."""
+        return tuple(cast("Iterable[MetricRow]", self.read_json(METRICS).get("metrics", ())))
+
+    def write_metrics(self, metrics: Iterable[_AsJson]) -> None:
         """Write ``metrics.json`` from objects with an ``as_json`` method."""
         self.write_json(METRICS, {"metrics": [metric.as_json() for metric in metrics]})
 
-    def write_timing(self, timing: Mapping[str, Any]) -> None:
+    def write_timing(self, timing: Mapping[str, object]) -> None:
         """Write ``timing.json``: facts of the wall clock, which differ from run to run."""
         self.write_json(TIMING, timing)
 
@@ -253,7 +306,7 @@ class RunFolder:
         status: RunStatus,
         exit_code: int,
         message: str | None = None,
-        facts: Mapping[str, Any] | None = None,
+        facts: Mapping[str, object] | None = None,
     ) -> None:
         """Say how the run ended and let go of the folder.
 
@@ -273,13 +326,11 @@ class RunFolder:
         RunFolderError
             The manifest cannot be written; the folder will be found crashed.
         """
-        self.manifest.update(facts or {})
-        self.manifest.update(
-            status=status.value,
-            exit_code=exit_code,
-            message=message,
-            ended=datetime.now(UTC).isoformat(timespec="milliseconds"),
-        )
+        self.manifest.update(cast("Manifest", facts or {}))
+        self.manifest["status"] = status.value
+        self.manifest["exit_code"] = exit_code
+        self.manifest["message"] = message
+        self.manifest["ended"] = datetime.now(UTC).isoformat(timespec="milliseconds")
         try:
             self.write_json(MANIFEST, self.manifest)
         finally:
@@ -292,10 +343,8 @@ class RunFolder:
         with contextlib.suppress(OSError):
             ended = datetime.fromtimestamp(last.stat().st_mtime, UTC)
             self.manifest["ended"] = ended.isoformat(timespec="milliseconds")
-        self.manifest.update(
-            status=RunStatus.CRASHED.value,
-            message="the process died while the run went on",
-        )
+        self.manifest["status"] = RunStatus.CRASHED.value
+        self.manifest["message"] = "the process died while the run went on"
         # A folder on read-only storage can still be looked at.
         with contextlib.suppress(OSError):
             _write_json(self.path / MANIFEST, self.manifest)
@@ -315,7 +364,7 @@ def _make_unique(out: Path, name: str) -> Path:
         return path
 
 
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+def _write_json(path: Path, content: Mapping[str, object]) -> None:
     text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -330,7 +379,7 @@ def _write_json(path: Path, content: Mapping[str, Any]) -> None:
         raise
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Make a value of JSON's own types, with null for numbers that JSON does not have."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
@@ -340,6 +389,6 @@ def _plain(value: Any) -> Any:
         return value if math.isfinite(value) else None
     if value is None or isinstance(value, bool | int | str):
         return value
-    if hasattr(value, "item"):  # a numpy scalar
-        return _plain(value.item())
+    if isinstance(value, np.generic | np.ndarray):
+        return _plain(value.tolist())
     return str(value)

@@ -204,10 +204,13 @@ class Esc(ArmLaw[EscSettings]):
 
 def within_limits(geometry: ArmGeometry) -> Callable[[Joints], float]:
     """Return a function that tells by how much rates have to be slowed for the limits."""
-    inverse = [1.0 / limit for limit in geometry.rate_limits]
+    g1, g2, g3, g4, g5, g6 = (1.0 / limit for limit in geometry.rate_limits)
 
     def slow(rates: Joints) -> float:
-        worst = max(abs(rate) * share for rate, share in zip(rates, inverse, strict=True))
+        r1, r2, r3, r4, r5, r6 = rates
+        worst = max(
+            abs(r1) * g1, abs(r2) * g2, abs(r3) * g3, abs(r4) * g4, abs(r5) * g5, abs(r6) * g6
+        )
         return 1.0 if worst <= 1.0 else 1.0 / worst
 
     return slow

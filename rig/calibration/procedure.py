@@ -1,4 +1,4 @@
-"""What a procedure is: an excitation within the rig's limits, and what its log says."""
+"""The contract of a procedure: an excitation within the rig's limits, and an identification."""
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -121,7 +121,7 @@ class Excitation(NamedTuple):
 
 
 class Evidence(Protocol):
-    """What a calibration rests on: a recording, or images."""
+    """The files that a calibration rests on: a recording, or images."""
 
     @property
     def paths(self) -> tuple[Path, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -76,7 +76,8 @@ def _changed(settings: S, path: list[str], value: object) -> S:
     for key in reversed(path):
         value = {key: value}
     try:
-        changed: S = TypeAdapter(annotation(type(settings), settings)).validate_python(value)
+        strict = cast("type[S]", annotation(type(settings), settings))
+        changed = TypeAdapter(strict).validate_python(value)
     except ValidationError as error:
         details = error.errors(include_url=False)[0]
         raise ConfigurationError(f"{'.'.join(path)}: {details['msg']}") from error

@@ -12,7 +12,6 @@ from rig.calibration.page import draw_page
 from rig.calibration.procedure import (
     AnyProcedure,
     Data,
-    Evidence,
     Excitation,
     Finding,
     Procedure,
@@ -26,7 +25,7 @@ from rig.run_folder import FIGURES, RunStatus
 
 
 class Calibrated(NamedTuple):
-    """Findings with the files and figures that a procedure has written.
+    """The result of a procedure: findings, and the files that were written.
 
     Parameters
     ----------
@@ -199,30 +198,7 @@ def conclude(
     """
     # What is true of a simulated rig, and how it is drawn, is no business of an identification.
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
-    findings = procedure.identify(seen, data, readings)
-    return keep(
-        procedure.name, findings, profile, data, folder, circumstances, search, replace=replace
-    )
-
-
-def keep(
-    name: str,
-    findings: Sequence[Finding],
-    profile: Profile,
-    source: Evidence,
-    folder: Path,
-    circumstances: store.Circumstances,
-    search: Sequence[Path],
-    *,
-    replace: bool = False,
-) -> Calibrated:
-    """Draw the page and write the files of what a procedure found.
-
-    Raises
-    ------
-    CalibrationRefused
-        The fit is worse than the one in force, or bad in itself; the page is drawn.
-    """
+    findings, name = procedure.identify(seen, data, readings), procedure.name
     figures = draw_page(folder / FIGURES, f"calibration-{name}", findings)
     files = []
     contents = []
@@ -235,7 +211,7 @@ def keep(
             old = None  # what nobody can trust is replaced; its history stays
         if not replace:
             store.check_not_worse(finding, name, old)
-        contents.append(store.compose(finding, name, profile, source, circumstances, old))
+        contents.append(store.compose(finding, name, profile, data, circumstances, old))
     for finding, content in zip(findings, contents, strict=True):
         files.append(store.write(search[0], profile.name, finding.target, content))
     return Calibrated(findings, files, figures)

@@ -1,4 +1,4 @@
-"""Calibration files: written with their history, compared, and never made worse unasked."""
+"""Calibration files: writing with history, comparing, refusing a worse fit."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import yaml
 
+from rig.calibration.arrays import Array
 from rig.calibration.procedure import Evidence, Finding
 from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
@@ -26,8 +27,12 @@ _WORSE = 0.95
 """A fit is worse if chance explains its larger residuals with less than one in twenty."""
 
 
+Content = Mapping[str, Any]
+"""A calibration file as plain data."""
+
+
 class Circumstances(NamedTuple):
-    """Facts of a calibration that nobody can compute.
+    """Facts about a calibration that only its operator knows.
 
     Parameters
     ----------
@@ -53,11 +58,11 @@ def compose(
     profile: Profile,
     data: Evidence,
     circumstances: Circumstances,
-    old: Mapping[str, Any] | None,
-) -> dict[str, Any]:
+    old: Content | None,
+) -> Content:
     """Return the content of a calibration file.
 
-    What other procedures have found of the same device stays, with what was measured then.
+    Values that other procedures have found of the same device stay, with their estimates.
     """
     date = circumstances.now.astimezone(UTC).isoformat(timespec="seconds")
     until = circumstances.now + timedelta(seconds=circumstances.valid_for)
@@ -111,7 +116,7 @@ def compose(
     }
 
 
-def check_not_worse(finding: Finding, procedure: str, old: Mapping[str, Any] | None) -> None:
+def check_not_worse(finding: Finding, procedure: str, old: Content | None) -> None:
     """Refuse a fit that is worse than the one in force, and one that is bad in itself.
 
     Raises
@@ -139,7 +144,7 @@ def check_not_worse(finding: Finding, procedure: str, old: Mapping[str, Any] | N
         )
 
 
-def write(configs: Path, rig: str, target: str, content: Mapping[str, Any]) -> Path:
+def write(configs: Path, rig: str, target: str, content: Content) -> Path:
     """Write a calibration file and its copy in the history, whole or not at all.
 
     Raises
@@ -167,7 +172,7 @@ def write(configs: Path, rig: str, target: str, content: Mapping[str, Any]) -> P
     return path
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> Content:
     """Read a calibration file as plain data.
 
     Raises
@@ -203,7 +208,7 @@ def find(search: Sequence[Path], rig: str, name: str) -> Path:
     raise ConfigurationError(f"no calibration of the rig {rig} is called {name!r}")
 
 
-def in_force(profile: Profile, search: Sequence[Path], target: str) -> dict[str, Any] | None:
+def in_force(profile: Profile, search: Sequence[Path], target: str) -> Content | None:
     """Return the calibration that is in force, None without one."""
     found = find_calibration(profile.name, target, search)
     return None if found is None else load(found[0])
@@ -217,7 +222,7 @@ def history(search: Sequence[Path], rig: str, target: str) -> list[Path]:
     return sorted(found, key=lambda path: path.name)
 
 
-def _name(target: str, content: Mapping[str, Any]) -> str:
+def _name(target: str, content: Content) -> str:
     stamp = str(content["provenance"]["date"]).replace(":", "").replace("+0000", "Z")
     return f"{HISTORY}/{target}/{stamp}.yaml"
 
@@ -233,7 +238,7 @@ def _merged(old: Any, new: Any) -> Any:
     )
 
 
-def _size(residuals: Any) -> tuple[float, float]:
+def _size(residuals: Array) -> tuple[float, float]:
     return float(np.sqrt(np.mean(residuals**2))), float(np.abs(residuals).max())
 
 

@@ -6,7 +6,7 @@ the same table of commands and the same introduction that click's group is made 
 
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import click
@@ -98,7 +98,7 @@ def _columns() -> int:
         return _WIDE_ENOUGH
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Return click's group, which is imported when it is asked for."""
     if name == "group":
         from rig.cli.commands import group

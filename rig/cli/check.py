@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -61,11 +61,12 @@ def check(
         return check_buses(profile, _on_bus(on), as_json=as_json)
     described = describe_profile(profile)
     if plan is None:
-        content: dict[str, Any] = {"profile": described}
+        content: dict[str, object] = {"profile": described}
         tables = profile_tables(described)
     else:
-        content = {"experiment": describe_experiment(plan), "profile": described}
-        tables = [*experiment_tables(content["experiment"]), *profile_tables(described)]
+        experiment = describe_experiment(plan)
+        content = {"experiment": experiment, "profile": described}
+        tables = [*experiment_tables(experiment), *profile_tables(described)]
     if as_json:
         print_data(json.dumps(content, indent=2, ensure_ascii=False))
     else:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -53,7 +53,7 @@ def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
     return "look at node numbers and power, or correct the profile"
 
 
-def _as_data(answer: Answer) -> dict[str, Any]:
+def _as_data(answer: Answer) -> dict[str, object]:
     found = None if answer.found is None else answer.found._asdict()
     return {**answer._asdict(), "found": found}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import sys
-from typing import Any
 
 import click
 
@@ -53,7 +52,7 @@ def group() -> None:
 def invoke(arguments: list[str] | None = None) -> int:
     """Run the command line and return its exit code; never shows a traceback for an input."""
     try:
-        result: Any = group.main(args=arguments, prog_name="rig", standalone_mode=False)
+        result: object = group.main(args=arguments, prog_name="rig", standalone_mode=False)
     except click.exceptions.Abort:
         click.echo("Interrupted.", err=True)
         return 130

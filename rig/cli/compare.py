@@ -5,15 +5,23 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import complete_experiment, complete_rig
+from rig.cli.names import (
+    complete_experiment,
+    configs_option,
+    out_option,
+    rig_option,
+    seed_option,
+    set_option,
+)  # fmt: skip
 from rig.cli.tables import print_data
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
+    from rig.report.comparison import ComparisonRow
 
 
 class _Job(NamedTuple):
@@ -45,17 +53,11 @@ class _Job(NamedTuple):
     "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
     default="virtual", show_default=True, help="As for `rig run`.",
 )  # fmt: skip
-@click.option(
-    "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
-    help="Another rig than the experiment's.",
-)  # fmt: skip
-@click.option("--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting.")
-@click.option("--seed", type=int, help="Seed of the simulation; short for simulation.seed.")
-@click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
-    help="Where run folders live.",
-)  # fmt: skip
-@click.option("--configs", type=click.Path(path_type=Path), help="Folder of configurations.")
+@rig_option
+@set_option
+@seed_option
+@out_option
+@configs_option
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
 def compare(
     experiment: str,
@@ -244,7 +246,7 @@ def _cell(value: float | str | None, unit: str) -> str:
     return value if isinstance(value, str) else format_quantity(value, unit or "1")
 
 
-def _print_table(labels: Sequence[str], rows: Sequence[dict[str, Any]]) -> None:
+def _print_table(labels: Sequence[str], rows: Sequence[ComparisonRow]) -> None:
     cells = [["", *labels]]
     for row in rows:
         values = [_cell(value, row["unit"]) for value in row["values"]]

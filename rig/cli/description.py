@@ -1,4 +1,4 @@
-"""What a valid profile or experiment says, as plain data in SI and as tables for people."""
+"""Describe a valid profile or experiment: plain data in SI, and tables for people."""
 
 from __future__ import annotations
 

@@ -3,64 +3,88 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import MANIFEST, RUNS, configs_option, json_option, list_runs
+from rig.cli.names import MANIFEST, configs_option, json_option, list_runs, out_option
 from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.config.names import Folder
+
+Metric = dict[str, object]
+"""An entry of a ``metrics.json``, which need not be whole."""
+
+
+class ConfigEntry(NamedTuple):
+    """A rig or an experiment in a list."""
+
+    name: str
+    description: str
+    file: str
+
+
+class RunEntry(NamedTuple):
+    """A run in a list; None stands for what its manifest does not say."""
+
+    name: str
+    path: str
+    status: str
+    experiment: str | None
+    backend: str | None
+    started: str | None
+    metric: Metric | None
 
 
 @click.command()
 @click.argument("what", type=click.Choice(["rigs", "experiments", "runs"]), required=False)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    default=RUNS,
-    show_default=True,
-    help="Where run folders live.",
-)
+@out_option
 @configs_option
 @json_option
 def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) -> int:
     """List rigs, experiments and runs, the newest run first; default: all three."""
-    made: dict[str, list[dict[str, Any]]] = {}
+    made: dict[str, Sequence[ConfigEntry] | Sequence[RunEntry]] = {}
+    tables: list[Table] = []
     if what != "runs":
         from rig.config.names import find_configs
 
         search = find_configs(configs)
-        if what != "experiments":
-            made["rigs"] = list_configs("rigs", search)
-        if what != "rigs":
-            made["experiments"] = list_configs("experiments", search)
+        folders: tuple[Folder, ...] = ("rigs", "experiments")
+        for folder in folders:
+            if what in (None, folder):
+                made[folder] = found = list_configs(folder, search)
+                tables.append(Table(folder, ("name", "description"), [c[:2] for c in found]))
     if what in (None, "runs"):
-        made["runs"] = [describe_run(path) for path in list_runs(out)]
+        made["runs"] = runs = [describe_run(path) for path in list_runs(out)]
+        header = ("run", "status", "backend", "started", "metric")
+        tables.append(Table("runs", header, [_run_row(run) for run in runs]))
     if as_json:
-        print_data(json.dumps(made if what is None else made[what], indent=2))
+        content = {kind: [entry._asdict() for entry in entries] for kind, entries in made.items()}
+        print_data(json.dumps(content if what is None else content[what], indent=2))
         return 0
-    print_tables([_table(kind, entries) for kind, entries in made.items()])
+    print_tables(tables)
     for kind, entries in made.items():
         if not entries:
             click.echo(f"no {kind}" + (f" in {out}" if kind == "runs" else ""), err=True)
     return 0
 
 
-def list_configs(folder: Any, search: Sequence[Path]) -> list[dict[str, Any]]:
+def list_configs(folder: Folder, search: Sequence[Path]) -> list[ConfigEntry]:
     """Return name, description and file of every rig or experiment, valid or not."""
     from rig.config.names import list_files
 
     return [
-        {"name": name, "description": _description(path), "file": str(path)}
+        ConfigEntry(name, _description(path), str(path))
         for name, path in list_files(folder, search).items()
     ]
 
 
-def describe_run(path: Path) -> dict[str, Any]:
+def describe_run(path: Path) -> RunEntry:
     """Return what a list says of a run; one whose process died is marked crashed."""
-    entry: dict[str, Any] = {"name": path.name, "path": str(path)}
-    manifest = _read_object(path / MANIFEST)
+    manifest: Mapping[str, object] = _read_object(path / MANIFEST)
     if manifest.get("status") == "running":
         from rig.hal import RigError
         from rig.run_folder import RunFolder  # slow to import; only a live or dead run needs it
@@ -69,15 +93,18 @@ def describe_run(path: Path) -> dict[str, Any]:
             manifest = RunFolder.open(path).manifest
         except RigError:
             manifest = {}
-    for key in ("status", "experiment", "backend", "started"):
+
+    def text(key: str) -> str | None:
         value = manifest.get(key)
-        entry[key] = value if isinstance(value, str) else None
-    entry["status"] = entry["status"] or "unreadable"
-    entry["metric"] = _headline(_read_object(path / "metrics.json"))
-    return entry
+        return value if isinstance(value, str) else None
+
+    return RunEntry(
+        path.name, str(path), text("status") or "unreadable", text("experiment"), text("backend"),
+        text("started"), _headline(_read_object(path / "metrics.json")),
+    )  # fmt: skip
 
 
-def _headline(content: dict[str, Any]) -> dict[str, Any] | None:
+def _headline(content: dict[str, object]) -> Metric | None:
     """Return the first metric that missed its bound, else the first with one, else the first."""
     found = content.get("metrics")
     metrics = [m for m in found if isinstance(m, dict)] if isinstance(found, list) else []
@@ -88,7 +115,7 @@ def _headline(content: dict[str, Any]) -> dict[str, Any] | None:
     return None
 
 
-def _read_object(path: Path) -> dict[str, Any]:
+def _read_object(path: Path) -> dict[str, object]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -99,41 +126,27 @@ def _read_object(path: Path) -> dict[str, Any]:
 def _description(path: Path) -> str:
     import yaml
 
+    from rig.config.yaml_loader import read_loosely
+
     try:
-        with path.open("rb") as stream:
-            content = yaml.load(stream, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        content = read_loosely(path)
     except (OSError, ValueError, yaml.YAMLError):
         return f"cannot be read; see `rig check {path}`"
     text = content.get("description", "") if isinstance(content, dict) else ""
     return " ".join(str(text).split())
 
 
-def _table(kind: str, entries: Sequence[dict[str, Any]]) -> Table:
-    if kind != "runs":
-        rows = [(entry["name"], entry["description"]) for entry in entries]
-        return Table(kind, ("name", "description"), rows)
-    return Table(
-        kind,
-        ("run", "status", "backend", "started", "metric"),
-        [
-            (
-                entry["name"],
-                entry["status"],
-                entry["backend"] or "-",
-                (entry["started"] or "-")[:19].replace("T", " "),
-                _metric_text(entry["metric"]),
-            )
-            for entry in entries
-        ],
-    )
+def _run_row(run: RunEntry) -> tuple[str, ...]:
+    started = (run.started or "-")[:19].replace("T", " ")
+    return (run.name, run.status, run.backend or "-", started, _metric_text(run.metric))
 
 
-def _metric_text(metric: dict[str, Any] | None) -> str:
+def _metric_text(metric: Metric | None) -> str:
     if metric is None:
         return "-"
     from rig.config.formats import format_quantity
 
-    value, unit = metric.get("value"), metric.get("unit") or "1"
-    text = "never" if value is None else format_quantity(value, unit)
+    value, unit = metric.get("value"), str(metric.get("unit") or "1")
+    text = format_quantity(value, unit) if isinstance(value, int | float) else "never"
     verdict = "" if metric.get("pass") is None else " ok" if metric["pass"] else " MISSED"
     return f"{metric.get('name')} {text}{verdict}"

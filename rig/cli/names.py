@@ -5,16 +5,15 @@ Completion runs at every press of the tabulator: it lists folders and opens no f
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+    from rig.config.names import Folder
 
 RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
@@ -22,36 +21,6 @@ LATEST = "latest"
 """Stands for the newest run."""
 MANIFEST = "manifest.json"
 """What makes a folder a run folder; here so that listing needs nothing that is slow."""
-
-
-def configs_option(command: Command) -> Command:
-    """Add ``--configs``."""
-    return click.option(
-        "--configs", type=click.Path(path_type=Path), help="Folder of configurations."
-    )(command)
-
-
-def set_option(command: Command) -> Command:
-    """Add ``--set``, any number of times."""
-    return click.option(
-        "--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting."
-    )(command)
-
-
-def runs_option(command: Command) -> Command:
-    """Add ``--runs``: where a run is looked for by its name."""
-    return click.option(
-        "--runs",
-        type=click.Path(path_type=Path),
-        default=RUNS,
-        show_default=True,
-        help="Where run folders live.",
-    )(command)
-
-
-def json_option(command: Command) -> Command:
-    """Add ``--json``."""
-    return click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")(command)
 
 
 def list_runs(out: Path) -> list[Path]:
@@ -181,7 +150,7 @@ def _device_names(ctx: click.Context) -> list[str]:
     return re.findall(r"^  ([\w.+-]+):", section[1], re.MULTILINE) if section else []
 
 
-def _names(ctx: click.Context, folder: Any) -> list[str]:
+def _names(ctx: click.Context, folder: Folder) -> list[str]:
     from rig.config.names import find_configs, list_files
     from rig.hal import ConfigurationError
 
@@ -197,3 +166,29 @@ def _complete(names: list[str], incomplete: str) -> list[CompletionItem]:
     if "/" in incomplete or incomplete.startswith("."):
         return [CompletionItem(incomplete, type="file")]
     return [CompletionItem(name) for name in names if name.startswith(incomplete)]
+
+
+configs_option = click.option(
+    "--configs", type=click.Path(path_type=Path), help="Folder of configurations."
+)
+set_option = click.option(
+    "--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting."
+)
+seed_option = click.option(
+    "--seed", type=int, help="Seed of the simulation; short for simulation.seed."
+)
+rig_option = click.option(
+    "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
+    help="Another rig than the experiment's.",
+)  # fmt: skip
+out_option = click.option(
+    "--out", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    help="Where run folders live.",
+)  # fmt: skip
+"""Where a run is put."""
+runs_option = click.option(
+    "--runs", type=click.Path(path_type=Path), default=RUNS, show_default=True,
+    help="Where run folders live.",
+)  # fmt: skip
+"""Where a run is looked for by its name."""
+json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")

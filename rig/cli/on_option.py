@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,7 +13,23 @@ if TYPE_CHECKING:
 BACKENDS = ("sim", "virtual", "vcan", "hardware")
 
 
-class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+class _Completed(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+    """A value that is completed from a few names."""
+
+    def names(self) -> Iterable[str]:
+        """Return the names."""
+        return ()
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Complete a name."""
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(name) for name in self.names() if name.startswith(incomplete)]
+
+
+class OnBackend(_Completed):
     """One of the backends, or the CAN interface to run on.
 
     What is neither is told here: a channel bears a number (``vcan0``), and anything else has an
@@ -21,11 +38,13 @@ class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
 
     name = "backend"
 
-    def get_metavar(self, *_: Any, **__: Any) -> str:
+    def get_metavar(self, *_: object, **__: object) -> str:
         """Return what the help calls the value."""
         return f"[{'|'.join(BACKENDS)}|INTERFACE]"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
         """Return the value if it may be a backend or an interface."""
         text = str(value)
         if text not in BACKENDS and ":" not in text and not any(map(str.isdigit, text)):
@@ -37,39 +56,34 @@ class OnBackend(click.ParamType):  # type: ignore[type-arg, unused-ignore]
             )
         return text
 
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        """Complete the backends."""
-        from click.shell_completion import CompletionItem
-
-        return [CompletionItem(name) for name in BACKENDS if name.startswith(incomplete)]
+    def names(self) -> Iterable[str]:
+        """Return the backends."""
+        return BACKENDS
 
 
-class FrameFormat(click.ParamType):  # type: ignore[type-arg, unused-ignore]
+class FrameFormat(_Completed):
     """A format of frames on file."""
 
     name = "format"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
         """Return the value if it is a format."""
         from rig.assembly.frame_recording import FORMATS
 
-        if value not in FORMATS:
+        text = str(value)
+        if text not in FORMATS:
             self.fail(
-                f"{value!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
+                f"{text!r} is no format of frames, which are {', '.join(FORMATS)}; without one, "
                 "write --frames last.",
                 param,
                 ctx,
             )
-        return value
+        return text
 
-    def shell_complete(
-        self, ctx: click.Context, param: click.Parameter, incomplete: str
-    ) -> list[CompletionItem]:
-        """Complete the formats."""
-        from click.shell_completion import CompletionItem
-
+    def names(self) -> Iterable[str]:
+        """Return the formats."""
         from rig.assembly.frame_recording import FORMATS
 
-        return [CompletionItem(name) for name in FORMATS if name.startswith(incomplete)]
+        return FORMATS

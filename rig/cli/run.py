@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_experiment, complete_rig
+from rig.cli.names import (
+    complete_experiment,
+    configs_option,
+    out_option,
+    rig_option,
+    seed_option,
+    set_option,
+)  # fmt: skip
 from rig.cli.on_option import FrameFormat, OnBackend
 from rig.cli.tables import print_data
 
@@ -33,18 +40,12 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
     "vcan: SocketCAN vcan0. hardware: what the profile names. An INTERFACE such as vcan1, "
     "vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0: this one, see `rig simulate`.",
 )
-@click.option(
-    "--rig", "rig_name", metavar="PROFILE", shell_complete=complete_rig,
-    help="Another rig than the experiment's.",
-)  # fmt: skip
+@rig_option
 @click.option("--controller", help="Another controller than the experiment's.")
-@click.option("--set", "overrides", multiple=True, metavar="A.B=C", help="Override a setting.")
-@click.option("--seed", type=int, help="Seed of the simulation; short for simulation.seed.")
-@click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
-    help="Where run folders live.",
-)  # fmt: skip
-@click.option("--configs", type=click.Path(path_type=Path), help="Folder of configurations.")
+@set_option
+@seed_option
+@out_option
+@configs_option
 @click.option(
     "--frames", is_flag=False, flag_value="log", type=FrameFormat(), metavar="[FORMAT]",
     help="Record the CAN buses: frames.log as candump writes it, or --frames=asc, --frames=blf.",

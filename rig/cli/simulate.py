@@ -6,10 +6,10 @@ import contextlib
 import gc
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -92,7 +92,9 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
     sys.stderr.flush()
 
 
-def _serve(simulation: Simulation, show: Any, stop: StopRequests, duration: float | None) -> None:
+def _serve(
+    simulation: Simulation, show: Callable[[str], None], stop: StopRequests, duration: float | None
+) -> None:
     began = last = monotonic()
     counts = _counts(simulation)
     while not stop.count and (duration is None or last - began < duration):
@@ -128,7 +130,7 @@ def _counts(simulation: Simulation) -> dict[str, tuple[int, int]]:
 
 
 @contextlib.contextmanager
-def _status_line() -> Iterator[Any]:
+def _status_line() -> Iterator[Callable[[str], None]]:
     """Yield what redraws one line on a terminal; elsewhere it says nothing.
 
     The line is written to a descriptor that never blocks: a terminal that is stopped (Ctrl-S)

@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import merge, parse_mapping, with_plain_quantities
-from rig.config.located import BROKEN, Mark, Node, Source
+from rig.config.located import BROKEN, Mark, Node, Plain, Source
 from rig.config.models import Calibration, Provenance
 from rig.config.settings import build
 from rig.config.yaml_loader import read_source
@@ -150,11 +150,11 @@ def read_provenance(node: Node, problems: Problems) -> Provenance | None:
     residuals = ("residual_rms", "residual_max", "residual_bound")
     located = with_plain_quantities(node, residuals, problems)
     provenance = build(Provenance, located, problems)
-    for key in ("date", "valid_until"):
-        text: Any = getattr(provenance, key, None)
-        if text is not None and not _is_date(text):
-            place, _ = node.descend((key,))
-            problems.add(place.mark, f"{key} is {shown(text)}, expected a date as in 2026-11-21")
+    if provenance is not None:
+        for key, text in (("date", provenance.date), ("valid_until", provenance.valid_until)):
+            if text is not None and not _is_date(text):
+                mark = node.descend((key,))[0].mark
+                problems.add(mark, f"{key} is {shown(text)}, expected a date as in 2026-11-21")
     return provenance
 
 
@@ -171,18 +171,18 @@ def lay_over(entry: Node, values: Node) -> Node:
 def with_replaced(entry: Node, calibration: Calibration) -> Node:
     """Return an entry of a resolved profile as it was before it was calibrated."""
 
-    def located(content: Any) -> Node:
+    def located(content: Plain) -> Node:
         if isinstance(content, dict):
             below = {key: located(value) for key, value in content.items()}
             return Node(below, entry.mark, entry.key)
-        if isinstance(content, list | tuple):
+        if isinstance(content, list):
             return Node([located(value) for value in content], entry.mark, entry.key)
         return Node(content, entry.mark, entry.key)
 
     return merge(entry, located(calibration.replaced))
 
 
-def pruned(content: Any, like: Any) -> Any:
+def pruned(content: Plain, like: Plain) -> Plain:
     """Return of a plain value what stands under the keys of another one."""
     if isinstance(content, dict) and isinstance(like, dict):
         return {key: pruned(content.get(key), below) for key, below in like.items()}

@@ -1,4 +1,4 @@
-"""Whether the calibrations of a profile still hold, and what would mend those that do not."""
+"""Find the calibrations of a profile that no longer hold, and what would mend them."""
 
 from datetime import date, datetime
 from typing import NamedTuple

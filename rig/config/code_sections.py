@@ -1,9 +1,10 @@
-"""Reading the parts of a profile or experiment that name code: drivers, controllers, plants."""
+"""Read the parts of a profile or experiment that name code: drivers, controllers, plants."""
 
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.located import BROKEN, Node
+from rig.config.models import Settings
 from rig.config.named_settings import Kind, Registry
 from rig.config.names import is_name
 from rig.config.settings import build
@@ -75,7 +76,7 @@ class Sections:
             self.problems.add(node.mark, f"{what} is {shown(node.plain())}, expected a mapping")
         return False
 
-    def settings_of(self, kind: Kind, name: str, node: Node) -> type[Any] | None:
+    def settings_of(self, kind: Kind, name: str, node: Node) -> type[Settings] | None:
         """Return the settings behind a name that the file gives at a node."""
         try:
             return self.registry.settings(kind, name)
@@ -84,24 +85,27 @@ class Sections:
             self.problems.add(node.mark, f"no {kind} is called {shown(name)}", hint)
             return None
 
-    def chosen(self, kind: Kind, node: Node, key: str) -> tuple[str, Any] | None:
+    def chosen(
+        self, kind: Kind, node: Node, key: str, default: str | None = None
+    ) -> tuple[str, object] | None:
         """Build an entry whose `key` names the code that the keys beside it belong to.
 
         Returns
         -------
         name : str
-            The name.
+            The name; `default` if the entry does not say.
         settings : object
             Its settings.
         """
         if not self.is_mapping(node, kind):
             return None
         assert isinstance(node.value, dict)
-        name = self.text(node, key)
-        settings = self.settings_of(kind, name, node.value[key]) if name is not None else None
+        items = dict(node.value)
+        named = items.pop(key, node)
+        name = default if default is not None and named is node else self.text(node, key)
+        settings = None if name is None else self.settings_of(kind, name, named)
         if name is None or settings is None:
             return None
-        items = {k: v for k, v in node.value.items() if k != key}
         built = build(settings, node.with_items(items), self.problems, also=(key,))
         return None if built is None else (name, built)
 

@@ -58,7 +58,8 @@ class DeviceDescription:
     def complete(self, entry: Node) -> Node:
         """Return the entry with what the file knows and the profile does not say."""
         try:
-            values = self._content.values(entry.plain())
+            plain = entry.plain()
+            values = self._content.values(plain if isinstance(plain, dict) else {})
         except ConfigurationError as error:
             self._problems.add(self._node.mark, str(error))
             return entry

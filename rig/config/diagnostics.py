@@ -1,4 +1,4 @@
-"""What is wrong with a file, said so that it can be mended at once."""
+"""Errors of configuration files: where, what, and the nearest valid name."""
 
 import difflib
 from collections.abc import Iterable, Sequence

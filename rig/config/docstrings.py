@@ -1,4 +1,4 @@
-"""What a class says of its parameters in its NumPy docstring, for the schema of an editor."""
+"""Read descriptions of parameters from NumPy docstrings, for the schema of an editor."""
 
 import inspect
 import re

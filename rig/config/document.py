@@ -1,11 +1,11 @@
-"""One tree of located values from a file, the files that it extends and the options over it."""
+"""Merge a file, the files that it extends and the options over it into one tree."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from rig.config.diagnostics import Problems, shown
+from rig.config.diagnostics import Problems, ProfileError, shown
 from rig.config.located import BROKEN, Mark, Node, Source
 from rig.config.names import Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
@@ -153,9 +153,10 @@ def parse_overrides(overrides: Sequence[str], problems: Problems) -> tuple[Overr
     """
     parsed = []
     for text in overrides:
-        source = Source("--set", text)
-        mark = Mark(source, 1, 1)
         path, equals, value = text.partition("=")
+        # Blanks in the place of the path keep the columns.
+        source = Source("--set", " " * (len(path) + 1) + value, seen=text)
+        mark = Mark(source, 1, 1)
         keys = tuple(key.strip() for key in path.split("."))
         if not equals or not all(keys) or len(keys) > MAX_DEPTH:
             problems.add(mark, "an option is a path of keys, = and a value, as in loop.rate=500")
@@ -163,11 +164,15 @@ def parse_overrides(overrides: Sequence[str], problems: Problems) -> tuple[Overr
         if not value.strip():
             problems.add(Mark(source, 1, len(path) + 1), "there is no value after =")
             continue
-        # Blanks in the place of the path keep the columns.
-        padded = Source("--set", " " * (len(path) + 1) + value)
-        node = _parse_option(padded, source, problems)
-        if node is not None:
-            parsed.append(Override(keys, replace(_moved(node, source), key=mark)))
+        found = Problems()
+        try:
+            node = parse(source, found, flow_only=True)
+            found.raise_if_any()
+        except ProfileError as error:
+            for diagnostic in error.diagnostics:
+                problems.add(diagnostic.mark, diagnostic.message, diagnostic.hint)
+        else:
+            parsed.append(Override(keys, replace(node, key=mark)))
     return tuple(parsed)
 
 
@@ -176,31 +181,6 @@ def apply_overrides(root: Node, overrides: Sequence[Override], problems: Problem
     for keys, node in overrides:
         root = _set(root, keys, node, problems)
     return root
-
-
-def _parse_option(padded: Source, source: Source, problems: Problems) -> Node | None:
-    found = Problems()
-    node = None
-    try:
-        node = parse(padded, found, flow_only=True)
-        found.raise_if_any()
-    except ConfigurationError as error:
-        for diagnostic in getattr(error, "diagnostics", ()):
-            mark = diagnostic.mark._replace(source=source)
-            problems.add(mark, diagnostic.message, diagnostic.hint)
-        return None
-    return node
-
-
-def _moved(node: Node, source: Source) -> Node:
-    """Show the whole option in errors about its value."""
-    value = node.value
-    if isinstance(value, dict):
-        value = {name: _moved(below, source) for name, below in value.items()}
-    elif isinstance(value, list):
-        value = [_moved(below, source) for below in value]
-    place = node.key._replace(source=source) if node.key else None
-    return Node(value, node.mark._replace(source=source), place)
 
 
 def _set(root: Node, keys: Sequence[str], node: Node, problems: Problems) -> Node:

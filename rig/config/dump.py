@@ -1,11 +1,12 @@
-"""Write a profile or experiment as it was understood: everything said, in SI."""
+"""Write a loaded profile or experiment as YAML: every setting, in SI."""
 
 import re
 from dataclasses import fields, is_dataclass
-from typing import Any, Final
+from typing import Final
 
 import yaml
 
+from rig.config.located import Plain
 from rig.config.models import BusEntry, DeviceEntry, Experiment, PlantEntry, Profile, ReferenceEntry
 from rig.hal import ConfigurationError
 
@@ -15,7 +16,7 @@ _PLAIN: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./+-]*")
 class _Dumper(yaml.SafeDumper):
     """Writes what the strict loader reads back: no aliases, quotes wherever they might matter."""
 
-    def ignore_aliases(self, data: Any) -> bool:
+    def ignore_aliases(self, data: object) -> bool:
         return True
 
 
@@ -41,15 +42,14 @@ def dump_resolved(resolved: Profile | Experiment) -> str:
         A file without ``extends``, options or defaults left out, numbers in SI. Loading it
         gives an equal object; calibrations are in it and are not laid over once more.
     """
-    content = _profile(resolved) if isinstance(resolved, Profile) else as_plain(resolved)
-    del content["files"]
+    content = _profile(resolved) if isinstance(resolved, Profile) else _entries(resolved)
     return yaml.dump(
         content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
         default_flow_style=None,
     )  # fmt: skip
 
 
-def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
+def setting_of(name: str, profile: Profile, experiment: Experiment) -> Plain:
     """Return a setting of a rig or an experiment by its dotted name, as in ``--set``.
 
     Raises
@@ -57,7 +57,7 @@ def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
     ConfigurationError
         There is none of that name.
     """
-    found: Any = {**_profile(profile), **as_plain(experiment)}
+    found: Plain = {**_profile(profile), **_entries(experiment)}
     for key in name.split("."):
         if not isinstance(found, dict) or key not in found:
             known = ", ".join(found) if isinstance(found, dict) else "nothing below that"
@@ -66,51 +66,58 @@ def setting_of(name: str, profile: Profile, experiment: Experiment) -> Any:
     return found
 
 
-def _profile(profile: Profile) -> dict[str, Any]:
-    content: dict[str, Any] = as_plain(profile)
-    settings = content.pop("mechanism_settings")
-    del content["uncalibrated"]
-    # Said in any case, so that a resolved profile is not calibrated once more.
-    content["calibration"] = content["calibration"] or False
-    ordered: dict[str, Any] = {}
-    for key, value in content.items():
-        if key == "plant" and value is None:
-            continue
-        ordered[key] = value
-        if key == "devices":
-            _name_copies(profile, value)
-            ordered[profile.mechanism] = settings
-    return ordered
+def _profile(profile: Profile) -> dict[str, Plain]:
+    return {
+        "name": profile.name,
+        "description": profile.description,
+        "mechanism": profile.mechanism,
+        "loop": as_plain(profile.loop),
+        "buses": as_plain(profile.buses),
+        "devices": {name: _device(name, entry) for name, entry in profile.devices.items()},
+        profile.mechanism: as_plain(profile.mechanism_settings),
+        "controllers": as_plain(profile.controllers),
+        **({} if profile.plant is None else {"plant": as_plain(profile.plant)}),
+        "simulation": as_plain(profile.simulation),
+        # Said in any case, so that a resolved profile is not calibrated once more.
+        "calibration": as_plain(profile.calibration) or False,
+    }
 
 
-def _name_copies(profile: Profile, devices: dict[str, Any]) -> None:
-    """Name the copies that a run folder keeps of the devices' own files."""
-    for name, entry in profile.devices.items():
-        if entry.eds is not None:
-            devices[name]["eds"] = f"eds/{name}.eds"
+def _device(name: str, entry: DeviceEntry) -> dict[str, Plain]:
+    return {
+        "driver": entry.driver,
+        "bus": entry.bus,
+        "serial": entry.serial,
+        "calibration": as_plain(entry.calibration) or False,
+        **_entries(entry.settings),
+        # The copy that a run folder keeps of the device's own file.
+        **({} if entry.eds is None else {"eds": f"eds/{name}.eds"}),
+    }
 
 
-def as_plain(value: Any) -> Any:
+def _entries(value: object) -> dict[str, Plain]:
+    """Return what a dataclass says, key by key, without what is no part of its value."""
+    assert is_dataclass(value)
+    return {
+        field.name: as_plain(getattr(value, field.name))
+        for field in fields(value)
+        if field.init and field.compare
+    }
+
+
+def as_plain(value: object) -> Plain:
     """Return settings as plain mappings, lists and scalars, in SI."""
-    if isinstance(value, DeviceEntry):
-        own = as_plain(value.settings)
-        calibration = False if value.calibration is None else as_plain(value.calibration)
-        common = {"driver": value.driver, "bus": value.bus, "serial": value.serial}
-        return {**common, "calibration": calibration, **own}
     if isinstance(value, BusEntry):
-        return {"protocol": value.protocol, **as_plain(value.settings)}
+        return {"protocol": value.protocol, **_entries(value.settings)}
     if isinstance(value, PlantEntry):
-        return {"model": value.model, **as_plain(value.settings)}
+        return {"model": value.model, **_entries(value.settings)}
     if isinstance(value, ReferenceEntry):
-        return {"kind": value.kind, **as_plain(value.settings)}
-    if is_dataclass(value) and not isinstance(value, type):
-        return {
-            field.name: as_plain(getattr(value, field.name))
-            for field in fields(value)
-            if field.init
-        }
+        return {"kind": value.kind, **_entries(value.settings)}
+    if is_dataclass(value):
+        return _entries(value)
     if isinstance(value, dict):
         return {key: as_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [as_plain(item) for item in value]
+    assert value is None or isinstance(value, str | int | float)
     return value

@@ -1,4 +1,4 @@
-"""Load an experiment: what to do with a rig."""
+"""Load an experiment and the options over it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ EXPERIMENT_KEYS: Final = (
 
 
 @dataclass(frozen=True, slots=True)
-class Head:
+class ExperimentHead:
     """The part of an experiment that is the same for every reference.
 
     Parameters
@@ -105,7 +105,7 @@ def load_experiment(
         name: _metric(node, problems)
         for name, node in sections.named("metrics", names=False).items()
     }
-    head = sections.rest(Head)
+    head = sections.rest(ExperimentHead)
     if head is not None:
         _check_names(head, root, registry, problems)
     problems.raise_if_any()
@@ -149,7 +149,7 @@ def _metric(node: Node, problems: Problems) -> MetricSpec | None:
     return build(MetricSpec, with_plain_quantities(node, ("max", "min"), problems), problems)
 
 
-def _check_names(head: Head, root: Node, registry: Registry, problems: Problems) -> None:
+def _check_names(head: ExperimentHead, root: Node, registry: Registry, problems: Problems) -> None:
     controllers = controller_names(registry)
     if head.controller not in controllers:
         place, _ = root.descend(("controller",))

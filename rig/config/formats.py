@@ -1,4 +1,4 @@
-"""Numbers as people read them: in a unit of handy size, with the digits that say something."""
+"""Format SI numbers for people: a unit of handy size, and significant digits."""
 
 import math
 from collections.abc import Sequence

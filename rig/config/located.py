@@ -1,10 +1,10 @@
-"""Where a value was written: sources, marks and the tree of located values."""
+"""Values with the place where they were written: sources, marks and nodes."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
 """Keys and list positions from the root of a document to a value."""
@@ -21,16 +21,19 @@ class Source:
         What an error message calls it: the file's path, or ``--set``.
     text : str
         All of it.
+    seen : str, optional
+        What is shown of it in an error; default: the text.
     """
 
-    def __init__(self, name: str, text: str) -> None:
+    def __init__(self, name: str, text: str, seen: str | None = None) -> None:
         self.name = name
         self.text = text
+        self._seen = text if seen is None else seen
 
     @cached_property
     def lines(self) -> list[str]:
-        """The text's lines without their ends."""
-        return _LINE_BREAK.split(self.text)
+        """The lines that are shown, without their ends."""
+        return _LINE_BREAK.split(self._seen)
 
     def mark_at(self, offset: int) -> "Mark":
         """Return the place of the character at an offset."""
@@ -50,12 +53,13 @@ class Mark(NamedTuple):
 
 
 class Broken:
-    """Stands for a value that the loader has already complained about."""
+    """A value that the loader has already complained about."""
 
 
 BROKEN: Final = Broken()
 
 Scalar: TypeAlias = str | int | float | bool | Broken | None
+Plain: TypeAlias = Scalar | list["Plain"] | dict[str, "Plain"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +85,7 @@ class Node:
         """Where a reader looks for the whole value: its key, else its start."""
         return self.key or self.mark
 
-    def plain(self) -> Any:
+    def plain(self) -> Plain:
         """Return the value as plain dicts, lists and scalars."""
         if isinstance(self.value, dict):
             return {key: node.plain() for key, node in self.value.items()}
@@ -117,16 +121,6 @@ class Node:
         if isinstance(self.value, list) and isinstance(part, int) and part < len(self.value):
             return self.value[part]
         return None
-
-    def locations(self, path: Path = ()) -> Iterator[tuple[Path, Mark]]:
-        """Yield the path and the mark of this value and of all below it."""
-        yield path, self.mark
-        if isinstance(self.value, dict):
-            for key, node in self.value.items():
-                yield from node.locations((*path, key))
-        elif isinstance(self.value, list):
-            for index, node in enumerate(self.value):
-                yield from node.locations((*path, index))
 
     def with_items(self, items: "dict[str, Node]") -> "Node":
         """Return the same place with other content."""

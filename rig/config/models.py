@@ -1,13 +1,18 @@
-"""What a profile and an experiment say, as plain data in SI.
+"""Profiles, experiments and calibrations as plain data in SI.
 
 Nothing heavy is imported here, so that any module may name these types.
 """
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
 from annotated_types import Ge, Interval, MinLen, Unit
+
+from rig.config.located import Plain
+
+Settings: TypeAlias = Any
+"""Settings of which only the driver or mechanism that they belong to knows what they hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +69,7 @@ class FaultSpec:
 
 @dataclass(frozen=True, slots=True)
 class Perturbation:
-    """By how much the simulated rig may differ from its profile, so that it can be calibrated.
+    """Bounds on how the simulated rig may differ from its profile, so that it can be calibrated.
 
     Each number bounds a uniform draw, once per channel, joint or dimension, from the seed of
     the simulation; 0 draws nothing. What was drawn is known to the simulation alone.
@@ -132,7 +137,7 @@ class Perturbation:
 
 @dataclass(frozen=True, slots=True)
 class SimulationSettings:
-    """What the simulated world has that the plant has not.
+    """The simulated world around the plant: chance, buses, faults.
 
     Parameters
     ----------
@@ -157,7 +162,7 @@ class SimulationSettings:
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a calibration came from.
+    """The origin of a calibration.
 
     Parameters
     ----------
@@ -225,7 +230,7 @@ class Calibration:
 
     file: str
     provenance: Provenance
-    replaced: dict[str, Any] = field(default_factory=dict)
+    replaced: Plain = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,13 +258,13 @@ class DeviceEntry:
     driver: str
     bus: str | None
     serial: int | None
-    settings: Any
+    settings: Settings
     calibration: Calibration | None = None
     eds: Path | None = None
-    uncalibrated: Any = None
+    uncalibrated: object = None
 
     @property
-    def nominal(self) -> Any:
+    def nominal(self) -> Settings:
         """The settings as if the device had never been calibrated."""
         return self.settings if self.uncalibrated is None else self.uncalibrated
 
@@ -269,7 +274,7 @@ class BusEntry:
     """A bus: the protocol that is spoken on it, and the settings that go with it."""
 
     protocol: str
-    settings: Any
+    settings: Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,12 +282,12 @@ class PlantEntry:
     """The simulated physics: a plant's name and its settings."""
 
     model: str
-    settings: Any
+    settings: Settings
 
 
 @dataclass(frozen=True, slots=True)
 class Profile:
-    """What a rig is.
+    """A rig.
 
     Parameters
     ----------
@@ -311,19 +316,19 @@ class Profile:
     name: str
     description: str
     mechanism: str
-    mechanism_settings: Any
+    mechanism_settings: Settings
     loop: LoopSettings
     buses: dict[str, BusEntry]
     devices: dict[str, DeviceEntry]
-    controllers: dict[str, Any]
+    controllers: dict[str, Settings]
     plant: PlantEntry | None
     simulation: SimulationSettings
     files: tuple[Path, ...] = field(default=(), compare=False)
     calibration: Calibration | None = None
-    uncalibrated: Any = None
+    uncalibrated: object = None
 
     @property
-    def nominal_settings(self) -> Any:
+    def nominal_settings(self) -> Settings:
         """The mechanism's settings as if it had never been calibrated."""
         return self.mechanism_settings if self.uncalibrated is None else self.uncalibrated
 
@@ -372,12 +377,12 @@ class ReferenceEntry:
     """The desired motion: a reference's name and its settings."""
 
     kind: str
-    settings: Any
+    settings: object
 
 
 @dataclass(frozen=True, slots=True)
 class Experiment:
-    """What to do with a rig.
+    """A task for a rig.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""The seam between files and code: which settings belong to which name."""
+"""The names that a file may use for code, and the settings that belong to each."""
 
-from typing import Any, Literal, Protocol
+from typing import Literal, Protocol
 
 Kind = Literal["bus", "driver", "controller", "mechanism", "plant", "reference"]
 
@@ -16,7 +16,7 @@ class Registry(Protocol):
         """Return every name of a kind, sorted."""
         ...
 
-    def settings(self, kind: Kind, name: str) -> type[Any]:
+    def settings(self, kind: Kind, name: str) -> type[object]:
         """Return the settings dataclass of a name.
 
         Raises

@@ -1,4 +1,4 @@
-"""Where configuration files lie, and which rigs and experiments there are."""
+"""Find configuration folders, rigs and experiments by name."""
 
 import re
 from collections.abc import Sequence

@@ -1,9 +1,9 @@
-"""Load a profile: what a rig is."""
+"""Load a profile, its calibrations and the options over it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 from annotated_types import Ge
 
@@ -19,7 +19,7 @@ from rig.config.calibration import (
 from rig.config.code_sections import Sections
 from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
-from rig.config.document import apply_overrides, load_document, parse_overrides
+from rig.config.document import Override, apply_overrides, load_document, parse_overrides
 from rig.config.dump import as_plain
 from rig.config.located import BROKEN, Node
 from rig.config.models import (
@@ -47,7 +47,7 @@ DEFAULT_PROTOCOL: Final = "canopen"
 
 
 @dataclass(frozen=True, slots=True)
-class Head:
+class ProfileHead:
     """The part of a profile that is the same for every rig.
 
     Parameters
@@ -73,7 +73,7 @@ class Head:
 
 @dataclass(frozen=True, slots=True)
 class DeviceHead:
-    """What every device's entry says beside its driver's settings.
+    """The part of a device's entry that is the same for every driver.
 
     Parameters
     ----------
@@ -160,14 +160,14 @@ def _calibrate(
     """
     calibrations: dict[str, Calibration] = {}
     files: list[Path] = []
-    if not rig or not isinstance(written.value, dict):
-        return written, calibrations, files
-
-    def calibrated(name: str, below: Node, wanted: Node) -> Node:
+    for name, keys, wanted in _calibratable(root) if rig else ():
+        below, taken = written.descend(keys)
         choice = wanted.get("calibration")
         wish = None if choice is None else choice.value
+        if taken != keys or not isinstance(below.value, dict):
+            continue
         if wish is False or isinstance(wish, dict):
-            return below  # refused, or already laid over: a resolved profile
+            continue  # refused, or already laid over: a resolved profile
         found = find_calibration(rig, name, search)
         if found is None:
             if wish is True and choice is not None:
@@ -176,40 +176,32 @@ def _calibrate(
                     f"{name} has no calibration calibration/{rig}/{name}.yaml",
                     "calibrate it, or go without with calibration: false",
                 )
-            return below
+            continue
         read = read_calibration(*found, problems)
         files.append(found[0])
-        if read is None:
-            return below
-        values, calibration = read
-        # Its keys, for now: what stood under them is known when the settings are read.
-        calibrations[name] = replace(calibration, replaced=values.plain())
-        return lay_over(below, values)
+        if read is not None:
+            values, calibration = read
+            # Its keys, for now: what stood under them is known when the settings are read.
+            calibrations[name] = replace(calibration, replaced=values.plain())
+            laid = Override(keys, lay_over(below, values))
+            written = apply_overrides(written, [laid], problems)
+    return written, calibrations, files
 
-    items = dict(written.value)
-    wanted, devices = root.get("devices"), written.get("devices")
-    if (
-        wanted is not None
-        and isinstance(wanted.value, dict)
-        and devices is not None
-        and isinstance(devices.value, dict)
-    ):
-        entries = dict(devices.value)
-        for device, entry in wanted.value.items():
-            below = entries.get(device)
-            if is_name(device) and below is not None and isinstance(below.value, dict):
-                entries[device] = calibrated(device, below, entry)
-        items["devices"] = devices.with_items(entries)
-    mechanism = root.get("mechanism")
-    section = mechanism.value if mechanism is not None else None
-    if isinstance(section, str) and section in items and isinstance(items[section].value, dict):
+
+def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:
+    """Yield what may be calibrated: its name, its keys, and the entry that says if it wants to."""
+    devices, mechanism = root.get("devices"), root.get("mechanism")
+    if devices is not None and isinstance(devices.value, dict):
+        for name, entry in devices.value.items():
+            if is_name(name):
+                yield name, ("devices", name), entry
+    if mechanism is not None and isinstance(mechanism.value, str):
         # The whole profile says whether its mechanism wants one: its section is its settings.
-        items[section] = calibrated(section, items[section], root)
-    return written.with_items(items), calibrations, files
+        yield mechanism.value, (mechanism.value,), root
 
 
 class _Reader:
-    """Turns the merged document into a `Profile`."""
+    """The merged document, read section by section into a `Profile`."""
 
     def __init__(
         self,
@@ -231,9 +223,11 @@ class _Reader:
         """Read every section, so that every error is found; None if there is one."""
         sections = self._sections
         mechanism_settings, calibration, uncalibrated = self._mechanism()
-        bus_nodes = sections.named("buses")
-        buses = {bus: self._bus(node) for bus, node in bus_nodes.items()}
-        device_nodes = sections.named("devices")
+        bus_nodes, device_nodes = sections.named("buses"), sections.named("devices")
+        buses = {
+            bus: sections.chosen("bus", node, "protocol", DEFAULT_PROTOCOL)
+            for bus, node in bus_nodes.items()
+        }
         devices = {
             device: self._device(device, node, tuple(bus_nodes))
             for device, node in device_nodes.items()
@@ -245,7 +239,7 @@ class _Reader:
         plant_node = sections.take("plant")
         plant = None if plant_node is None else sections.chosen("plant", plant_node, "model")
         simulation = self._simulation((*device_nodes, *bus_nodes, "plant"))
-        head = sections.rest(Head)
+        head = sections.rest(ProfileHead)
         if self._problems or head is None or simulation is None:
             return None
         return Profile(
@@ -254,7 +248,7 @@ class _Reader:
             mechanism=head.mechanism,
             mechanism_settings=mechanism_settings,
             loop=head.loop,
-            buses={name: entry for name, entry in buses.items() if entry is not None},
+            buses={name: BusEntry(*chosen) for name, chosen in buses.items() if chosen},
             devices={name: entry for name, entry in devices.items() if entry is not None},
             controllers=controllers,
             plant=None if plant is None else PlantEntry(*plant),
@@ -264,16 +258,15 @@ class _Reader:
             uncalibrated=uncalibrated,
         )
 
-    def _mechanism(self) -> tuple[Any, Calibration | None, Any]:
+    def _mechanism(self) -> tuple[object, Calibration | None, object]:
+        """Return its settings, what was laid over them, and the settings without it."""
         node = self._root.get("mechanism")
-        if node is None or not isinstance(node.value, str):
-            # Its name is missing or no text, which is said later; its settings are not unknown.
-            for name in self._registry.names("mechanism"):
-                self._sections.take(name)
-            return None, None, None
-        name = node.value
-        settings = self._sections.settings_of("mechanism", name, node)
-        if settings is None:
+        name = None if node is None else node.value
+        settings = None
+        if node is not None and isinstance(name, str):
+            settings = self._sections.settings_of("mechanism", name, node)
+        if settings is None or not isinstance(name, str):
+            # Its name is missing or wrong, which is said elsewhere; its settings are not unknown.
             for other in self._registry.names("mechanism"):
                 self._sections.take(other)
             return None, None, None
@@ -282,15 +275,11 @@ class _Reader:
             return None, None, None
         built = build(settings, entry, self._problems)
         calibration = self._calibration(name, self._sections.take("calibration"))
-        below = self._bare.get(name)
-        if calibration is None or built is None or below is None:
-            return built, None, None
-        calibration, nominal = self._nominal(
-            settings, below, calibration, name in self._calibrations
-        )
-        return built, calibration, nominal
+        if built is None:
+            return None, None, None
+        return built, *self._nominal(name, settings, self._bare.get(name), calibration)
 
-    def _controller(self, name: str, node: Node) -> Any:
+    def _controller(self, name: str, node: Node) -> object:
         mechanism = self._root.get("mechanism")
         of = mechanism.value if mechanism is not None else None
         scope = of if isinstance(of, str) else None
@@ -306,62 +295,40 @@ class _Reader:
             return None
         return build(settings, node, self._problems)
 
-    def _bus(self, node: Node) -> BusEntry | None:
-        assert isinstance(node.value, dict)
-        items = dict(node.value)
-        written = items.pop("protocol", None)
-        if written is None:
-            settings = self._registry.settings("bus", DEFAULT_PROTOCOL)
-            built = build(settings, node, self._problems, also=("protocol",))
-            return None if built is None else BusEntry(DEFAULT_PROTOCOL, built)
-        chosen = self._sections.chosen("bus", node, "protocol")
-        return None if chosen is None else BusEntry(*chosen)
-
     def _device(self, name: str, node: Node, buses: tuple[str, ...]) -> DeviceEntry | None:
-        assert isinstance(node.value, dict)
-        items = dict(node.value)
-        common: dict[str, Node] = {key: items.pop(key) for key in ("bus", "serial") if key in items}
-        head = build(DeviceHead, node.with_items(common), self._problems)
+        common, own = _parted(node)
+        stated = {key: entry for key, entry in common.items() if key in ("bus", "serial")}
+        head = build(DeviceHead, node.with_items(stated), self._problems)
         if head is not None and head.bus is not None and head.bus not in buses:
             hint = nearest(head.bus, buses) or "the profile has no buses"
             self._problems.add(common["bus"].mark, f"no bus is called {shown(head.bus)}", hint)
-        calibration = self._calibration(name, items.pop("calibration", None))
+        calibration = self._calibration(name, common.get("calibration"))
         driver = self._sections.text(node, "driver")
-        driver_node = items.pop("driver", node)
         if driver is None:
             return None
-        settings = self._sections.settings_of("driver", driver, driver_node)
+        settings = self._sections.settings_of("driver", driver, common["driver"])
         if settings is None:
             return None
-        own = node.with_items(items)
+        _, bare = _parted(self._bare.descend(("devices", name))[0])
         file = DeviceDescription.of(settings, own, self._problems)
         if file is not None:
-            own = file.complete(own)
+            own, bare = file.complete(own), file.complete(bare)
         built = build(settings, own, self._problems, also=COMMON_KEYS)
         if file is not None and built is not None:
             file.compare(name, built, own)
         if head is None or built is None:
             return None
         path = None if file is None else file.path
-        nominal = None
-        if calibration is not None:
-            below = self._bare.get("devices")
-            bare = None if below is None else below.get(name)
-            if bare is not None and isinstance(bare.value, dict):
-                bare = bare.with_items(
-                    {key: value for key, value in bare.value.items() if key not in COMMON_KEYS}
-                )
-                bare = bare if file is None else file.complete(bare)
-                calibration, nominal = self._nominal(
-                    settings, bare, calibration, name in self._calibrations
-                )
+        calibration, nominal = self._nominal(name, settings, bare, calibration)
         return DeviceEntry(driver, head.bus, head.serial, built, calibration, path, nominal)
 
     def _nominal(
-        self, settings: type[Any], bare: Node, calibration: Calibration, fresh: bool
-    ) -> tuple[Calibration, Any]:
+        self, name: str, settings: type[object], bare: Node | None, calibration: Calibration | None
+    ) -> tuple[Calibration | None, object]:
         """Return a calibration with what it replaced, and the settings without it."""
-        if not fresh:  # a resolved profile says itself what was replaced
+        if calibration is None or bare is None:
+            return calibration, None
+        if name not in self._calibrations:  # a resolved profile says itself what was replaced
             return calibration, build(settings, with_replaced(bare, calibration), self._problems)
         nominal = build(settings, bare, self._problems)
         replaced = pruned(as_plain(nominal), calibration.replaced)
@@ -407,3 +374,11 @@ class _Reader:
                     nearest(fault.device, names),
                 )
         return simulation
+
+
+def _parted(entry: Node) -> tuple[dict[str, Node], Node]:
+    """Part a device's entry into what every device says, and its driver's settings."""
+    items = entry.value if isinstance(entry.value, dict) else {}
+    common = {key: node for key, node in items.items() if key in COMMON_KEYS}
+    own = {key: node for key, node in items.items() if key not in COMMON_KEYS}
+    return common, entry.with_items(own)

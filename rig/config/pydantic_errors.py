@@ -1,7 +1,7 @@
-"""What pydantic found, in the words, units and places of the file."""
+"""Translate errors of pydantic into the words, units and places of the file."""
 
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any
 
 from pydantic_core import ErrorDetails
 
@@ -23,8 +23,8 @@ def report(
     if place.value is BROKEN:
         return
     # Pydantic counts valid items only; each invalid one has an error of its own.
-    sized = isinstance(place.value, list | dict) and kind == "too_short"
-    if sized and len(place.plain()) >= context.get("min_length", 0):
+    sized = place.value if isinstance(place.value, list | dict) else ()
+    if kind == "too_short" and len(sized) >= context.get("min_length", 1):
         return
     name = ".".join(map(str, path)) or "this"
     if kind == "missing":
@@ -46,12 +46,9 @@ def report(
     elif kind == "quantity":
         problems.add(place.mark, f"{name}: {details['msg']}")
     else:
-        value = shown(place.plain())
-        hint = hint_at(settings, path)
-        expected = _expected(kind, context, hint)
-        problems.add(
-            place.mark, f"{name} is {value}, expected {expected}", _choice(place, context, kind)
-        )
+        expected = _expected(kind, context, hint_at(settings, path))
+        message = f"{name} is {shown(place.plain())}, expected {expected}"
+        problems.add(place.mark, message, _choice(place, context, kind))
 
 
 def _wanted(settings: type, path: tuple[str | int, ...], key: str) -> str | None:
@@ -64,61 +61,56 @@ def _wanted(settings: type, path: tuple[str | int, ...], key: str) -> str | None
     return f"it takes {_SCALARS[bare]}" if bare in _SCALARS else None
 
 
-_BOUNDS = {
-    "greater_than": ("gt", "more than"),
-    "greater_than_equal": ("ge", "at least"),
-    "less_than": ("lt", "less than"),
-    "less_than_equal": ("le", "at most"),
-    "multiple_of": ("multiple_of", "a multiple of"),
-}
-
-
-def _expected(kind: str, context: dict[str, Any], hint: Any) -> str:
+def _expected(kind: str, context: Mapping[str, object], hint: object) -> str:
     """Say what pydantic expected, with the bound in the field's unit."""
     unit = unit_of(hint)
-    if kind in _BOUNDS:
-        key, words = _BOUNDS[kind]
-        bound = context[key]
-        return f"{words} {_bound(bound, unit)}"
     if unit is not None and kind in ("float_type", "int_type"):
-        number = "a number" if kind == "float_type" else "a whole number"
-        return f"{number} in {unit or '1'} or a text with a unit: {', '.join(usual_units(unit))}"
-    words_of = {
-        "finite_number": "a finite number",
-        "float_type": "a number",
-        "int_type": "a whole number",
-        "int_from_float": "a whole number",
-        "bool_type": "true or false",
-        "string_type": "text",
-        "tuple_type": "a list",
-        "list_type": "a list",
-        "dict_type": "a mapping",
-        "none_required": "nothing",
-    }
-    if kind in words_of:
-        return words_of[kind]
-    if kind == "literal_error":
-        return str(context.get("expected", "another value"))
-    if kind in ("too_short", "too_long"):
-        limit = context.get("min_length" if kind == "too_short" else "max_length")
-        return f"{'at least' if kind == 'too_short' else 'at most'} {limit} values"
-    if kind in ("string_too_short", "string_too_long"):
-        limit = context.get("min_length", context.get("max_length"))
-        return f"{'at least' if kind == 'string_too_short' else 'at most'} {limit} characters"
-    if kind == "string_pattern_mismatch":
-        return f"text like {context.get('pattern')}"
+        units = ", ".join(usual_units(unit))
+        return f"{_WORDS[kind]} in {unit or '1'} or a text with a unit: {units}"
+    if kind in _BOUNDS:
+        words, key = _BOUNDS[kind]
+        return f"{words} {_bound(context[key], unit)}"
+    if kind in _WORDS:
+        return _WORDS[kind].format(**context)
     return f"something else ({kind.replace('_', ' ')})"
 
 
-def _bound(bound: Any, unit: str | None) -> str:
-    if unit in (None, "", "1") or not isinstance(bound, int | float):
+_BOUNDS = {
+    "greater_than": ("more than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+    "multiple_of": ("a multiple of", "multiple_of"),
+}
+
+_WORDS = {
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "tuple_type": "a list",
+    "list_type": "a list",
+    "dict_type": "a mapping",
+    "none_required": "nothing",
+    "literal_error": "{expected}",
+    "too_short": "at least {min_length} values",
+    "too_long": "at most {max_length} values",
+    "string_too_short": "at least {min_length} characters",
+    "string_too_long": "at most {max_length} characters",
+    "string_pattern_mismatch": "text like {pattern}",
+}
+
+
+def _bound(bound: object, unit: str | None) -> str:
+    if not unit or unit == "1" or not isinstance(bound, int | float):
         return f"{bound:g}" if isinstance(bound, float) else str(bound)
-    assert unit is not None
     si, people = f"{bound:g} {unit}", format_quantity(bound, unit)
     return si if si == people or bound == 0 else f"{people} ({si})"
 
 
-def _choice(place: Node, context: dict[str, Any], kind: str) -> str | None:
+def _choice(place: Node, context: Mapping[str, object], kind: str) -> str | None:
     if kind != "literal_error" or not isinstance(place.value, str):
         return None
     text = str(context.get("expected", ""))

@@ -1,30 +1,31 @@
-"""JSON Schema of profiles and experiments, for editors: completion, hover texts, first checks."""
+"""Make the JSON Schema of profiles and experiments, for editors."""
 
-import copy
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Final, Literal, NotRequired, Required
+from types import GenericAlias
+from typing import Annotated, Final, Literal, NotRequired, Required, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from rig.config.experiment import Head as ExperimentHead
+from rig.config.experiment import ExperimentHead
 from rig.config.models import MetricSpec
 from rig.config.named_settings import Kind, Registry, controller_names
-from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead
-from rig.config.profile import Head as ProfileHead
-from rig.config.settings import annotation, closed_mapping, entries_of
+from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead, ProfileHead
+from rig.config.settings import Entries, annotation, closed_mapping, entries_of
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _PARTIAL: Final = "Partial"
 
+Schema: TypeAlias = dict[str, object]
+
 _Extends = Annotated[str, Field(description="A file of the same kind that this one changes.")]
 _Wish = Annotated[
-    bool | dict[str, Any] | None,
+    bool | dict[str, object] | None,
     Field(description="true: there must be one, false: none is laid over; else if there is one."),
 ]
 
 
-def profile_schema(registry: Registry) -> dict[str, Any]:
+def profile_schema(registry: Registry) -> Schema:
     """Return the JSON Schema of a profile.
 
     Parameters
@@ -39,18 +40,17 @@ def profile_schema(registry: Registry) -> dict[str, Any]:
     """
     mechanisms = registry.names("mechanism")
     device = {**entries_of(DeviceHead), "calibration": NotRequired[_Wish]}
-    mapping: Any = dict  # its values are known at run time only
-    alike: dict[str, list[Any]] = {}
+    alike: dict[str, list[object]] = {}
     for name in registry.names("controller"):
         settings = annotation(registry.settings("controller", name))
         alike.setdefault(name.rpartition("/")[2], []).append(settings)
     controllers = {name: NotRequired[reduce(or_, kinds)] for name, kinds in alike.items()}
-    entries: dict[str, Any] = {
+    entries: dict[str, object] = {
         "extends": NotRequired[_Extends],
         **entries_of(ProfileHead),
         "mechanism": Required[_one_of(mechanisms)],
-        "buses": NotRequired[mapping[str, _buses(registry)]],
-        "devices": NotRequired[mapping[str, _alternatives(registry, "driver", "driver", device)]],
+        "buses": NotRequired[_named(_buses(registry))],
+        "devices": NotRequired[_named(_alternatives(registry, "driver", "driver", device))],
         "controllers": NotRequired[closed_mapping("Controllers", controllers)],
         "plant": NotRequired[_alternatives(registry, "plant", "model", {})],
         "calibration": NotRequired[_Wish],
@@ -60,7 +60,7 @@ def profile_schema(registry: Registry) -> dict[str, Any]:
     return _finished("Profile", entries)
 
 
-def experiment_schema(registry: Registry) -> dict[str, Any]:
+def experiment_schema(registry: Registry) -> Schema:
     """Return the JSON Schema of an experiment.
 
     Parameters
@@ -74,28 +74,32 @@ def experiment_schema(registry: Registry) -> dict[str, Any]:
         JSON Schema, draft 2020-12. Where a file extends another, no key is required.
     """
     bound = NotRequired[float | str | None]
-    mapping: Any = dict  # its values are known at run time only
     metric = closed_mapping("Metric", {**entries_of(MetricSpec), "max": bound, "min": bound})
-    entries: dict[str, Any] = {
+    entries: dict[str, object] = {
         "extends": NotRequired[_Extends],
         **entries_of(ExperimentHead),
         "controller": Required[_one_of(controller_names(registry))],
         "reference": Required[_alternatives(registry, "reference", "kind", {})],
-        "metrics": NotRequired[mapping[str, metric]],
+        "metrics": NotRequired[_named(metric)],
     }
     return _finished("Experiment", entries)
 
 
-def _buses(registry: Registry) -> Any:
+def _named(below: object) -> object:
+    """Return a mapping whose values are known at run time only."""
+    return GenericAlias(dict, (str, below))
+
+
+def _buses(registry: Registry) -> object:
     unsaid = closed_mapping("bus", entries_of(registry.settings("bus", DEFAULT_PROTOCOL)))
-    return _alternatives(registry, "bus", "protocol", {}) | unsaid
+    return or_(_alternatives(registry, "bus", "protocol", {}), unsaid)
 
 
-def _one_of(names: tuple[str, ...]) -> Any:
+def _one_of(names: tuple[str, ...]) -> object:
     return Literal[names] if names else str
 
 
-def _alternatives(registry: Registry, kind: Kind, key: str, common: dict[str, Any]) -> Any:
+def _alternatives(registry: Registry, kind: Kind, key: str, common: Entries) -> object:
     """Return the union over a kind: the key that tells them apart beside each one's settings."""
     made = [
         closed_mapping(
@@ -108,10 +112,10 @@ def _alternatives(registry: Registry, kind: Kind, key: str, common: dict[str, An
         )
         for name in registry.names(kind)
     ]
-    return reduce(or_, made) if made else dict[str, Any]
+    return reduce(or_, made) if made else dict[str, object]
 
 
-def _finished(title: str, entries: dict[str, Any]) -> dict[str, Any]:
+def _finished(title: str, entries: Entries) -> Schema:
     full = TypeAdapter(closed_mapping(title, entries)).json_schema()
     definitions = full.pop("$defs", {})
     partial = _without_required(full)
@@ -127,19 +131,14 @@ def _finished(title: str, entries: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _without_required(schema: Any) -> Any:
+def _without_required(schema: object) -> object:
     """Return the schema of a file that changes another: any key may stand in the other one."""
-    schema = copy.copy(schema)
     if isinstance(schema, list):
         return [_without_required(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
-    made = {}
-    for key, item in schema.items():
-        if key == "required" and isinstance(item, list):
-            continue
-        if key == "$ref":
-            made[key] = item + _PARTIAL
-        else:
-            made[key] = _without_required(item)
-    return made
+    return {
+        key: item + _PARTIAL if key == "$ref" else _without_required(item)
+        for key, item in schema.items()
+        if not (key == "required" and isinstance(item, list))
+    }

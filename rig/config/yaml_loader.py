@@ -1,4 +1,4 @@
-"""Strict YAML: what stands in a file is what it means, and every value knows its place.
+"""Read a strict subset of YAML into values that know their place.
 
 The subset is mappings, lists and scalars. Refused are anchors, aliases, merge keys, tags,
 directives, several documents in a file, duplicate keys and tabs. Plain scalars are
@@ -17,11 +17,12 @@ Keys are text as they are written.
 import re
 import stat
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import yaml
 from yaml.events import (
     AliasEvent,
+    CollectionStartEvent,
     DocumentStartEvent,
     Event,
     MappingEndEvent,
@@ -65,8 +66,10 @@ _WORDS: Final[dict[str, Scalar]] = {
 _EXACT_DIGITS: Final = 18
 """Integers of more digits become floats: none is an identifier, and none overflows later."""
 
-# The parser in C is ten times as fast and marks the same places.
-_Base: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+try:  # The parser in C is ten times as fast and marks the same places.
+    from yaml import CSafeLoader as SafeLoader
+except ImportError:
+    from yaml import SafeLoader  # type: ignore[assignment]
 
 
 def read_source(path: Path) -> Source:
@@ -104,6 +107,18 @@ def read_source(path: Path) -> Source:
         mark = source.mark_at(len(before))
         message = f"byte 0x{content[error.start]:02X} is not UTF-8 text"
         raise ProfileError([Diagnostic(mark, message)]) from error
+
+
+def read_loosely(path: Path) -> object:
+    """Return what any YAML file holds, by the rules of YAML alone.
+
+    Raises
+    ------
+    OSError, ValueError, yaml.YAMLError
+        It cannot be read.
+    """
+    with path.open("rb") as stream:
+        return yaml.load(stream, Loader=SafeLoader)
 
 
 def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Node:
@@ -149,11 +164,11 @@ def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Nod
         loader.dispose()
 
 
-def _mark_in(source: Source, mark: Any) -> Mark:
+def _mark_in(source: Source, mark: yaml.Mark | None) -> Mark:
     return Mark(source, mark.line + 1, mark.column + 1) if mark else Mark(source, 1, 1)
 
 
-class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is known at run time
+class StrictLoader(SafeLoader):
     """PyYAML's safe parser, composed into located values by the rules of this module."""
 
     def __init__(self, source: Source, problems: Problems, *, flow_only: bool) -> None:
@@ -179,11 +194,14 @@ class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is kn
         return root
 
     def _next(self) -> Event:
-        event: Event = self.get_event()
+        event = self.get_event()
+        assert event is not None
         return event
 
     def _mark(self, event: Event) -> Mark:
-        return _mark_in(self._source, event.start_mark)
+        start = event.start_mark
+        assert start is not None
+        return Mark(self._source, start.line + 1, start.column + 1)
 
     def _fatal(self, mark: Mark, message: str) -> ProfileError:
         self._problems.add(mark, message)
@@ -196,13 +214,14 @@ class StrictLoader(_Base):  # type: ignore[misc, valid-type]  # which base is kn
             return Node(BROKEN, mark, key)
         if isinstance(event, NodeEvent) and event.anchor:
             self._problems.add(mark, f"anchor &{event.anchor} is not allowed")
-        if getattr(event, "tag", None):
+        if isinstance(event, ScalarEvent | CollectionStartEvent) and event.tag:
             self._problems.add_broken(mark, "tags (!…) are not allowed")
         if isinstance(event, ScalarEvent):
             return Node(self._scalar(event, mark), mark, key)
         if depth >= MAX_DEPTH:
             raise self._fatal(mark, f"nested more than {MAX_DEPTH} levels deep")
-        if self._flow_only and not getattr(event, "flow_style", True):
+        block = isinstance(event, CollectionStartEvent) and not event.flow_style
+        if self._flow_only and block:
             raise self._fatal(mark, "write a mapping as {a: 1}, a list as [1, 2]")
         if isinstance(event, SequenceStartEvent):
             items: list[Node] = []

@@ -22,7 +22,7 @@ from rig.runtime.log import read_log
 from rig.runtime.loop import Loop, Outcome, Progress
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
@@ -267,7 +267,7 @@ def _run(
             )
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
-                Recorder(folder.log_path, columns) as recorder,
+                LogRecorder(folder.log_path, columns) as recorder,
                 real_time(priority, plan.profile.loop.cpu) as refused,
             ):
                 for sentence in refused:

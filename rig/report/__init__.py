@@ -1,1 +1,1 @@
-"""What a run folder is turned into: figures, a report, a comparison of several runs."""
+"""Figures, a report and comparisons, made from run folders."""

@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from rig.hal import ConfigurationError
+from rig.report.comparison import ComparisonRow
 from rig.report.comparisons import comparison_of
 from rig.report.data import RunData, load_run
 from rig.report.style import paper_style, save
 
 
-def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[dict[str, Any]]:
+def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[ComparisonRow]:
     """Collect the metrics of several runs, or what their kind of rig is compared by.
 
     Parameters
@@ -22,15 +22,14 @@ def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[
 
     Returns
     -------
-    list of dict
-        One per metric, in the order of the first run that has it: ``name``, ``unit``,
-        ``bound``, ``bound_kind`` and ``values``, one per run (None where it has none).
+    list of ComparisonRow
+        One per metric, in the order of the first run that has it.
     """
     runs = _load(paths, labels)
     tabulate = comparison_of(runs).tabulate
     if tabulate is not None:
         return tabulate(runs, labels)
-    rows: dict[str, dict[str, Any]] = {}
+    rows: dict[str, ComparisonRow] = {}
     for number, run in enumerate(runs):
         for metric in run.metrics:
             row = rows.setdefault(

@@ -1,7 +1,7 @@
-"""What comparisons of runs have in common."""
+"""The kinds of comparison, and what they share."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, NotRequired, TypedDict
 
 import numpy as np
 
@@ -14,8 +14,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-Row = dict[str, Any]
-"""A row of a table of runs: ``name``, ``unit``, ``bound``, ``bound_kind``, ``values``."""
+class ComparisonRow(TypedDict):
+    """One number of every run, SI; None where a run has none.
+
+    ``refused`` is what stands there for a controller that refused.
+    """
+
+    name: str
+    unit: str
+    bound: float | None
+    bound_kind: str | None
+    values: list[float | str | None]
+    refused: NotRequired[str | None]
 
 
 class Comparison(NamedTuple):
@@ -28,13 +38,12 @@ class Comparison(NamedTuple):
     draw : callable
         Takes the runs and a label for each.
     tabulate : callable, optional
-        Takes the same, and returns rows as `rig.report.compare.compare_metrics` does, whose place
-        they take. A row's ``refused`` is what stands there for a controller that refused.
+        Takes the same; its rows take the place of those of `compare_metrics`.
     """
 
     suits: Callable[[RunData], bool]
     draw: "Callable[[Sequence[RunData], Sequence[str]], Figure]"
-    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[Row]] | None = None
+    tabulate: Callable[[Sequence[RunData], Sequence[str]], list[ComparisonRow]] | None = None
 
 
 def color_of(number: int) -> str:

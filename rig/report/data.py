@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import evaluation_from_json
 from rig.hal.motion import Segment
-from rig.run_folder import EVALUATION, METRICS, RunFolder
+from rig.run_folder import EVALUATION, MetricRow, RunFolder
 from rig.runtime.log import Log, read_log
 
 if TYPE_CHECKING:
@@ -28,14 +28,14 @@ class RunData:
         All cycles.
     segments : tuple of Segment
         Those of its reference.
-    metrics : tuple of dict
+    metrics : tuple of MetricRow
         The entries of ``metrics.json``.
     """
 
     folder: RunFolder
     log: Log
     segments: tuple[Segment, ...]
-    metrics: tuple[dict[str, Any], ...]
+    metrics: tuple[MetricRow, ...]
 
     def has(self, *names: str) -> bool:
         """Return whether the log has all of these columns."""
@@ -68,8 +68,8 @@ class RunData:
 
 def mechanism_of(folder: RunFolder) -> str | None:
     """Return the mechanism of the rig that a run was recorded on; None if it is not noted."""
-    mechanism: str | None = folder.read_json(EVALUATION).get("mechanism")
-    return mechanism
+    mechanism = folder.read_json(EVALUATION).get("mechanism")
+    return mechanism if isinstance(mechanism, str) else None
 
 
 def load_run(path: str | Path) -> RunData:
@@ -84,5 +84,4 @@ def load_run(path: str | Path) -> RunData:
     """
     folder = RunFolder.open(path)
     segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
-    metrics = tuple(folder.read_json(METRICS).get("metrics", ()))
-    return RunData(folder, read_log(folder.log_path), segments, metrics)
+    return RunData(folder, read_log(folder.log_path), segments, folder.metrics())

@@ -1,4 +1,4 @@
-"""What figures have in common."""
+"""The kinds of figure, and what they share."""
 
 from collections.abc import Callable, Iterator
 from fnmatch import fnmatchcase
@@ -10,8 +10,13 @@ from rig.report.data import RunData
 from rig.report.envelope import envelope
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from rig.hal.motion import Segment
+    from rig.run_folder import MetricRow
 
 TIME_LABEL = "time since the reference started (s)"
 
@@ -37,12 +42,21 @@ def panels(figure: "Figure", rows: int, columns: int, **style: Any) -> "list[Axe
     return made
 
 
-def draw_line(axes: "Axes", t: Any, x: Any, color: str, label: str, **style: Any) -> None:
+def draw_line(
+    axes: "Axes",
+    t: "NDArray[np.float64]",
+    x: "NDArray[np.float64]",
+    color: str,
+    label: str,
+    *,
+    lw: float | None = None,
+    ls: str | tuple[int, tuple[int, int]] = "-",
+) -> None:
     """Draw a signal of any length as what can be seen of it."""
-    axes.plot(*envelope(t, x), color=color, label=label, solid_joinstyle="round", **style)
+    axes.plot(*envelope(t, x), color=color, label=label, solid_joinstyle="round", lw=lw, ls=ls)
 
 
-def finish_time_axis(axes: "Axes", t: Any, label: str) -> None:
+def finish_time_axis(axes: "Axes", t: "NDArray[np.float64]", label: str) -> None:
     """Limit and label the axes of a signal over time."""
     axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
     axes.margins(y=0.08)
@@ -52,17 +66,10 @@ def finish_time_axis(axes: "Axes", t: Any, label: str) -> None:
 
 def bounds_of(
     run: RunData, measures: set[str]
-) -> Iterator[tuple[dict[str, Any], float, list[Any]]]:
+) -> "Iterator[tuple[MetricRow, float, list[Segment]]]":
     """Yield the metrics of these measures that have an upper bound, the bound, its segments."""
     for metric in run.metrics:
-        if (
-            metric.get("measure") in measures
-            and metric.get("bound_kind") == "max"
-            and metric.get("bound") is not None
-        ):
-            pattern = metric.get("segments", "*")
-            yield (
-                metric,
-                metric["bound"],
-                [segment for segment in run.segments if fnmatchcase(segment.name, pattern)],
-            )
+        bound, pattern = metric.get("bound"), metric.get("segments", "*")
+        is_upper = metric.get("measure") in measures and metric.get("bound_kind") == "max"
+        if is_upper and bound is not None:
+            yield metric, bound, [s for s in run.segments if fnmatchcase(s.name, pattern)]

@@ -2,16 +2,26 @@
 
 import base64
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 from rig.config import format_against
 from rig.report.data import mechanism_of
 from rig.report.figures import known_figures
-from rig.run_folder import METRICS, REPORT, TIMING, RunFolder, RunFolderError, RunStatus
+from rig.report.timing import Spread, TimingSummary
+from rig.run_folder import (
+    REPORT,
+    TIMING,
+    Event,
+    Manifest,
+    MetricRow,
+    RunFolder,
+    RunFolderError,
+    RunStatus,
+)  # fmt: skip
 
 _EXPLANATIONS = {
     RunStatus.RUNNING: "The run still goes on; this is what there is so far.",
@@ -52,9 +62,9 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     title = f"{manifest.get('experiment', folder.path.name)} on {manifest.get('backend', '?')}"
     sections = [
         _header(folder, title),
-        _metrics(folder.read_json(METRICS).get("metrics", []), problems),
+        _metrics(folder.metrics(), problems),
         _figures(figures, mechanism_of(folder)),
-        _timing(folder.read_json(TIMING)),
+        _timing(cast("TimingSummary", folder.read_json(TIMING))),
         _events(folder.events()),
         _reproduce(manifest),
         _environment(manifest),
@@ -97,7 +107,7 @@ def _header(folder: RunFolder, title: str) -> str:
     )
 
 
-def _metrics(metrics: Sequence[Mapping[str, Any]], problems: Sequence[str]) -> str:
+def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> str:
     if not metrics and not problems:
         return ""
     rows = []
@@ -140,19 +150,19 @@ def _figures(figures: Sequence[Path], mechanism: str | None) -> str:
     return _section("Figures", "\n".join(parts)) if parts else ""
 
 
-def _speed(timing: Mapping[str, Any]) -> str:
+def _speed(timing: TimingSummary) -> str:
     """Return how fast the loop ran; nothing for runs that were recorded without it."""
     if "speed" not in timing:
         return ""
     return f"The loop took {timing['took']:.2f} s, {timing['speed']:.3g} times real time. "
 
 
-def _timing(timing: Mapping[str, Any]) -> str:
+def _timing(timing: TimingSummary) -> str:
     if not timing.get("stages"):
         return ""
 
-    def cells(spread: Mapping[str, Any]) -> list[str]:
-        return [f"{spread[key] * 1e6:.1f}" for key in ("p50", "p99", "max")]
+    def cells(spread: Spread) -> list[str]:
+        return [f"{t * 1e6:.1f}" for t in (spread["p50"], spread["p99"], spread["max"])]
 
     rows = [
         [escape(name), *cells(stage), f"{100 * stage['share']:.0f}"]
@@ -187,7 +197,7 @@ def _timing(timing: Mapping[str, Any]) -> str:
     return _section("Timing", text + stages + details)
 
 
-def _events(events: Sequence[Mapping[str, Any]]) -> str:
+def _events(events: Sequence[Event]) -> str:
     if not events:
         return ""
     rows = []
@@ -208,7 +218,7 @@ def _events(events: Sequence[Mapping[str, Any]]) -> str:
     return _section("Events", _table(["t (s)", "kind", "event", "data"], rows, (0,)) + more)
 
 
-def _reproduce(manifest: Mapping[str, Any]) -> str:
+def _reproduce(manifest: Manifest) -> str:
     command = manifest.get("command")
     if not command:
         return ""
@@ -224,8 +234,8 @@ def _reproduce(manifest: Mapping[str, Any]) -> str:
     return _section("How to run it again", f"<pre>{code}</pre>{note}")
 
 
-def _environment(manifest: Mapping[str, Any]) -> str:
-    facts: dict[str, Any] = {**manifest.get("machine", {}), **manifest.get("versions", {})}
+def _environment(manifest: Manifest) -> str:
+    facts: dict[str, object] = {**manifest.get("machine", {}), **manifest.get("versions", {})}
     rows = [[escape(str(key)), escape(str(value))] for key, value in facts.items()]
     files = [
         [f'<a href="{escape(name)}">{escape(name)}</a>', f"<code>{escape(digest)}</code>"]

@@ -31,9 +31,10 @@ def draw_bars(axes: "Axes", runs: Sequence[RunData], labels: Sequence[str]) -> N
             if np.isfinite(value):
                 write_value(axes, f"{value:.3g}", value, row)
     for row, metric in enumerate(metrics.values()):
-        if metric.get("bound") is not None and metric.get("bound_kind") == "max":
+        bound = metric.get("bound")
+        if bound is not None and metric.get("bound_kind") == "max":
             axes.vlines(
-                metric["bound"] * factor, row - 0.46, row + 0.46,
+                bound * factor, row - 0.46, row + 0.46,
                 color=INK, lw=0.9, ls=(0, (3, 1.5)),
             )  # fmt: skip
     axes.set_yticks(range(len(metrics)), labels=[name.replace("_", "\n") for name in metrics])

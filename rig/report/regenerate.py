@@ -1,6 +1,7 @@
 """Everything that can be derived from a run's log, derived again."""
 
 from pathlib import Path
+from typing import cast
 
 from rig.experiment.metrics import (
     Metric,
@@ -9,6 +10,7 @@ from rig.experiment.metrics import (
     evaluation_from_json,
     facts_from_json,
 )
+from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.timing import summarise_timing
@@ -51,7 +53,7 @@ def write_report(path: str | Path) -> Path:
             folder.write_metrics(metrics)
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
-    names = folder.read_json(EVALUATION).get("figures") or None
+    names = cast("list[str] | None", folder.read_json(EVALUATION).get("figures") or None)
     figures = [figure for figure in draw_figures(folder.path, names) if figure.suffix == ".png"]
     return write_html(folder, figures, problems)
 
@@ -73,7 +75,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     problems: list[str] = []
     for name, spec in specs.items():
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts, content.get("mechanism"))
+            metrics += evaluate(log, segments, {name: spec}, facts, mechanism_of(folder))
         except MetricError as error:
             problems.append(str(error))
     return metrics, problems

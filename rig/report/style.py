@@ -1,17 +1,18 @@
-"""How figures look: sized for a two-column paper, readable in print and by the colour-blind."""
+"""The style of figures: sized for a two-column paper, readable in print and by the colour-blind."""
 
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rig.run_folder import RunFolderError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.typing import RcKeyType
 
     from rig.hal.motion import Segment
 
@@ -28,7 +29,7 @@ INK = "#222222"
 GREY = "#8a8a8a"
 SHADE = "#eef2f6"
 
-_RC = {
+_RC: "dict[RcKeyType, object]" = {
     # Fonts that come with matplotlib, so that a figure looks the same on every machine.
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
@@ -77,8 +78,7 @@ def paper_style() -> Iterator[None]:
     """Draw and save figures in the house style."""
     import matplotlib as mpl
 
-    settings: Any = _RC  # matplotlib's stubs want each key as a literal
-    with mpl.rc_context(settings):
+    with mpl.rc_context(_RC):
         yield
 
 

@@ -1,6 +1,6 @@
-"""Where the time of the cycles went."""
+"""Summarise the times of the cycle's stages."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -15,6 +15,45 @@ WORST = 10
 """How many of the longest cycles are listed."""
 
 
+class Spread(TypedDict):
+    """The distribution of a time over the cycles, s."""
+
+    p50: float
+    p99: float
+    max: float
+
+
+class StageTime(Spread):
+    """The distribution of one stage's time, and its share of all work."""
+
+    share: float
+
+
+class LongCycle(TypedDict):
+    """One of the longest cycles; times in s."""
+
+    cycle: int
+    t: float
+    work: float
+    lateness: float
+    blame: str
+
+
+class TimingSummary(TypedDict, total=False):
+    """The content of ``timing.json``; ``took`` (s) and ``speed`` are of the run as a whole."""
+
+    period: float
+    cycles: int
+    missed: int
+    overruns: int
+    work: Spread
+    lateness: Spread
+    stages: dict[str, StageTime]
+    worst: list[LongCycle]
+    took: float
+    speed: float
+
+
 def has_timing(log: "Log") -> bool:
     """Return whether the log holds the stages' times."""
     return len(log.t) > 0 and all(
@@ -27,12 +66,12 @@ def stage_times(log: "Log") -> "NDArray[np.float64]":
     return np.column_stack([log.column(f"timing.{stage}") for stage in STAGES])
 
 
-def summarise_timing(log: "Log") -> dict[str, Any]:
+def summarise_timing(log: "Log") -> TimingSummary:
     """Summarise a run's timing for ``timing.json``; ``{}`` if the log has none.
 
     Returns
     -------
-    dict
+    TimingSummary
         ``period`` (s), ``cycles``, ``missed`` ticks, ``overruns`` (cycles with more work than a
         period), ``stages`` {name: p50, p99, max in s, share of all work}, ``work`` and
         ``lateness`` {p50, p99, max}, and ``worst``: the longest cycles, each with the stage
@@ -73,6 +112,6 @@ def summarise_timing(log: "Log") -> dict[str, Any]:
     }
 
 
-def _spread(values: "NDArray[np.float64]") -> dict[str, float]:
+def _spread(values: "NDArray[np.float64]") -> Spread:
     p50, p99 = np.percentile(values, [50.0, 99.0])
     return {"p50": float(p50), "p99": float(p99), "max": float(values.max())}

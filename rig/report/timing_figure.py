@@ -1,4 +1,4 @@
-"""What the cycle cost."""
+"""The figure of the cycle's times."""
 
 from typing import TYPE_CHECKING
 

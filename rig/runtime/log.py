@@ -1,4 +1,4 @@
-"""Reading the log of a run, finished or not."""
+"""Read the log of a run, finished or not."""
 
 import fcntl
 import os
@@ -123,7 +123,7 @@ def read_log(path: str | Path) -> Log:
 
 
 def is_locked(path: str | Path) -> bool:
-    """Return whether a living process holds the file (see `Recorder`); False if it is absent."""
+    """Return whether a living process holds the file (see `LogRecorder`); False if it is absent."""
     try:
         fd = os.open(path, os.O_RDONLY)
     except OSError:

@@ -1,7 +1,7 @@
-"""What an MCAP file has around its messages: header, schema and channel; index and footer.
+"""The records around the messages of an MCAP file: header, schema, channel; index, footer.
 
 The records are those of the `mcap` library; only their order is ours. Its `Writer` keeps its
-statistics to itself, so it would count none of the messages that `Recorder` packs by itself,
+statistics to itself, so it would count none of the messages that `LogRecorder` packs by itself,
 and the index of a finished log would call the log empty.
 """
 
@@ -10,9 +10,12 @@ import json
 import struct
 import zlib
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from rig.hal.columns import SCHEMA_NAME, Column, schema_text
+
+if TYPE_CHECKING:
+    from mcap.records import Channel, McapRecord, Schema
 
 TOPIC = "/cycle"
 CHANNEL_ID = 1
@@ -107,7 +110,7 @@ def decode_columns(channel_record: bytes) -> tuple[Column, ...] | None:
     return tuple(Column(*column) for column in json.loads(columns))
 
 
-def _schema(columns: Sequence[Column]) -> Any:
+def _schema(columns: Sequence[Column]) -> "Schema":
     from mcap.records import Schema
     from mcap.well_known import SchemaEncoding
 
@@ -115,7 +118,7 @@ def _schema(columns: Sequence[Column]) -> Any:
     return Schema(id=1, name=SCHEMA_NAME, encoding=SchemaEncoding.ROS2, data=data)
 
 
-def _channel(columns: Sequence[Column]) -> Any:
+def _channel(columns: Sequence[Column]) -> "Channel":
     from mcap.records import Channel
     from mcap.well_known import MessageEncoding
 
@@ -130,10 +133,10 @@ def _channel(columns: Sequence[Column]) -> Any:
     )
 
 
-def _encode(*records: Any) -> bytes:
+def _encode(*records: "McapRecord") -> bytes:
     from mcap.data_stream import RecordBuilder
 
-    builder: Any = RecordBuilder()
+    builder = RecordBuilder()
     for record in records:
         record.write(builder)
-    return bytes(builder.end())
+    return bytes(builder.end())  # type: ignore[no-untyped-call]  # mcap has types elsewhere

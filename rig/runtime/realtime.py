@@ -5,7 +5,7 @@ import gc
 import os
 import struct
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 _MCL_CURRENT = 1
 _MCL_FUTURE = 2
@@ -14,6 +14,7 @@ _DEFAULT_TIMER_SLACK = 50_000
 """Linux's default timer slack, ns: every sleep may end that much late."""
 _POWER_SAVING = "/dev/cpu_dma_latency"
 """While it is open, processors take no longer to wake from idle than was written to it, µs."""
+_LIBC = ctypes.CDLL(None, use_errno=True)
 
 
 @contextmanager
@@ -38,56 +39,66 @@ def real_time(priority: int, cpu: int | None = None) -> Iterator[list[str]]:
         Empty when all were taken.
     """
     refused: list[str] = []
-    libc = ctypes.CDLL(None, use_errno=True)
-    affinity = os.sched_getaffinity(0)
-    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
-    locked = False
-    awake = -1
-    try:
+    with ExitStack() as undo:
         if cpu is not None:
-            try:
-                os.sched_setaffinity(0, {cpu})
-            except OSError as error:
-                refused.append(f"The loop is not pinned to processor {cpu}: {error.strerror}.")
+            _pin(cpu, undo, refused)
         if priority:
-            try:
-                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
-            except OSError:
-                refused.append(
-                    "The loop runs without SCHED_FIFO: beside other work, single cycles may come "
-                    "several milliseconds late. `ulimit -r 99` (rtprio in "
-                    "/etc/security/limits.conf) or CAP_SYS_NICE permits it."
-                )
-            locked = libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
-            if not locked:
-                refused.append(
-                    "Memory is not locked: a page fault may delay a cycle. `ulimit -l unlimited` "
-                    "(memlock in /etc/security/limits.conf) permits it."
-                )
-            try:
-                awake = os.open(_POWER_SAVING, os.O_WRONLY | os.O_CLOEXEC)
-                os.write(awake, struct.pack("i", 0))
-            except OSError as error:
-                refused.append(
-                    "Processors may save power between cycles, and each cycle then comes some "
-                    f"10 µs later: {_POWER_SAVING}: {error.strerror}. Write permission on it "
-                    "(a udev rule) permits it."
-                )
-        libc.prctl(_PR_SET_TIMERSLACK, 1)
+            _take_fifo(priority, undo, refused)
+            _lock_memory(undo, refused)
+            _stay_awake(undo, refused)
+        _LIBC.prctl(_PR_SET_TIMERSLACK, 1)
+        undo.callback(_LIBC.prctl, _PR_SET_TIMERSLACK, _DEFAULT_TIMER_SLACK)
         if priority:  # a tenth of a second, which a simulated clock has no use for
             gc.collect()
         gc.freeze()
         gc.disable()
+        undo.callback(gc.unfreeze)
+        undo.callback(gc.enable)
         yield refused
-    finally:
-        gc.enable()
-        gc.unfreeze()
-        libc.prctl(_PR_SET_TIMERSLACK, _DEFAULT_TIMER_SLACK)
-        if awake >= 0:
-            os.close(awake)
-        if locked:
-            libc.munlockall()
-        if os.sched_getscheduler(0) != policy:
-            os.sched_setscheduler(0, policy, parameters)
-        if os.sched_getaffinity(0) != affinity:
-            os.sched_setaffinity(0, affinity)
+
+
+def _pin(cpu: int, undo: ExitStack, refused: list[str]) -> None:
+    before = os.sched_getaffinity(0)
+    try:
+        os.sched_setaffinity(0, {cpu})
+    except OSError as error:
+        refused.append(f"The loop is not pinned to processor {cpu}: {error.strerror}.")
+    else:
+        undo.callback(os.sched_setaffinity, 0, before)
+
+
+def _take_fifo(priority: int, undo: ExitStack, refused: list[str]) -> None:
+    policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
+    except OSError:
+        refused.append(
+            "The loop runs without SCHED_FIFO: beside other work, single cycles may come "
+            "several milliseconds late. `ulimit -r 99` (rtprio in "
+            "/etc/security/limits.conf) or CAP_SYS_NICE permits it."
+        )
+    else:
+        undo.callback(os.sched_setscheduler, 0, policy, parameters)
+
+
+def _lock_memory(undo: ExitStack, refused: list[str]) -> None:
+    if _LIBC.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0:
+        undo.callback(_LIBC.munlockall)
+        return
+    refused.append(
+        "Memory is not locked: a page fault may delay a cycle. `ulimit -l unlimited` "
+        "(memlock in /etc/security/limits.conf) permits it."
+    )
+
+
+def _stay_awake(undo: ExitStack, refused: list[str]) -> None:
+    try:
+        awake = os.open(_POWER_SAVING, os.O_WRONLY | os.O_CLOEXEC)
+        undo.callback(os.close, awake)
+        os.write(awake, struct.pack("i", 0))
+    except OSError as error:
+        refused.append(
+            "Processors may save power between cycles, and each cycle then comes some "
+            f"10 µs later: {_POWER_SAVING}: {error.strerror}. Write permission on it "
+            "(a udev rule) permits it."
+        )

@@ -42,7 +42,7 @@ class RecorderError(RigError):
         super().__init__(f"cannot write the log {path}: {error.strerror or error}")
 
 
-class Recorder:
+class LogRecorder:
     """Writes one row per cycle to an MCAP file with ROS 2 CDR messages.
 
     When `write` has returned, the row is the kernel's: killing the process (SIGKILL too) loses
@@ -56,7 +56,7 @@ class Recorder:
         A file that does not exist yet.
     columns : sequence of Column
         What a row holds. Columns of one group need not stand together in the row; they do in
-        the message, and so in `Recorder.columns`.
+        the message, and so in `LogRecorder.columns`.
     wall_clock_ns : int, optional
         Wall-clock time of the first row, ns since the epoch; default: when it is written.
 
@@ -174,7 +174,7 @@ class Recorder:
             os.close(self._fd)
             self._fd = -1
 
-    def __enter__(self) -> "Recorder":
+    def __enter__(self) -> "LogRecorder":
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -7,7 +7,7 @@ from rig.hal import RigError
 
 
 class RigState(StrEnum):
-    """Where a rig is in its life."""
+    """The state of a rig."""
 
     DISCONNECTED = "disconnected"
     IDLE = "idle"

@@ -9,7 +9,7 @@ from rig.mechanisms.cylinder.references import Sine, SineTone
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
@@ -64,7 +64,7 @@ def run(rig, log, seconds, *, clock=None):
     )
     motion = Sine(AMPLITUDE, (SineTone(frequency_of(seconds), PERIODS),))
     events = []
-    with Recorder(log, columns_of(rig)) as recorder:
+    with LogRecorder(log, columns_of(rig)) as recorder:
         start = clock.now()
         outcome = loop.run(
             motion,

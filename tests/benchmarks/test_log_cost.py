@@ -7,7 +7,7 @@ from statistics import median
 import pytest
 
 from rig.hal.columns import Column, schema_text
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 
 WIDTH = 35
 ROWS = 2000
@@ -29,7 +29,7 @@ def test_log_cost(tmp_path, table):
         if number:  # the first warms up
             ours.append(spent)
             theirs.append(stock)
-    table(what="Recorder.write", us=1e6 * median(ours), bound_us=1e6 * BOUND)
+    table(what="LogRecorder.write", us=1e6 * median(ours), bound_us=1e6 * BOUND)
     table(what="mcap Writer.add_message and flush", us=1e6 * median(theirs))
     table(what="ratio", ratio=median(ours) / median(theirs), bound=BOUND_RATIO)
     assert median(ours) <= BOUND_RATIO * median(theirs)
@@ -39,7 +39,7 @@ def test_log_cost(tmp_path, table):
 
 def record(path, columns, rows):
     """Return the CPU time of a row, s."""
-    with Recorder(path, columns, wall_clock_ns=0) as recorder:
+    with LogRecorder(path, columns, wall_clock_ns=0) as recorder:
         began = time.process_time()
         for cycle, row in enumerate(rows):
             recorder.write(cycle, cycle * PERIOD, row)

@@ -11,7 +11,7 @@ import pytest
 from rig.cli import invoke
 from rig.hal.columns import Column
 from rig.run_folder import RunFolder, RunStatus
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -19,7 +19,7 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 def make_run(out, name="sine", status=RunStatus.OK, metrics=()):
     """Make a run folder with a log of three cycles; no status: its process died."""
     folder = RunFolder.create(out, name, "virtual", inputs={"profile.yaml": "name: x\n"})
-    recorder = Recorder(folder.log_path, [Column("reading.position", "m", "position")])
+    recorder = LogRecorder(folder.log_path, [Column("reading.position", "m", "position")])
     for cycle in range(3):
         recorder.write(cycle, cycle * 0.5, (cycle * 0.25,))
     recorder.close()

@@ -19,7 +19,7 @@ from rig.experiment.run import Watcher, run_experiment
 from rig.report.regenerate import write_report
 from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SHORT = [
@@ -116,13 +116,13 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
 
 def record_until_killed(out, acknowledged):
     """Run in a child, counting every cycle whose recording was acknowledged."""
-    write = Recorder.write
+    write = LogRecorder.write
 
     def counting(self, cycle, t, row):
         write(self, cycle, t, row)
         acknowledged.value += 1
 
-    Recorder.write = counting
+    LogRecorder.write = counting
     run_experiment(plan(), Backend.VIRTUAL, out, report=False)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from rig.experiment.metrics import facts_from_json
 from rig.hal.motion import Fact
 from rig.mechanisms.arm.figures import JOINTS, geometry_of, mark_region
-from rig.report.comparison import Comparison, Row, write_value
+from rig.report.comparison import Comparison, ComparisonRow, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
@@ -77,7 +77,7 @@ class _Cost(NamedTuple):
     linear: bool = False
 
 
-def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[Row]:
+def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[ComparisonRow]:
     """Return the table: facts of the commanded motion, what is measured, and how each law ends."""
     del labels
     facts = [_facts(run) for run in runs]
@@ -232,7 +232,7 @@ def _closest(
     return cost, [known[name].value for known in facts]
 
 
-def _as_row(name: str, unit: str, values: Sequence[object]) -> Row:
+def _as_row(name: str, unit: str, values: Sequence[float | str | None]) -> ComparisonRow:
     return {"name": name, "unit": unit, "bound": None, "bound_kind": None, "values": list(values)}
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.hal.motion import Segment
-from rig.report.comparison import Comparison, Row, color_of, metric_values, write_value
+from rig.report.comparison import Comparison, color_of, metric_values, write_value
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
+
+    from rig.run_folder import MetricRow
 
     Array = NDArray[np.float64]
 
@@ -69,9 +71,10 @@ def _draw_errors(axes: "Axes", runs: Sequence[RunData]) -> None:
             if np.isfinite(value):
                 write_value(axes, f"{value:.3g}", value, row)
     for row, metric in enumerate(metrics):
-        if metric.get("bound") is not None and metric.get("bound_kind") == "max":
+        bound = metric.get("bound")
+        if bound is not None and metric.get("bound_kind") == "max":
             axes.vlines(
-                1e3 * metric["bound"], row - 0.46, row + 0.46,
+                1e3 * bound, row - 0.46, row + 0.46,
                 color=INK, lw=0.9, ls=(0, (3, 1.5)),
             )  # fmt: skip
     axes.set_xscale("log")
@@ -99,7 +102,7 @@ def _parts(run: RunData) -> list[Segment]:
     return [s for s in run.segments if s.name != "all" and not s.name.endswith("last lap")]
 
 
-def _errors(run: RunData) -> list[Row]:
+def _errors(run: RunData) -> "list[MetricRow]":
     """Return the metrics of what was measured, not of what was known beforehand."""
     return [metric for metric in run.metrics if metric.get("measure") in _SHOWN]
 

@@ -40,8 +40,9 @@ def test_a_ring_that_slides_on_shares_its_friction_by_its_direction():
         force = friction.update((0.03, -0.04), (50.0, 150.0))
     assert force == pytest.approx((20.0 * 0.6 + 10.0, -20.0 * 0.8 - 30.0), rel=1e-3)
     friction.reset()
-    first = friction.update((40e-6 / 1e-3, 0.0), (50.0, 150.0))
-    assert first == pytest.approx((20.0 * 0.5 + 10.0 * 0.5, 0.0))
+    for rested in (friction, BallFriction(0.1, 0.2, 40e-6, 1e-3)):
+        first = rested.update((40e-6 / 1e-3, 0.0), (50.0, 150.0))
+        assert first == pytest.approx((20.0 * 0.5 + 10.0 * 0.5, 0.0))
 
 
 @pytest.mark.parametrize("speed", [-0.02, -4e-3, 0.0, 4e-3, 0.02])

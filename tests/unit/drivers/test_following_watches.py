@@ -62,6 +62,8 @@ def test_what_is_expected_lags_behind_the_setpoint():
     at_once = regulator(response=0.0)
     at_once.check(200e3, 200e3, 1.5)
     assert at_once.expected == 200e3
+    at_once.check(0.0, 200e3, 1.5)  # no time has passed
+    assert at_once.expected == 200e3
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -78,6 +80,17 @@ def test_half_of_the_deviation_is_enough_for_a_doubt(sign):
     )
     watch.reset(START, 3.0)
     assert watch.doubt() is None
+
+
+def test_a_watch_that_has_seen_nothing_doubts_nothing():
+    watch = PressureFollowing("valves", 0x11, "ch2", FollowingSettings(1.0, TIME, RESPONSE))
+    assert (watch.doubt(), watch.expected) == (None, 0.0)
+    watch.check(0.0, 9.0, TIME)  # it has been well since 0
+    watch.reset(START, 1.0)
+    assert watch.doubt() is None
+    fresh = AngleFollowing(WINDOW, TIME)
+    assert (fresh.reference, fresh.error) == (0.0, 0.0)
+    assert fresh.exceeds(1.0, TIME) == 0.0 < fresh.exceeds(1.0, 2.0 * TIME)
 
 
 # Joints on servo drives --------------------------------------------------------------------

@@ -193,16 +193,26 @@ def test_the_ring_may_be_twisted_by_the_limit_for_ever(sign):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_ring_twisted_from_the_start_has_its_time_as_well(sign):
+    watch = new_watch()
+    twist = sign * (TWIST.limit + TINY)
+    watch.check_twist(twist, 1.0)  # the first one counts as straight
+    watch.check_twist(twist, 1.0 + TWIST.time)
+    with pytest.raises(SafetyError):
+        watch.check_twist(twist, 1.0 + TWIST.time + TINY)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_ring_twisted_further_has_its_time_and_not_more(sign):
     watch = new_watch()
     twist = sign * (TWIST.limit + TINY)
-    for _ in range(3):
-        watch.check_twist(twist, 1.0)  # the first one counts as straight
-        watch.check_twist(twist, 1.0 + TWIST.time)
-        watch.check_twist(sign * TWIST.limit, 1.0)
-    watch.check_twist(twist, 1.0 + TWIST.time)
+    for t in (1.0, 2.0, 3.0):
+        watch.check_twist(sign * TWIST.limit, t)
+        watch.check_twist(twist, t + TWIST.time)
+    watch.check_twist(0.0, 4.0)
+    watch.check_twist(twist, 4.0 + TWIST.time)
     with pytest.raises(SafetyError) as caught:
-        watch.check_twist(twist, 1.0 + TWIST.time + TINY)
+        watch.check_twist(twist, 4.0 + TWIST.time + TINY)
     assert str(caught.value) == (
         "camera: the ring is twisted, or the marker is mounted so [twist "
         f"{'+' if sign > 0 else '-'}14.3 deg for 0.063 s, at most 14.3239 deg either way for "

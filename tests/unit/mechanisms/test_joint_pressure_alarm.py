@@ -154,6 +154,19 @@ def test_a_healthy_regulator_is_of_second_order(model):
             follow(response, other, 2.5e3)
 
 
+def test_a_pressure_stays_where_it_was_when_it_was_last_well():
+    """All rise by 100 kPa; on the way down one stays up."""
+    bench = Bench()
+    with pytest.raises(SafetyError, match="ch2 is stuck closed: its pressure stays"):
+        for cycle in range(800):
+            bench.watch.send((START + 100e3 if cycle < 400 else START,) * 4)
+            turns = 40.0 * STEP * (cycle % 400 + 1)
+            share = 1.0 - math.exp(-turns) * (1.0 + turns)
+            up = 100e3 * (share if cycle < 400 else 1.0 - share)
+            bench.pass_by(1, ch1=up, ch2=max(up, 100e3 * (cycle > 400)), ch3=up, ch4=up)
+    assert 400 < cycle < 500
+
+
 def test_time_that_stands_still_or_goes_back_starts_anew():
     for step in (0.0, -1.0):
         bench = Bench()

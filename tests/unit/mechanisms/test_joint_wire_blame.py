@@ -54,6 +54,15 @@ def test_another_rod_is_suspected_if_it_explains_more_than_half():
     assert blame(FAR, off(FAR, 3, -2e-3)).startswith("the wire of ch1 or the wire of ch3 is caught")
 
 
+@pytest.mark.parametrize(("tilt", "alike"), [(0.72, True), (0.76, False)])
+def test_more_than_half_is_half_of_the_residual_over_two_lengths(tilt, alike):
+    """The other rod would leave 0.487 and 0.511 of it."""
+    rods = rods_at(tilt, 0.4)
+    said = blame(rods, off(rods, 4, -2e-3))
+    assert said.startswith("the wire of ch2 or the wire of ch4 is caught") is alike
+    assert said.startswith("the wire of ch4 is caught") is not alike
+
+
 def test_two_wrong_rods_are_explained_by_none():
     wrong = off(off(TILTED, 1, 2e-3), 2, 2e-3)
     assert blame(TILTED, wrong) == "more than one wire is slack, or the ring is twisted"
@@ -81,8 +90,21 @@ def test_of_two_suspects_the_one_that_ran_twice_as_fast_let_go(number, times, cl
 def test_the_rod_that_ran_is_blamed_even_if_another_fits_better():
     wrong = off(TILTED, 1, 2e-3)
     faster = off(TILTED, 3, 5e-3)
-    said = blame(TILTED, faster, TILTED, wrong, wrong, pressures=(0.0,) * 4)
+    history = (TILTED, faster, TILTED, wrong, wrong)
+    weak = (BASE, BASE, 0.0, BASE)
+    said = blame(*history, pressures=weak)
     assert said == "the wire of ch3 is slack or cut, by 1.96 mm"  # as far as ch3 would be off
+    weak = (0.0, BASE, BASE, BASE)
+    assert blame(*history, pressures=weak).startswith("the anchor of ch3 has slipped")
+
+
+def test_a_run_is_fast_by_its_time_and_not_by_its_way():
+    bench = WireBench(grace=math.inf)
+    wrong = off(TILTED, 1, 2e-3)
+    for rods, steps in ((TILTED, 1), (off(TILTED, 3, 3e-3), 8), (TILTED, 1), (wrong, 1)):
+        bench.check(rods, steps=steps)
+    said = bench.watch._explain(wrong, wrong, (BASE,) * 4, bench.now)
+    assert said.startswith("the wire of ch1 is slack or cut")
 
 
 @pytest.mark.parametrize(("cycles", "blamed"), [(512, 3), (513, 1)])

@@ -15,7 +15,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from rig.hal.columns import Column, schema_text
 from rig.runtime.log import LogError, is_locked, read_log
-from rig.runtime.recorder import Recorder, RecorderError
+from rig.runtime.recorder import LogRecorder, RecorderError
 
 COLUMNS = (
     Column("phase", "", "0 approach, 1 run, 2 stop"),
@@ -30,8 +30,8 @@ def row(k: int) -> tuple[float, ...]:
     return (1.0, 1e-3 * math.sin(k), 1.2e5 + k, -0.25 * k)
 
 
-def record(path: Path, n: int, close: bool = True) -> Recorder:
-    recorder = Recorder(path, COLUMNS, WALL_CLOCK)
+def record(path: Path, n: int, close: bool = True) -> LogRecorder:
+    recorder = LogRecorder(path, COLUMNS, WALL_CLOCK)
     for k in range(n):
         recorder.write(k, 10.0 + k * 0.002, row(k))
     if close:
@@ -135,7 +135,7 @@ def test_log_torn_in_its_ending(tmp_path: Path) -> None:
 
 def test_log_torn_before_its_columns(tmp_path: Path) -> None:
     path = tmp_path / "log.mcap"
-    recorder = Recorder(path, COLUMNS)
+    recorder = LogRecorder(path, COLUMNS)
     content = path.read_bytes()
     recorder.close()
     for size in range(len(content)):
@@ -168,7 +168,7 @@ def test_kill_loses_no_acknowledged_cycle(tmp_path: Path) -> None:
         child = os.fork()
         if child == 0:  # pragma: no cover
             try:
-                recorder = Recorder(path, COLUMNS)
+                recorder = LogRecorder(path, COLUMNS)
                 for k in range(10_000_000):
                     recorder.write(k, k * 1e-3, row(k))
                     os.write(tell, struct.pack("<I", k + 1))
@@ -197,7 +197,7 @@ def test_kill_loses_no_acknowledged_cycle(tmp_path: Path) -> None:
 def test_file_is_locked_while_open(tmp_path: Path) -> None:
     path = tmp_path / "log.mcap"
     assert not is_locked(path)
-    recorder = Recorder(path, COLUMNS)
+    recorder = LogRecorder(path, COLUMNS)
     assert is_locked(path)
     recorder.close()
     recorder.close()
@@ -218,7 +218,7 @@ def test_full_disk_is_named_and_leaves_a_good_log(tmp_path: Path) -> None:
         code = 1
         try:
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            recorder = Recorder(path, COLUMNS)
+            recorder = LogRecorder(path, COLUMNS)
             limit = path.stat().st_size + 20 * recorder._record.size + 17
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
             try:
@@ -259,7 +259,7 @@ def test_full_device_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -
 
 def test_short_writes_are_completed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     path = tmp_path / "log.mcap"
-    recorder = Recorder(path, COLUMNS, WALL_CLOCK)
+    recorder = LogRecorder(path, COLUMNS, WALL_CLOCK)
     write = os.write
     monkeypatch.setattr(os, "write", lambda fd, data: write(fd, bytes(data)[:11]))
     for k in range(4):
@@ -274,13 +274,13 @@ def test_short_writes_are_completed(monkeypatch: pytest.MonkeyPatch, tmp_path: P
 def test_existing_or_unwritable_path_is_refused(tmp_path: Path) -> None:
     record(tmp_path / "log.mcap", 1)
     with pytest.raises(RecorderError, match=r"log\.mcap: File exists"):
-        Recorder(tmp_path / "log.mcap", COLUMNS)
+        LogRecorder(tmp_path / "log.mcap", COLUMNS)
     with pytest.raises(RecorderError, match=r"absent/log\.mcap: No such file"):
-        Recorder(tmp_path / "absent" / "log.mcap", COLUMNS)
+        LogRecorder(tmp_path / "absent" / "log.mcap", COLUMNS)
 
 
 def test_row_of_another_length_is_refused(tmp_path: Path) -> None:
-    with Recorder(tmp_path / "log.mcap", COLUMNS) as recorder:
+    with LogRecorder(tmp_path / "log.mcap", COLUMNS) as recorder:
         with pytest.raises(ValueError, match="2 numbers for 4"):
             recorder.write(0, 0.0, (1.0, 2.0))
         recorder.write(0, 0.0, row(0))
@@ -290,7 +290,7 @@ def test_row_of_another_length_is_refused(tmp_path: Path) -> None:
 def test_columns_of_a_group_are_brought_together(tmp_path: Path) -> None:
     names = ["reference.time", "phase", "reading.x", "reference.x", "reading.y"]
     path = tmp_path / "log.mcap"
-    with Recorder(path, [Column(name, "m", "") for name in names]) as recorder:
+    with LogRecorder(path, [Column(name, "m", "") for name in names]) as recorder:
         recorder.write(0, 0.0, (0.0, 1.0, 2.0, 3.0, 4.0))
         recorder.write(1, 0.1, [10.0, 11.0, 12.0, 13.0, 14.0])
     log = read_log(path)

@@ -13,7 +13,7 @@ from rig.hal.motion import Segment
 from rig.report.timing import summarise_timing
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.log import read_log
-from rig.runtime.recorder import Recorder
+from rig.runtime.recorder import LogRecorder
 
 PERIOD = 0.002
 _UNITS = {
@@ -82,7 +82,7 @@ def make_run(tmp_path: Path) -> MakeRun:
             now=datetime(2026, 11, 21, 3, 45, 12, tzinfo=UTC),
         )
         rows, segments = sine_rows(duration, error)
-        recorder = Recorder(folder.log_path, COLUMNS, 1_795_000_000_000_000_000)
+        recorder = LogRecorder(folder.log_path, COLUMNS, 1_795_000_000_000_000_000)
         for k, row in enumerate(rows.tolist()):
             recorder.write(k, k * PERIOD, row)
         folder.record_event(0.0, "state", "idle → running")

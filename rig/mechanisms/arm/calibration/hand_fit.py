@@ -48,7 +48,7 @@ _CLEARLY: Final = 3.0
 
 
 class HandFit(NamedTuple):
-    """What the hand's positions say.
+    """Zeros and lengths of an arm, fitted to positions of its hand.
 
     Parameters
     ----------
@@ -261,14 +261,14 @@ def find_directions(
         )
     fits.sort(key=lambda entry: entry[0])
     left, best, found = fits[0]
-    # Which way q1 turns is told even where its zero is not: how the instrument stands may hide a
-    # constant angle, not a motion.
+    # The direction of q1 shows even where its zero does not: the instrument's own placing may hide
+    # a constant angle, not a motion.
     design = jacobian(parameters, found.values, np.array(best) * readings, sign)
-    told = np.sqrt(np.mean(np.sum(design[:, :, : len(JOINTS)] ** 2, axis=1), axis=0)) > accuracy
+    shows = np.sqrt(np.mean(np.sum(design[:, :, : len(JOINTS)] ** 2, axis=1), axis=0)) > accuracy
     # What moves the marker less than it is measured turns as the profile says.
-    best = tuple(d if told[j] else 1.0 for j, d in enumerate(best))
+    best = tuple(d if shows[j] else 1.0 for j, d in enumerate(best))
     for other_left, other, _ in fits[1:]:
-        unlike = [j for j in range(len(JOINTS)) if best[j] != other[j] and told[j]]
+        unlike = [j for j in range(len(JOINTS)) if best[j] != other[j] and shows[j]]
         if unlike and other_left < _CLEARLY * left:
             names = ", ".join(JOINTS[j] for j in unlike)
             raise CalibrationRefused(

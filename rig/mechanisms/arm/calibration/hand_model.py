@@ -1,10 +1,12 @@
 """Where a marker on the hand is, for many poses at once and with every dimension as a variable."""
 
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
+from controllers.arm.geometry import ArmGeometry
 from rig.calibration.arrays import Array
+from rig.mechanisms.arm.settings import HandMetrology
 
 JOINTS: Final = ("q1", "q2", "q3", "q4", "q5", "q6")
 LENGTHS: Final = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset")
@@ -45,7 +47,7 @@ class Parameter(NamedTuple):
         return f"the {self.name}" if self.name in MARKER else self.name
 
 
-def parameters_of(geometry: Any, metrology: Any) -> tuple[Parameter, ...]:
+def parameters_of(geometry: ArmGeometry, metrology: HandMetrology) -> tuple[Parameter, ...]:
     """Return the parameters of an arm that is measured with an instrument.
 
     Parameters

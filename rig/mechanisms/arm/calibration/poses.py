@@ -2,7 +2,7 @@
 
 import functools
 import math
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of, link_points, singularity_indices
 from rig.mechanisms.arm.calibration.hand_fit import find_unseen, jacobian
 from rig.mechanisms.arm.calibration.hand_model import parameters_of
+from rig.mechanisms.arm.settings import HandMetrology
 
 Pose = tuple[float, ...]
 
@@ -49,7 +50,7 @@ def near_poses() -> tuple[tuple[str, Pose], ...]:
 
 
 @functools.lru_cache(maxsize=8)
-def wide_poses(geometry: ArmGeometry, metrology: Any) -> tuple[tuple[str, Pose], ...]:
+def wide_poses(geometry: ArmGeometry, metrology: HandMetrology) -> tuple[tuple[str, Pose], ...]:
     """Return poses that determine zeros and lengths best, in an order that is clear to go.
 
     From candidates within the limits, clear of singularities and of the arm itself, the next is

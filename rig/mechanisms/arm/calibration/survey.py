@@ -1,7 +1,7 @@
 """An arm that is measured by its hand: what both of its procedures have in common."""
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -119,7 +119,7 @@ def drive_findings(
     found = []
     for number, device in enumerate(devices_of(profile)):
         joints = profile.devices[device].settings.joints
-        values: dict[str, Any] = {}
+        values: dict[str, object] = {}
         estimates: list[Estimate] = []
         for k, name in enumerate(JOINTS):
             if name not in joints or (not fit.seen[k] and directions[k] > 0.0):
@@ -170,7 +170,7 @@ def panels_of(profile: Profile, fit: HandFit, joints: Array, hand: Array) -> lis
 def _finding(
     profile: Profile,
     target: str,
-    values: dict[str, Any],
+    values: Mapping[str, object],
     estimates: Sequence[Estimate],
     fit: HandFit,
     panels: Sequence[Panel],

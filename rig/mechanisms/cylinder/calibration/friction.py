@@ -1,25 +1,25 @@
 """Friction of a pair: breakaway, Coulomb, viscous and Stribeck, from glides.
 
 In each glide (`rig.mechanisms.cylinder.calibration.glides`) the force of the chambers rises until
-the pair breaks away, and the pair then slides ever more slowly until it sticks. While it slides,
+the pair breaks away. The pair then slides ever more slowly until it sticks. While it slides,
 
     f = c_0 + (F_c + D (T - T_0) + F_s exp(-(v / v_s)^2)) sgn v + B v + M a,
 
-T being the sum of the two tensions, T_0 that at base pressure; the mean pressure differs from glide
-to glide, so that D, what grows with it, is no part of the rest. The greatest force before the pair
-moves, its breakaway, is taken as the same with v = 0, F_c + F_s.
+T being the sum of the two tensions and T_0 that at base pressure. The mean pressure differs from
+glide to glide, which separates D, the growth with it, from the rest. The greatest force before the
+pair moves, its breakaway, is taken as the same with v = 0: F_c + F_s.
 
-Steady sliding does not exist at all speeds. Where friction falls with the speed by more than the
-viscous part of the same seals grows, a pair runs away from any speed within a millisecond, which
-no regulator can hold; for standard seals this is below 1.7 v_s. What is left of the effect above
-is a few hundredths of F_s. By itself that tells v_s to 3 to 10 %; with F_s from the breakaway it
-tells more, if seals have the shape that is written above. But breakaway and F_c + F_s are not quite
-the same: bristles that still bend, and slide a little as they do, let the pair go too soon, and the
-chambers gain force until it is seen to move. Under 20 N/s either is 1 to 1.5 % at most, as the
-force shows between a creep of 2 mm/s and 5 mm/s, and they oppose each other. Each is taken to lie
-anywhere between nothing and 1.5 % of the breakaway, and so enters the interval of v_s beside what
-the glides' scatter says (a type B evaluation; the interval is that of drawn sums). Where the pair
-slides on without its friction turning up, v_s is not told.
+**The Stribeck velocity** v_s shows little in sliding. Where friction falls with the speed faster
+than viscous friction grows, a pair runs away within a millisecond, which no regulator can hold.
+For standard seals this is below 1.7 v_s, where a few hundredths of F_s are left: they give v_s to
+3 to 10 %. With F_s from the breakaway it is better known, if seals have the shape above. Where
+friction does not turn up before the pair sticks, v_s is not estimated.
+
+**Breakaway and F_c + F_s** are not quite the same. Bristles that slide a little while they bend
+let the pair go too soon; and the force still rises until the pair is seen to move. Under 20 N/s
+either is 1 to 1.5 % at most, by the force between a creep of 2 mm/s and 5 mm/s, and they oppose
+each other. Each is taken to lie anywhere between nothing and 1.5 % of the breakaway (a type B
+evaluation). So it enters the interval of v_s, beside the glides' scatter.
 
 Each glide is a block of its own: its samples depend on each other, and the intervals are robust
 against that.
@@ -62,8 +62,8 @@ caught: seals need tens of micrometres to settle on a new speed's friction, 1/s.
 
 _THIN: Final = 14
 _LEAST_ROWS: Final = 10
-_TOLD: Final = 0.4
-"""A Stribeck velocity is told if its interval is no wider than this share of it either way."""
+_CLEAR: Final = 0.4
+"""A Stribeck velocity is used if its interval is no wider than this share of it either way."""
 
 _APART: Final = 0.015
 """By this share of it at most a pair is let go too soon, or seen to move too late."""
@@ -115,7 +115,7 @@ class PairFriction(Procedure[Recording]):
         glides = _glides(profile)
         data.require(segment.name for segment in glides.segments)
         rows = _rows(PairPneumatics(profile), data, glides)
-        found, told, notes = _fit(profile, rows)
+        found, stribeck, notes = _fit(profile, rows)
         growth = [0.0] * len(found.values)
         growth[0] = growth[4] = 1.0
         breakaway = float(found.values[0] + found.values[4])
@@ -130,9 +130,9 @@ class PairFriction(Procedure[Recording]):
             "breakaway": quantity(max(breakaway, coulomb), "N"),
             "viscous": quantity(viscous, "N s/m"),
         }
-        if told is not None:
-            estimates.append(told)
-            values["stribeck_velocity"] = quantity(told.value, "m/s")
+        if stribeck is not None:
+            estimates.append(stribeck)
+            values["stribeck_velocity"] = quantity(stribeck.value, "m/s")
         return (
             Finding(
                 profile.mechanism, {"friction": values}, estimates, found.residuals, "N", _BOUND,
@@ -207,16 +207,16 @@ def _model(rows: _Glides, q: Array, speed: float) -> Array:
 
 
 def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[str]]:
-    """Fit everything, or all but the Stribeck velocity if it is not told.
+    """Fit everything, or all but the Stribeck velocity if it does not show.
 
     Returns
     -------
     found : Fit
-        Coulomb, viscous, mass, growth, Stribeck force, zero and, if it is told, Stribeck velocity.
-    told : Estimate or None
+        Coulomb, viscous, mass, growth, Stribeck force, zero and, if it shows, Stribeck velocity.
+    stribeck : Estimate or None
         The Stribeck velocity.
     notes : list of str
-        Why it is not told.
+        Why it does not show.
     """
     settings = profile.mechanism_settings
     believed = settings.friction
@@ -234,11 +234,11 @@ def _fit(profile: Profile, rows: _Glides) -> tuple[Fit, Estimate | None, list[st
         found = fit(
             lambda q: _left(rows, q), [*start, usual], [*scale, 1e-3], groups=rows.glide
         )  # fmt: skip
-        told = _stribeck(rows, found, [*scale, 1e-3])
-        if told.value > 0.0 and told.high - told.low < 2.0 * _TOLD * told.value:
-            return found, told, []
+        speed = _stribeck(rows, found, [*scale, 1e-3])
+        if speed.value > 0.0 and speed.high - speed.low < 2.0 * _CLEAR * speed.value:
+            return found, speed, []
     except ValueError:
-        pass  # it is refused below if it is more than the one parameter that nothing tells
+        pass  # it is refused below if that is not the one parameter that does not show
     found = fit_or_refuse("the friction", without, start, scale, rows.glide)
     slowest = float(rows.velocity[rows.velocity > 0.0].min())
     note = (
@@ -254,7 +254,7 @@ def _left(rows: _Glides, q: Array) -> Array:
 
 
 def _stribeck(rows: _Glides, found: Fit, scale: Sequence[float]) -> Estimate:
-    """Return the Stribeck velocity with what the breakaway leaves open."""
+    """Return the Stribeck velocity; its interval holds what the breakaway leaves open."""
     from scipy.optimize import least_squares
 
     breakaway = float(found.values[0] + found.values[4])

@@ -1,10 +1,10 @@
-"""Friction that is believed, along a recorded motion that leans between the pairs.
+"""Friction on a joint's ball, as it is believed to be, along a recorded motion.
 
-The ring slides in one seat. Its friction bears all four tensions and points against its angular
-velocity w; it is shared by the pairs as the force that takes K |w| of power, with |w| from how
-fast the ring's axis moves: the further the ring leans, the more it turns for a way of its wires.
-A wire loses what it bears times its coefficient times the angle by which it is wound, and that
-changes by half along a stroke.
+The model has two parts. The ring slides in its seat: its friction grows with all four tensions and
+opposes the ring's angular velocity w. It costs the power K |w|, and each pair gives a share of
+that power. Further from upright the axis turns more for the same way of the wires, so |w| comes
+from the axis and not from the wires. A wire loses its tension times its friction coefficient times
+the angle by which it is wound on the ball; that angle changes by half along a stroke.
 """
 
 import math
@@ -24,11 +24,11 @@ from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import Bump, SmoothSignals
 
 _POSE_EVERY = 10
-"""Samples between two poses of which it is worked out how far wires are wound."""
+"""Samples between two poses for which the axis and the wound angles are computed."""
 
 
 class Belief(NamedTuple):
-    """Friction of a joint as it is believed to be.
+    """Friction parameters of a joint.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Belief(NamedTuple):
     wound : float
         Angle by which a wire is wound with the ring upright, rad.
     seals : float
-        What of a pair's seals' friction grows with its tensions, over their sum.
+        Growth of a pair's seals' friction with the sum of its tensions.
     usual : float
         That sum at base pressure, N.
     """
@@ -58,26 +58,26 @@ class Belief(NamedTuple):
 
     @property
     def shared(self) -> float:
-        """Friction on the ball over a pair's tensions with the ring upright.
+        """Friction on the ball over a pair's tensions, both pairs moving and the ring upright.
 
-        Both pairs bear and move as much. What the wires lose the ring does not bear.
+        The tension that the wires lose does not load the ring.
         """
         ring, wires = math.sqrt(2.0) * self.ring, self.wound * self.wire
         return (ring + wires) / (1.0 + ring * wires)
 
     @property
     def alone(self) -> float:
-        """The same if both pairs bear as much and one moves alone."""
+        """The same with equal tensions in both pairs, of which one moves."""
         wires = self.wound * self.wire
         return (2.0 * self.ring + wires) / (1.0 + self.ring * wires)
 
     def with_ring(self, share: float) -> "Belief":
-        """Return the same friction on the ball with so much more of it the ring's.
+        """Return the same friction on the ball with a larger part of it the ring's.
 
         Parameters
         ----------
         share : float
-            By how much more, over what the ring has. Wires make up for it, if they can.
+            Increase of the ring's part, over that part; the wires' part shrinks as far as it can.
         """
         ring, both = (1.0 + share) * self.ring, self.shared
         wires = max((both - math.sqrt(2.0) * ring) / (1.0 - both * ring), 0.0)
@@ -91,7 +91,7 @@ class Belief(NamedTuple):
 
 
 def belief_of(profile: Profile) -> Belief:
-    """Return what the profile of a joint says: friction of seals that does not grow."""
+    """Return the profile's friction; there the seals' does not grow with the tensions."""
     settings = profile.mechanism_settings
     friction = settings.friction
     wound = 0.5 * math.pi - settings.geometry.ring_half_angle
@@ -141,13 +141,13 @@ def friction_on_ball(
         mine, speed = np.zeros_like(turning), pair.velocity
         for wire, sign in zip(wires, (1.0, -1.0), strict=True):
             angle = bump.mean(wound[:, wire])
-            # What the seals leave of a chamber's pull, or add to it, and then the ball.
+            # The seals' friction lies between chamber and wire, then the ball's.
             tension = bump.mean(pulls[:, wire])
             tension = tension - belief.seal(tension, pair.velocity) * sign * side
             on_wire = belief.wire * angle * tension
             bearing += tension - on_wire * sign * side
             mine += on_wire * side
-            # A wire whose tension falls gets shorter: the ring is faster than its rod.
+            # A wire shortens as its tension falls: the ring is then faster than the rod.
             speed = speed - 0.5 * sign * bump.rate(pulls[:, wire]) / settings.wire_stiffness
         speeds.append(speed)
         lost.append(mine)
@@ -157,10 +157,10 @@ def friction_on_ball(
 
 
 def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]) -> list[Array]:
-    """Return the speed of each pair that the viscous friction of its two rods amounts to, m/s.
+    """Return the speed at which a pair with equal rods has the same viscous friction, m/s.
 
-    Away from upright one rod of a pair goes faster than the other one, and what they lose grows
-    with the square of their speeds.
+    Away from upright one rod of a pair is faster than the other one, and the power lost grows with
+    the square of their speeds.
     """
     bump, rods = Bump(profile.loop.period), JointPneumatics(profile).rods(stretch)
     found = []
@@ -176,8 +176,8 @@ def sheared(profile: Profile, stretch: Stretch, signals: Sequence[SmoothSignals]
 def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> Array:
     """Return where the ring points in a stroke, shape (n, 3).
 
-    A controller knows how far wires stretch by what it believes of the friction on the ball. In
-    hindsight it follows from the pressures and from what the seals take of them.
+    The wires' stretch follows from the pressures less the seals' friction. While the motion runs,
+    the controller can only take it from its own belief of the friction.
     """
     places = _places(len(stretch["t"]))
     pulled_in, pull = _rods(profile, stretch, places)
@@ -187,14 +187,14 @@ def axis_of(profile: Profile, belief: Belief, stretch: Stretch) -> Array:
 
 
 def axis_with(profile: Profile, stretch: Stretch, taken: Array) -> Array:
-    """Return where the ring points, shape (n, 3), from what the seals take of each chamber's pull.
+    """Return where the ring points, shape (n, 3), for given friction of the rods' seals.
 
     Parameters
     ----------
     profile, stretch
         Of a joint, and what was recorded.
     taken : ndarray, shape (4,) or (m, 4)
-        By the seals of each rod, N: all along, or wherever a pose is worked out.
+        Friction of each rod's seals, N: constant, or at each pose.
     """
     settings = profile.mechanism_settings
     forward = ForwardKinematics(settings.geometry)
@@ -212,7 +212,7 @@ def _rods(profile: Profile, stretch: Stretch, places: Indices) -> tuple[Array, A
 
 
 def _places(count: int) -> Indices:
-    """Return where a pose is worked out, the last sample among them."""
+    """Return the samples whose pose is computed, the last one among them."""
     return np.unique(np.append(np.arange(0, count, _POSE_EVERY), count - 1))
 
 

@@ -1,14 +1,18 @@
-"""Breakaway of a joint's pairs from tugs (`rig.mechanisms.joint.calibration.tugs`).
+"""Breakaway force of a joint's pairs, from tugs (`rig.mechanisms.joint.calibration.tugs`).
 
-What is told is the greatest force that a pair alone takes, on average over the bump of 21 ms,
-before it moves: of its chambers, less what a ring that leans a little adds to it, at base pressure,
-in the mean of both ways, so that a zero of the monitors does not count. How far the wires stretch
-follows from what the seals take of the pulls, which is what a tug takes less what the ball does.
+The breakaway force is the greatest force of a pair's chambers before the pair moves, smoothed over
+21 ms. Three corrections make tugs comparable:
 
-A tug's tensions are some kPa off base pressure. What grows with them is told by the strokes, but
-not how ring and wires share it, nor what of it is the seals'. What these and the wires' stiffness
-may be otherwise than believed is part of the interval (a type B evaluation), beside the scatter of
-the tugs.
+- a ring that leans a little adds to the force: its part is taken off;
+- a tug's tensions are some kPa off base pressure: the friction that grows with them is taken off;
+- both ways are averaged, so that a zero error of the monitors cancels.
+
+How far the ring leans follows from the rods and from how far the wires stretch. A wire stretches
+by its chamber's pull less the seals' friction, which is a tug's force less the ball's friction.
+
+The strokes show what grows with the tensions, but not whether it is the ring's, the wires' or the
+seals'. That and the wires' stiffness are part of the interval (a type B evaluation), beside the
+scatter of the tugs.
 
 References
 ----------
@@ -37,14 +41,14 @@ _MOVING: Final = 5e-3
 """A pair that is faster has broken away, m/s."""
 
 _CREPT: Final = 0.15e-3
-"""Nearer to where it stood it has not, however fast noise makes it, m."""
+"""A pair that is nearer to where it stood has not: its speed is noise, m."""
 
 _BEFORE: Final = 0.1
-"""The greatest force comes at most so long before a pair is that fast, s."""
+"""The greatest force comes at most so long before that, s."""
 
 
 class Case(NamedTuple):
-    """What may be true of a joint, beside what a tug shows.
+    """One possibility for what no tug shows of a joint.
 
     Parameters
     ----------
@@ -53,7 +57,7 @@ class Case(NamedTuple):
     belief : Belief
         Its friction.
     bound : bool
-        Whether it lies anywhere as far off as that, rather than that being a standard deviation.
+        Whether it is the bound of equally likely cases, rather than a standard deviation off.
     """
 
     profile: Profile
@@ -62,16 +66,16 @@ class Case(NamedTuple):
 
 
 def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> Array:
-    """Return what each tug took, N, shape (m, n); NaN of a tug that did not move its pair.
+    """Return each tug's breakaway force, N, shape (m, n); NaN where the pair did not move.
 
     Parameters
     ----------
     cases : sequence of Case, length m
-        What a tug took is worked out for each.
+        The possibilities that it is computed for.
     recording : Recording
         The tugs' stretches.
     tugs : sequence of Tug, length n
-        What they were.
+        The tugs.
     """
     forces = np.full((len(cases), len(tugs)), np.nan)
     for k, tug in enumerate(tugs):
@@ -107,7 +111,7 @@ def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
     pairs = [bump.smooth(pair) for pair in pneumatics.signals(last, axis)]
     pull = tug.side * pairs[tug.pair].force
     k = int(np.argmax(pull))
-    # The ring bears all four wires, the pair's own friction grows with its two.
+    # The ring's friction grows with all four tensions, the pair's own with its two.
     four = sum(float(pair.load[k]) for pair in pairs) - 2.0 * usual
     own = float(pairs[tug.pair].load[k]) - usual
     grown = belief.ring * four + (belief.wound * belief.wire + belief.seals) * own
@@ -115,21 +119,21 @@ def _taken(profile: Profile, belief: Belief, last: Stretch, tug: Tug) -> float:
 
 
 class Breakaways:
-    """What tugs say of the pairs that they moved, by least squares.
+    """Least-squares means of the breakaway forces of pairs.
 
-    Tugs to either side differ by a zero of the monitors, those that differ in what was before by
-    what the contacts keep of it: neither counts in the mean, nor in how far tugs scatter. But what
-    swings leave that begin with a rise or with a fall need not be the same to either side of
-    nothing: nothing is taken to lie anywhere between the two.
+    The fit has a term for each known difference between tugs, so that it counts neither in the mean
+    nor as scatter: the side (a zero error of the monitors), the tug before (tension that contacts
+    keep), and whether the swing before began with a rise or a fall. The last one need not be
+    symmetrical about contacts that keep nothing. Those are taken to lie anywhere between the two.
 
     Parameters
     ----------
     tugs : sequence of Tug
-        What they were.
+        The tugs.
     forces : ndarray, shape (n,)
-        What they took, N; NaN of a tug that did not move its pair.
+        Their breakaway forces, N; NaN where the pair did not move.
     pairs : sequence of int
-        Which pairs are to be told.
+        The pairs that are estimated.
     """
 
     def __init__(self, tugs: Sequence[Tug], forces: Array, pairs: Sequence[int]) -> None:
@@ -146,7 +150,7 @@ class Breakaways:
         self._left = abs(float(found[len(self._kinds)])) / math.sqrt(3.0)
 
     def _row(self, tug: Tug) -> list[float]:
-        # Each of the last three adds up to nothing over a round's tugs of a kind.
+        # Each of the last three sums to zero over a round's tugs of a kind.
         kind = [float((tug.pair, tug.side) == kind) for kind in self._kinds]
         after = {SAME: (1.0, 0.0), BACK: (0.0, 1.0), OTHER: (-0.5, -0.5)}[tug.after]
         return [*kind, float(tug.swing), *after]
@@ -168,7 +172,7 @@ class Breakaways:
         cases : sequence of Case, length m
             What is believed, and what else may be true.
         forces : ndarray, shape (m, n)
-            What the tugs took in each case, N.
+            Breakaway forces in each case, N.
         """
         weights = self._weights(pair)
         value, *others = (float(weights @ row[self._mine]) for row in forces)

@@ -1,19 +1,18 @@
 """Place, orientation and latency of a joint's camera, from encoders and marker in motion.
 
-The geometry is estimated alongside, with the drawing's tolerances as what is known of it: a
-camera that explains a wrong geometry would be wrong itself. Only the camera is written. How far
-it is away counts in heights of the marker (no ray tells it): `geometry` measures that height.
+The geometry is fitted too, with the drawing's tolerances as priors: a camera that explains a wrong
+geometry would be wrong itself. Only the camera is written. Its distance is in proportion to the
+marker's height, since no ray shows it: `geometry` measures that height.
 
-Its latency counts against the encoders: by how much a frame comes later than its stamp says, if
-the encoders' stamps are right. On a bus their samples are as old as SYNC is under way, which is
-part of it, and what a controller that fuses both needs.
+The latency counts against the encoders' stamps: by how much a frame is later than its own. On a
+bus encoder samples are as old as SYNC is under way. That is part of the latency, as a controller
+that fuses both needs it.
 
-Friction holds a rod back as a late camera does. Coulomb friction does not grow with speed and is
-found from the motion; viscous friction does, in proportion, as lateness does: 25 N s/m at a wire of
-80 N/mm are 0.31 ms, and no motion tells the two apart. How much more friction is at rest than in
-motion the slow rods would tell, if seals that stick and slip kept to any law. So both are what the
-profile says, and what they may be off (`joint.tolerance.friction`) makes nearly all of the
-latency's interval.
+Friction holds a rod back as a late camera does. Coulomb friction does not grow with the speed and
+is found from the motion. Viscous friction grows with it as lateness does, so no motion separates
+the two: 25 N s/m at a wire of 80 N/mm are 0.31 ms. Nor can breakaway be found, as seals that stick
+and slip keep to no law. So both are the profile's. Their tolerance (`joint.tolerance.friction`)
+makes nearly all of the latency's interval.
 """
 
 from collections.abc import Sequence

@@ -1,7 +1,7 @@
-"""Joint and camera from one recording: what the procedures ``camera`` and ``geometry`` share.
+"""Joint and camera fitted to one recording, for the procedures ``camera`` and ``geometry``.
 
-Neither can be had alone. A camera is placed by where the marker is, which a wrong geometry puts
-elsewhere; and the marker of a joint is where a wrong camera sees it.
+Neither can be fitted alone: a wrong geometry misplaces the marker by which the camera is placed,
+and a wrong camera misplaces the marker by which the geometry is found.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,35 +36,36 @@ GAUGE_ACCURACY: Final = 20e-6
 """Standard uncertainty of a reading of the height gauge, m."""
 
 _FRAMES: Final = 700
-"""So many are enough: what limits the fit is slower than a frame."""
+"""So many are enough: the errors that limit the fit change more slowly than from frame to frame."""
 
 _ROD_NOISE: Final = 5e-6
 _AXIS_NOISE: Final = 10e-6
 _TWIST: Final = 30e-3
-"""Of a rod's stretch (m), the marker in a frame (m), the ring about its axis (rad); E, rms. Only
-their proportions matter. The ring turns about its axis by a milliradian, but for a whole petal and
-the other way on the way back: what tells only together with it is left out of every frame."""
+"""Rms errors of a rod's stretch (m), of the marker in a frame (m) and of the ring's angle about its
+axis (rad); E. Only their proportions matter. The angle is but a milliradian, but it lasts for a
+petal and turns round on the way back; its large value here removes its direction from each frame.
+"""
 
 _SETTLED: Final = 50e-6
 _ROUNDS: Final = 3
 """The latency is fitted anew until it changes by less, s; so often at most."""
 
 _EQUAL: Final = 1e-5
-"""To what the anchors' angles are off the drawing in the mean, rad: nothing."""
+"""Standard deviation of the anchors' mean angle about the drawing's, rad: they count from it."""
 
 _WRONG_ZERO: Final = 5.0
 """A rod's zero that is off by more of its standard deviations was not calibrated."""
 
 
 class Solved(NamedTuple):
-    """What was found.
+    """A fit of joint and camera, with the data that it rests on.
 
     Parameters
     ----------
     posterior : Posterior
         Every parameter, with the covariance.
     seen : Sightings
-        What it was found from.
+        The frames.
     mounted : ndarray, shape (3,)
         Rotation vector of the camera in the drawing, rad.
     before : Values

@@ -1,14 +1,15 @@
 """Friction of a joint's pairs: Coulomb, viscous and breakaway.
 
-The ring leans to and fro between its pairs, so that both slide, at two base pressures, so that what
-grows with the tensions is told from the rest (`rig.mechanisms.joint.calibration.stroke_fit`). Of
-what grows, ring and wires share as they were believed to: no such motion tells them apart. The
-controller has far less stiffness than in use (`JointPneumatics.with_gentle_controller`): the usual
-one hunts and never slides where seals have less friction than it was tuned for.
+The ring leans to and fro between its pairs, so that both slide, at two base pressures, so that
+friction that grows with the tensions shows (`rig.mechanisms.joint.calibration.stroke_fit`). How
+ring and wires share that growth stays as believed: no such motion shows it. The controller is far
+less stiff than in use (`JointPneumatics.with_gentle_controller`), since the usual one hunts where
+the seals have less friction than it was tuned for.
 
-Breakaway is the greatest force of a pair before it moves, when it alone is pushed ever harder, by
-20 N/s, with the ring upright (`rig.mechanisms.joint.calibration.breakaway`). The force at which the
-bristles of seals and seat would yield at no speed at all is a little higher.
+Breakaway is the greatest force of a pair before it moves; see
+`rig.mechanisms.joint.calibration.breakaway`. The pair is pushed alone, by 20 N/s, with the ring
+upright. The force at which bristles of seals and seat would yield infinitely slowly is a little
+higher.
 """
 
 import math
@@ -42,7 +43,7 @@ _RAISED: Final = 1.6
 """Base pressure of the second half of the strokes, over that of the first."""
 
 _SHARE: Final = 0.9
-"""Of what is permitted that the strokes use: the pairs share the way."""
+"""Share of the permitted way that the strokes use; both pairs share it."""
 
 _MORE: Final = 1.6
 """Times the breakaway that is believed, as far as a tug goes."""
@@ -51,7 +52,7 @@ _TAUT: Final = 1.15
 """Of the least tension that is permitted, what a tug leaves in a wire."""
 
 _LEAST_TUGS: Final = 3
-"""To each side that a pair has to have followed, or its breakaway is not told."""
+"""So many tugs to each side must have moved a pair, or its breakaway is not estimated."""
 
 _BOUND: Final = 1.5
 """rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
@@ -88,8 +89,8 @@ class JointFriction(Procedure[Recording]):
         cases, tugs = cases_of(profile, belief, spread), settings.tugs
         forces = forces_of_tugs(cases, data, tugs)
         sides = [_sides(tugs, forces[0], number) for number in range(len(strokes))]
-        told = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
-        breakaways = Breakaways(tugs, forces[0], told)
+        moved = [k for k, both in enumerate(sides) if min(map(len, both)) >= _LEAST_TUGS]
+        breakaways = Breakaways(tugs, forces[0], moved)
         estimates: list[Estimate] = []
         panels: list[Panel] = []
         notes: list[str] = []
@@ -103,7 +104,7 @@ class JointFriction(Procedure[Recording]):
                 pair.estimate(GROWTH, f"{prefix}load", "1"),
             ]
             panels.append(_panel_of_sliding(profile, pair))
-            if number not in told:
+            if number not in moved:
                 count = min(map(len, sides[number]))
                 notes.append(
                     f"{name} moved in {count} of {settings.rounds * PER_ROUND} tugs of up to "
@@ -152,7 +153,7 @@ def _travel(strokes: Strokes) -> float:
 
 
 def _sides(tugs: Sequence[Tug], forces: Array, pair: int) -> tuple[Array, Array]:
-    """Return what those tugs at a pair took that moved it, to either side."""
+    """Return the forces of tugs that moved a pair, to either side."""
     mine = np.isfinite(forces) & np.array([tug.pair == pair for tug in tugs])
     side = np.array([tug.side for tug in tugs])
     return forces[mine & (side > 0)], forces[mine & (side < 0)]
@@ -168,8 +169,8 @@ def _values(profile: Profile, belief: Belief, breakaway: float | None) -> Mappin
     belief : Belief
         What was found of the joint.
     breakaway : float, optional
-        Of a pair with the ring, N; the seals' stays in proportion to their Coulomb friction if it
-        is not told.
+        Of a pair with the ring, N. Without it the seals' part stays in proportion to their Coulomb
+        friction.
     """
     if breakaway is None:
         usual = profile.mechanism_settings.friction

@@ -1,10 +1,10 @@
-"""What is estimated of a joint and its camera, and what is known of it beforehand.
+"""The parameters of a joint and its camera, and their priors.
 
-Every dimension has a place in the drawing and a tolerance in the profile. Where motion says less
-than the drawing, the drawing stays: its tolerance is a prior. Two directions no motion shows at
-all. To turn all anchors and the camera together about the vertical turns nothing: angles count
-from the anchors' mean. To make marker and camera farther away in proportion changes no ray: the
-marker's height is read off a gauge.
+Every dimension is in the drawing and has a tolerance in the profile: that is its prior. So the
+drawing stays where motion shows less than it. Two directions show in no motion:
+
+- turning all anchors and the camera together about the vertical: angles count from their mean;
+- making marker and camera farther away in proportion: the marker's height is read off a gauge.
 """
 
 import math
@@ -47,7 +47,7 @@ _REVERSED = 0.5
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter beforehand.
+    """Prior knowledge of a parameter.
 
     Parameters
     ----------

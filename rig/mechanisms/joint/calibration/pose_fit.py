@@ -1,4 +1,4 @@
-"""The best joint and camera for what was seen, with priors, and how well each number is known."""
+"""A fit of parameters to data and priors, with the uncertainty of each parameter."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple
@@ -21,7 +21,7 @@ _DOMINATED: Final = 0.7
 
 
 class Data(NamedTuple):
-    """What is to be explained.
+    """Measurements that a model has to explain.
 
     Parameters
     ----------
@@ -40,21 +40,21 @@ class Data(NamedTuple):
 
 
 class Posterior(NamedTuple):
-    """What is known afterwards.
+    """Parameters after the fit, with the parts of their uncertainty.
 
     Parameters
     ----------
     priors : sequence of Prior
-        What was known beforehand of what was fitted.
+        Of the parameters that were fitted.
     considered : sequence of Prior
-        Of what was not.
+        Of the parameters that were not.
     values : ndarray, shape (p,)
         The parameters.
     sampling : ndarray, shape (p, p)
-        Covariance of what the scatter of the data makes of them.
+        Covariance by the scatter of the data.
     even, normal : ndarray, shape (p, m)
-        What an error of one standard deviation of each thing that was known beforehand makes of
-        them: what lies anywhere within a tolerance, and the rest.
+        Change of the parameters by one standard deviation of each prior: of priors that are even
+        within a tolerance, and of the others.
     freedom : float
         Degrees of freedom that the scatter rests on.
     used : ndarray of bool, shape (n,)
@@ -96,7 +96,7 @@ class Posterior(NamedTuple):
 
     @property
     def dominated(self) -> tuple[str, ...]:
-        """The parameters of which the data say little more than was known beforehand."""
+        """The parameters that are known little better than by their priors."""
         return tuple(p.name for p in self.priors if self.std(p.name) > _DOMINATED * p.std)
 
 
@@ -175,18 +175,18 @@ def fit_posterior(priors: Sequence[Prior], data: Data, start: Mapping[str, float
         wanted = 1.0 / np.sqrt(inflated)
     known = inverse @ found.jac[count:].T * std[:, None]
     known, further = known[:, -len(q) :], known[:, : -len(q)]
-    # What the fit makes of an error in what it was told.
+    # Change of the parameters by an error of each considered one.
     slopes = [
         weight * data.misfit(at(q) | {p.name: p.mean + p.std})[kept].ravel() - found.fun[:count]
         for p in considered
     ]
-    told = -(inverse @ found.jac[:count].T @ np.array(slopes).reshape(-1, count).T) * std[:, None]
+    shifts = -(inverse @ found.jac[:count].T @ np.array(slopes).reshape(-1, count).T) * std[:, None]
     even, loose = np.array([p.even for p in priors]), np.array([p.even for p in considered], bool)
     return Posterior(
         priors, considered, mean + std * q,
         weight**4 * inverse @ meat @ inverse * np.outer(std, std),
-        np.hstack([known[:, even], told[:, loose]]),
-        np.hstack([known[:, ~even], told[:, ~loose], further]),
+        np.hstack([known[:, even], shifts[:, loose]]),
+        np.hstack([known[:, ~even], shifts[:, ~loose], further]),
         len(groups) - 1.0, kept,
     )  # fmt: skip
 

@@ -1,8 +1,8 @@
-"""What encoders and camera of a joint show, for any joint that is nearly the one of the drawing.
+"""A model of what encoders and camera show, for a joint that is nearly the drawing's.
 
-The wires are those of `controllers.spherical_joint.exact_wire`, for many poses at once and with
-anchors and adjust points that each may be a little off their circles: no part is made exactly.
-The camera's ray ends on the marker's sphere; that gives the ring's axis, and the axis gives the
+The wires are those of `controllers.spherical_joint.exact_wire`, for many poses at once. Anchors
+and adjust points may each be a little off their circles, since no part is made exactly. The
+camera's ray ends on the marker's sphere. There the ring's axis is known, and from the axis the
 rods.
 """
 
@@ -60,7 +60,7 @@ class Sightings(NamedTuple):
 
 
 class Wires(NamedTuple):
-    """Where the wires of a joint run, m.
+    """The ends of a joint's wires, and the ball that they are wound on; m.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ _LEAST_TRAVEL: Final = 10e-3
 
 
 class Track(NamedTuple):
-    """What the rods did all the time; n rows, a column for each of the rods.
+    """Signals of the rods over the whole recording; n rows, a column for each rod.
 
     Parameters
     ----------

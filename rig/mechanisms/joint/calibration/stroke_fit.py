@@ -1,22 +1,26 @@
-"""What strokes that lean between a joint's pairs say of the friction of each.
+"""Friction of each pair of a joint, from strokes that lean between the pairs.
 
 While both pairs slide faster than the Stribeck effect reaches, the force of a pair's chambers is
 
     f = c_0 + (F_c + g (L - L_0) + D) sgn v + B w + M a + c_1 x
         + L / L_0 (c_2 + c_3 x + c_4 x^3 + (c_5 x + c_6 x^2) sgn v).
 
-L is the sum of the pair's tensions and L_0 that at base pressure; g is what grows with it. D is by
-how much friction on the ball is other than with the ring upright, and w the speed that the viscous
-friction of two rods amounts to that are not as fast
-(`rig.mechanisms.joint.calibration.ball_friction`). c_1 is the weight of what the joint carries;
-rods and wires that have less or more friction than the others of their kind make c_2 to c_6: there
-and back are unlike each other, and away from upright four unlike forces are more than two pairs.
+| symbol | meaning |
+|---|---|
+| L, L_0 | sum of the pair's tensions, and that at base pressure |
+| g | growth of friction with L |
+| D | friction on the ball beyond that of an upright ring (`ball_friction`) |
+| w | speed with the same viscous friction if both rods were equally fast |
+| c_1 | weight of what the joint carries |
+| c_2 to c_6 | rods and wires with other friction than their kind: there and back then differ |
 
-D follows from what seals and ball take of the tensions, so it is worked out a second time from what
-was found the first time. Whether the seals' friction, too, grows with the tensions no stroke tells:
-it is taken to lie anywhere between nothing and a fifth of what grows. Nor does one tell what of the
-friction on the ball is the ring's, and where the ring is follows from how stiff wires are. What
-these leave open (`joint.tolerance`) is part of every interval (a type B evaluation).
+D depends on what seals and ball take of the tensions. So the fit is made twice, the second time
+with the friction of the first. Strokes leave three things open, which are part of every interval
+(type B evaluations):
+
+- how much of the growth is the seals': anything from none to a fifth;
+- how ring and wires share the friction on the ball (`joint.tolerance.friction`);
+- how stiff the wires are (`joint.tolerance.stiffness`), on which the ring's pose depends.
 
 References
 ----------
@@ -58,7 +62,7 @@ COULOMB, VISCOUS, GROWTH = 1, 2, 3
 
 
 class Sliding(NamedTuple):
-    """Where a pair slides, one element per row; forces are of its chambers.
+    """Samples of a sliding pair, one element per row; forces are of its chambers.
 
     Parameters
     ----------
@@ -95,17 +99,17 @@ class _Stroke(NamedTuple):
 
 
 class StrokeFit(NamedTuple):
-    """What the strokes say of a pair.
+    """Fits of one pair's strokes, for each case of what strokes do not show.
 
     Parameters
     ----------
     rows : Sliding
         Where it slides.
     fits : tuple of Fit
-        With the least and the most that may be the seals' of what grows.
+        With the least and the most of what grows being the seals'.
     ring, stiffer : Fit
-        With the least of them, and as much as may be the ring's, or wires that are stiffer by a
-        standard deviation.
+        With the least, and with the ring's part at its bound or wires stiffer by a standard
+        deviation.
     """
 
     rows: Sliding
@@ -252,16 +256,16 @@ def _fit(profile: Profile, belief: Belief, rows: Sliding) -> Fit:
 
 
 def _found(belief: Belief, values: Sequence[Array], seals: float) -> Belief:
-    """Return what the pairs say in the mean; ring and wires share what the ball takes.
+    """Return the joint's friction by the mean of both pairs.
 
     Parameters
     ----------
     belief : Belief
-        How they share it.
+        Gives the proportion of the ring's and the wires' friction.
     values : sequence of ndarray
         Parameters of the pairs' fits.
     seals : float
-        What of the friction that grows is the seals'.
+        Share of the seals in the friction that grows.
     """
     mean = np.mean(values, axis=0)
     growth = max(float(mean[GROWTH]), 0.0)

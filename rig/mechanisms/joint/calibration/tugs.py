@@ -1,15 +1,13 @@
-"""Tugs at a joint's pairs that stand still: how much it takes until one breaks away.
+"""Tugs at a joint's pairs that stand still: the excitation of their breakaway.
 
-Creeping under a controller, both pairs slip by turns, and what each of them shows then depends on
-where the other has left the ring's seat. So the ring stands upright, where nothing makes it fall
-over, one pair is pushed ever harder while the other one holds, and a controller catches the ring
-as soon as it has moved.
+Under a controller both pairs slip by turns, and each changes how the other loads the ring's seat.
+So the ring stands upright, where it does not fall by itself. One pair is pushed ever harder while
+the other one holds, and a controller catches the ring as soon as it has moved.
 
-What the tug before has left in the contacts shows in what a tug takes. Most of it is tension that
-seals and ball hold in both wires of a pair, up to 10 N more or less than their chambers pull: it
-loads the ring's seat, and no monitor sees it. So all four pressures swing around those of rest
-before each tug, ever less. Of each kind as many begin with a rise as with a fall, and each kind
-follows each equally often, so that what is left after all is not in their mean.
+A tug depends on the tension that the one before has left: seals and ball hold both wires of a pair
+up to 10 N off their chambers' pulls. It loads the seat, and no monitor sees it. So before each tug
+all four pressures swing about those of rest, ever less. As many swings begin with a rise as with a
+fall, and each kind of tug follows each kind equally often: what remains cancels in the mean.
 """
 
 import math
@@ -42,7 +40,7 @@ _ROUND: Final = (0, 0, 1, 0, 2, 0, 3, 1, 1, 2, 1, 3, 2, 2, 3, 3)
 _SWINGS: Final = (1, -1, -1, 1, 1, -1, 1, 1, 1, -1, -1, -1, 1, -1, -1, 1)
 """Whether pressures rise or fall first: as often of each kind, and after each kind of each pair."""
 SAME, BACK, OTHER = range(3)
-"""A tug follows one of its own kind, one at its pair to the other side, one at the other pair."""
+"""The tug before: of the same kind, at the same pair to the other side, at the other pair."""
 
 PER_ROUND: Final = len(_ROUND) // len(_KINDS)
 """Tugs of each kind in a round."""
@@ -70,7 +68,7 @@ class Tug(NamedTuple):
     swing : int
         +1 or -1: whether the pressures rise or fall first.
     after : int
-        What the tug before was: `SAME`, `BACK` or `OTHER`.
+        The tug before: `SAME`, `BACK` or `OTHER`.
     start : float
         When the ring begins to go upright, s.
     rise : float

@@ -1,20 +1,19 @@
-"""Where each wire of a joint is taut, from how its ring stands.
+"""Extension at which each single wire of a joint is taut.
 
-A rod's extension tells its own wire's length only if it is known how the ring stands, and the rods
-cannot tell that from lengths that are not known: that takes an inclinometer on the ring, along the
-ball's x and y axes. With the ring's axis u, a rod stands out by
+A rod's extension gives its wire's length only if it is known how the ring stands. The rods cannot
+show that while the lengths are unknown, so an inclinometer on the ring is read, along the ball's x
+and y axes. With the ring's axis u, a rod stands out by
 
     x_k = h_k - s_k(u) - A p_k / k + side (f_k + g_k A p_k),
 
-s_k being the shortening that the pose asks of the wire, k the wires' stiffness and side +1 on the
-way up, where the seals keep a part of the pull from the wire.
-`rig.mechanisms.pneumatic.calibration.wire_fit` finds the mean of all rods; what one differs from it
-by is found here, where what bristles do is the same to second order. Each reading of the
-inclinometer errs by itself.
+s_k being the shortening by the pose, k the wires' stiffness and side +1 on the way up, where the
+seals keep a part of the pull from the wire. `rig.mechanisms.pneumatic.calibration.wire_fit` finds
+the mean of all rods. Here the differences from it are found, in which the seals' bristles cancel
+to second order. Readings of the inclinometer err independently.
 
-The shortening is the drawing's. Where the ring leans, what the joint was made to instead makes the
-rods err: everything within `joint.tolerance`, equally likely (JCGM 101), in proportion to the
-lean. Upright nothing is left of it.
+The shortening is the drawing's. Where the ring leans, a joint that was made differently shifts the
+rods, in proportion to the lean. So everything within `joint.tolerance` is part of the intervals,
+equally likely (JCGM 101); with the ring upright nothing of it is left.
 """
 
 import math
@@ -45,13 +44,7 @@ _MOST: Final = math.radians(10.0)
 
 
 class JointWires(Wires):
-    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+    """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself."""
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
         """Return the inclinometer on the ring, read along both axes where sweeps end."""
@@ -99,7 +92,7 @@ def wire_offsets(
     sides : mapping of str to int
         The n stretches in which it was read: +1 on the way up.
     found : Fit
-        What the mean of all rods says while the ring leans as it does: home (mm), give (mm/N).
+        Of the mean of all rods while the ring leans as it does: home (mm), compliance (mm/N).
     """
     pneumatics = JointPneumatics(profile)
     recorded = [recording[name] for name in sides]
@@ -114,7 +107,7 @@ def wire_offsets(
     shortened = _shortened(believed, axes)
     made = _made(profile, believed, axes)
 
-    # What the lean adds to both lines, up and down; it changes a little as the pull does.
+    # The lean's part of both lines, up and down; it changes a little with the pull.
     lines = np.column_stack([np.ones(len(side)), -mean_pull, side, side * mean_pull])
     lean = fit(
         lambda q: 1e3 * shortened.mean(axis=1) - lines @ q, (0.0,) * 4, (1e-3, 1e-5, 1e-3, 1e-5)
@@ -127,16 +120,16 @@ def wire_offsets(
         ]
         for k in (0, 1)
     ]
-    home, give = (
+    home, compliance = (
         _sum(name, unit, 1e-3 * float(found.values[k] + lean.values[k]), parts[k], leaning[k])
-        for k, (name, unit) in enumerate((("home", "m"), ("give", "m/N")))
+        for k, (name, unit) in enumerate((("home", "m"), ("compliance", "m/N")))
     )
 
-    taut = extension + shortened + pull * give.value
+    taut = extension + shortened + pull * compliance.value
     apart = 1e3 * (taut - taut.mean(axis=1)[:, None])
     share = mean_pull / mean_pull.mean()
     own_made = made.mean(axis=1) - made.mean(axis=(1, 2))[:, None] + leaning[0][:, None]
-    offsets, single = [], []
+    offsets, each = [], []
     for k, channel in enumerate(pneumatics.channels):
         own = fit(
             lambda q: apart[:, k] - q[0] - side * (q[1] + q[2] * share),  # noqa: B023
@@ -145,8 +138,8 @@ def wire_offsets(
         offsets.append(1e-3 * own.value)
         others = [*parts[0], (own.std, len(side) - 3.0)]
         value = home.value + offsets[-1]
-        single.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
-    return WireEstimates(home, give, tuple(single), tuple(offsets))
+        each.append(_sum(f"home.{channel}", "m", value, others, own_made[:, k]))
+    return WireEstimates(home, compliance, tuple(each), tuple(offsets))
 
 
 def _axes(readings: Readings, sides: Mapping[str, int]) -> Array | None:
@@ -180,16 +173,16 @@ def _axes(readings: Readings, sides: Mapping[str, int]) -> Array | None:
 def _sum(
     name: str, unit: str, value: float, parts: Sequence[tuple[float, float]], made: Array
 ) -> Estimate:
-    """Return an estimate whose error is what scatters, and what tolerances leave.
+    """Return an estimate whose error has scattering parts and parts by tolerances.
 
     Parameters
     ----------
     name, unit, value
         See `Estimate`.
     parts : sequence of tuple
-        Standard deviation, in thousandths of `unit`, and degrees of freedom of what scatters.
+        Standard deviation, in thousandths of `unit`, and degrees of freedom of each part.
     made : ndarray, shape (m,)
-        Standard deviation of what each tolerance leaves, in `unit`.
+        Standard deviation by each tolerance, in `unit`.
     """
     std, freedom = welch([(1e-3 * part, freedom) for part, freedom in parts])
     return estimate_of_sum(name, value, unit, std, freedom, even=made.tolist())
@@ -212,7 +205,7 @@ def _shortened(values: Mapping[str, float], axes: Array) -> Array:
 
 
 def _made(profile: Profile, believed: Mapping[str, float], axes: Array) -> Array:
-    """Return what a standard deviation of each tolerance makes of each wire, m, shape (m, n, 4)."""
+    """Return each wire's change by a standard deviation of each tolerance, m, shape (m, n, 4)."""
     rows = {
         prior.name: 0.5 * (ahead - behind)
         for priors in made_of(profile)

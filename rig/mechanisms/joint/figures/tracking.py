@@ -162,8 +162,9 @@ def draw_tensions(run: RunData) -> "Figure | None":
     for name, color in zip(CHANNELS, PALETTE, strict=False):
         draw_line(axes, t, run.log.column(f"{source}.tension_{name}")[part], color, name, lw=0.7)
     for metric in run.metrics:
-        if metric.get("measure") in ("tension_min", "tension_max") and metric.get("bound"):
-            axes.axhline(metric["bound"], color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+        bound = metric.get("bound")
+        if bound and metric.get("measure") in ("tension_min", "tension_max"):
+            axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
     finish_time_axis(axes, t, "tension (N)")
     axes.set_ylim(bottom=0.0)
     shade_segments(axes, PAGE * 0.7, [_brief(segment) for segment in _whole(run)])

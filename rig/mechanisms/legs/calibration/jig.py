@@ -179,16 +179,11 @@ def findings(
         written = {AXIS_NAMES[k]: _written(values[k]) for k in mine}
         found.append(
             Finding(
-                device,
-                {"joints": written},
-                tuple(e for k in mine for e in estimates[k]),
-                residuals[:, mine].ravel(),
-                "rad",
-                bound,
-                residuals[:, mine].size,
+                device, {"joints": written}, tuple(e for k in mine for e in estimates[k]),
+                residuals[:, mine].ravel(), "rad", bound, residuals[:, mine].size,
                 panels if number == 0 else (),
             )
-        )
+        )  # fmt: skip
     return found
 
 

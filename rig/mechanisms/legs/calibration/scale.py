@@ -118,14 +118,8 @@ def _panels(read: Array, said: Array, fitted: Array) -> list[Panel]:
         angle, line = said[:, mine].ravel(), fitted[:, mine].ravel()
         panels.append(
             Panel(
-                leg,
-                "angle in the jig (deg)",
-                "jig less reading (mrad)",
-                "residual (mrad)",
-                np.degrees(angle),
-                1e3 * (angle - was),
-                1e3 * (line - was),
-                np.zeros(len(was)),
+                leg, "angle in the jig (deg)", "jig less reading (mrad)", "residual (mrad)",
+                np.degrees(angle), 1e3 * (angle - was), 1e3 * (line - was), np.zeros(len(was)),
             )
-        )
+        )  # fmt: skip
     return panels

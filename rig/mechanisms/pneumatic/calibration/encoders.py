@@ -7,7 +7,7 @@ straight line through what the encoder counted.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import fit_or_refuse
 from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.references import Staircase
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 
 CALIPER_ACCURACY: Final = 10e-6
 """Standard uncertainty of a reading of the caliper, m: a digital one of 0.01 mm."""
@@ -35,20 +35,11 @@ _LEAST_TRAVEL: Final = 10e-3
 _BOUND: Final = 50e-6
 
 
-class Encoders(Procedure[Recording]):
-    """Procedure for zero, direction and scale of the rods' encoders.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Encoders(PneumaticProcedure):
+    """Procedure for zero, direction and scale of the rods' encoders."""
 
     name = "encoders"
     title = "zero, direction and scale of the rods' encoders against a caliper"
-
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
-        self._of = pneumatics
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the encoders' files."""
@@ -93,7 +84,7 @@ class Encoders(Procedure[Recording]):
         return findings
 
 
-def _stairs(pneumatics: Pneumatics[Any, Any]) -> Staircase:
+def _stairs(pneumatics: AnyPneumatics) -> Staircase:
     half = pneumatics.reach(_SHARE)
     count = _LEVELS // 2 + 1
     up = [half * (-1.0 + 2.0 * k / (count - 1)) for k in range(count)]

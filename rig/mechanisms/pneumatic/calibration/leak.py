@@ -1,15 +1,14 @@
 """Leak of every chamber, from the air that is gone after it was locked in for a while.
 
-A regulator makes up for whatever leaks, so it must be kept from the chamber: a valve at the
-cylinder has to shut the air in (`lock_bit` of each channel). A monitor sits at the regulator, on
-the other side of that valve, and is blind meanwhile. It sees the chamber again for the
-milliseconds after the valve has opened. The regulators wait for that with set-points far below:
-their exhausts stand wide open then whatever is left in the chambers, and air that leaves a chamber
-through a choked orifice (ISO 6358) leaves it in proportion to its pressure. So
+A regulator makes up for whatever leaks. So a valve at the cylinder has to shut the air in
+(`lock_bit` of each channel). The monitor sits at the regulator, on the other side of that valve,
+and is blind meanwhile. It sees the chamber again for the milliseconds after the valve has opened.
+The regulators then have set-points far below, so that their exhausts stand wide open. Air leaves a
+chamber through a choked orifice (ISO 6358) in proportion to its pressure. So
 
     p_opened(s) = h(s) p_1
 
-with one h for all waits at a place, s being the time since the valve was told to open; how fast
+with one h for all waits at a place, s being the time since the valve's command to open. How fast
 valve, exhaust and monitor are is in h. The leak is choked, too: shut in for t,
 
     p_1 V_1 = p_0 V_0 exp(-r t),        r = C rho_0 R T / V,
@@ -18,8 +17,8 @@ and the logarithm of p_opened over p_0, both from the same monitor, falls with t
 of slope -r. Each wait is a repetition of its own: their scatter about the lines makes the
 intervals.
 
-Which volume a chamber and its tube have nobody knows well, but how much less it is where the rod
-is further in. So the chambers leak at two places of the rods, and
+The volume of a chamber with its tube is not well known, but its change with the rod's position is.
+So the chambers leak at two places of the rods, and
 
     1 / C = rho_0 R T (1 / r_2 - 1 / r_1) / (V_2 - V_1)
 
@@ -33,14 +32,14 @@ ISO 6358-1:2013, Pneumatic fluid power: determination of flow-rate characteristi
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.lock_cycles import (
@@ -50,7 +49,7 @@ from rig.mechanisms.pneumatic.calibration.lock_cycles import (
     LockCycles,
     LockScript,
 )
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 
 ATMOSPHERE: Final = 101_325.0
 _FLOW: Final = 1.185 * 287.05 * 293.15
@@ -78,7 +77,7 @@ _BOUND: Final = 5e-3
 
 
 class _Waits(NamedTuple):
-    """What is judged of one chamber, one element per wait.
+    """Waits of one chamber that are judged, one element per wait.
 
     Parameters
     ----------
@@ -98,20 +97,11 @@ class _Waits(NamedTuple):
     volume: Array
 
 
-class Leak(Procedure[Recording]):
-    """Procedure for the leak of every chamber.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Leak(PneumaticProcedure):
+    """Procedure for the leak of every chamber."""
 
     name = "leak"
     title = "leak of the chambers, locked in for a while"
-
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
-        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the waits that are not done.
@@ -168,7 +158,7 @@ class Leak(Procedure[Recording]):
         )  # fmt: skip
 
 
-def _check_locks(pneumatics: Pneumatics[Any, Any]) -> None:
+def _check_locks(pneumatics: AnyPneumatics) -> None:
     device = pneumatics.regulators
     channels = pneumatics.profile.devices[device].settings.channels
     open_ended = [name for name in pneumatics.channels if channels[name].lock_bit is None]
@@ -181,7 +171,7 @@ def _check_locks(pneumatics: Pneumatics[Any, Any]) -> None:
         )
 
 
-def _cycles(pneumatics: Pneumatics[Any, Any], done: Sequence[str]) -> LockCycles:
+def _cycles(pneumatics: AnyPneumatics, done: Sequence[str]) -> LockCycles:
     rows = [
         (f"{'in' if place > 0 else 'out'} {k + 1}", place, wait)
         for place in (1, -1)
@@ -195,7 +185,7 @@ def _cycles(pneumatics: Pneumatics[Any, Any], done: Sequence[str]) -> LockCycles
 
 
 def _waits(
-    pneumatics: Pneumatics[Any, Any], recording: Recording, cycles: LockCycles, channel: str
+    pneumatics: AnyPneumatics, recording: Recording, cycles: LockCycles, channel: str
 ) -> _Waits:
     """Return what is judged of a chamber.
 

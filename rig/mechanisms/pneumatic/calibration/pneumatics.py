@@ -7,8 +7,8 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from controllers.cylinder.types import PairReference
 from rig.calibration.arrays import Array
-from rig.calibration.procedure import Excitation
-from rig.calibration.recording import Stretch
+from rig.calibration.procedure import Excitation, Procedure
+from rig.calibration.recording import Recording, Stretch
 from rig.calibration.sequence import ScriptedMotion
 from rig.config import Profile, format_quantity
 from rig.hal.motion import Motion
@@ -241,5 +241,17 @@ class Pneumatics(ABC, Generic[Reference, Command]):
             yield f"in force: limits.{name} {shown}"
 
 
-AnyPneumatics = Callable[[Profile], Pneumatics[Any, Any]]
-"""The class of a mechanism's `Pneumatics`, which the shared procedures are made with."""
+AnyPneumatics = Pneumatics[Any, Any]
+
+
+class PneumaticProcedure(Procedure[Recording]):
+    """A procedure for every mechanism on pneumatic cylinders.
+
+    Parameters
+    ----------
+    pneumatics : callable
+        The mechanism's `Pneumatics`.
+    """
+
+    def __init__(self, pneumatics: Callable[[Profile], AnyPneumatics]) -> None:
+        self._of = pneumatics

@@ -18,10 +18,10 @@ import numpy as np
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
 from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 SWEEPS: Final = 2
@@ -35,20 +35,11 @@ _BOUND: Final = 1.5e3
 """rms above which a fit is not to be used, Pa: 0.3 % of full scale."""
 
 
-class Regulators(Procedure[Recording]):
-    """Procedure for set-point and monitor of every regulator: offset, gain, linearity, hysteresis.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Regulators(PneumaticProcedure):
+    """Procedure for offset, gain, linearity and hysteresis of every regulator and monitor."""
 
     name = "regulators"
     title = "set-point and monitor of the regulators against a gauge"
-
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
-        self._of = pneumatics
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the module's file."""
@@ -91,7 +82,7 @@ class Regulators(Procedure[Recording]):
         data.require(names)
         sides = np.array(ways, float)
         entry = profile.devices[pneumatics.regulators]
-        values: dict[str, Any] = {}
+        values: dict[str, object] = {}
         estimates: list[Estimate] = []
         residuals: list[Array] = []
         panels: list[Panel] = []
@@ -147,7 +138,7 @@ class Regulators(Procedure[Recording]):
         )  # fmt: skip
 
 
-def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: AnyPneumatics, sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name, pressure and side (+1 from below) of the steps of one sweep."""
     spacing = (pneumatics.highest - pneumatics.lowest) / (LEVELS + 1)
     # Each sweep has levels of its own: the converter's steps then err independently.

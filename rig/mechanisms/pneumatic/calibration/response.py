@@ -16,16 +16,16 @@ then (Welch and Satterthwaite), and not those of two directions that scatter ali
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 
 REPEATS: Final = 16
@@ -36,20 +36,11 @@ _LEAST: Final = 0.3
 _BOUND: Final = 3e3
 
 
-class Response(Procedure[Recording]):
-    """Procedure for step response and dead time of the regulators.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Response(PneumaticProcedure):
+    """Procedure for step response and dead time of the regulators."""
 
     name = "response"
     title = "step response and dead time of the regulators"
-
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
-        self._of = pneumatics
 
     def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
         """Return the repetitions that are not done."""
@@ -147,7 +138,7 @@ def _fit_step(channel: str, t: Array, pressure: Array) -> tuple[Array, Array]:
     return whole, _step(t, whole)
 
 
-def _step(t: Array, q: Any) -> Array:
+def _step(t: Array, q: Sequence[float] | Array) -> Array:
     """Return the response to a step at 0, Pa."""
     w, z, dead, start, end = (float(x) for x in q)
     s = np.maximum(t - dead, 0.0)

@@ -62,7 +62,7 @@ class Level(NamedTuple):
 
 
 class WireFit(NamedTuple):
-    """What the levels say.
+    """A fit of all levels.
 
     Parameters
     ----------

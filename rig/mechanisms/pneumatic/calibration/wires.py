@@ -1,27 +1,27 @@
-"""Wires: how far the rods stand out when the wires are just taut, and how they give.
+"""Wires: the rods' extension where they are just taut, and their stiffness.
 
-All chambers rise and fall together. The mean of the rods' extensions is what the wires leave of
-their free length; on the way up the seals' friction keeps a part of the pull from the wire, on the
-way down it adds to it. The extrapolation to no pull and no friction is `home`. Seals keep up with
-the rods only after their bristles have bent over, which puts both ways off to the same side:
-`rig.mechanisms.pneumatic.calibration.wire_fit` follows them over the whole way. How soft the
-bristles are is seen where the pressure turns round, in steps that are small.
+All chambers rise and fall together, and the wires stretch. On the way up the seals' friction keeps
+a part of the pull from the wire, on the way down it adds to it. The mean extension of the rods,
+extrapolated to no pull and no friction, is `home`. Seals slide only after their bristles have bent
+over, which shifts both ways to the same side: `rig.mechanisms.pneumatic.calibration.wire_fit`
+models that over the whole way. Small steps where the pressure turns round show how soft the
+bristles are.
 
-Of a joint this is the mean of all rods, which hardly depends on how the ring stands; for what the
-single ones have beyond it, see `rig.mechanisms.joint.calibration.wire_offsets`.
+The mean of a joint's rods hardly depends on how the ring stands. For the single wires see
+`rig.mechanisms.joint.calibration.wire_offsets`.
 """
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
-from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, Pneumatics
+from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure
 from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps
 from rig.mechanisms.pneumatic.calibration.wire_fit import Level, fit_wires
 
@@ -45,13 +45,13 @@ _LEAST_GIVE: Final = 50e-6
 
 
 class WireEstimates(NamedTuple):
-    """Where the wires are taut and how they give.
+    """Extensions at which the wires are taut, and their compliance.
 
     Parameters
     ----------
     home : Estimate
         Extension of the rods where the wires are just taut, in their mean, m.
-    give : Estimate
+    compliance : Estimate
         Of a wire, m/N.
     each : tuple of Estimate
         Where each single wire is taut, if that is known.
@@ -62,26 +62,17 @@ class WireEstimates(NamedTuple):
     """
 
     home: Estimate
-    give: Estimate
+    compliance: Estimate
     each: tuple[Estimate, ...] = ()
     offsets: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
 
 
-class Wires(Procedure[Recording]):
-    """Procedure for wire offset, stiffness and pretension.
-
-    Parameters
-    ----------
-    pneumatics : callable
-        The mechanism's `Pneumatics`.
-    """
+class Wires(PneumaticProcedure):
+    """Procedure for wire offset, stiffness and pretension."""
 
     name = "wires"
     title = "wire offset, stiffness and pretension"
-
-    def __init__(self, pneumatics: AnyPneumatics) -> None:
-        self._of = pneumatics
 
     def believed_stiffness(self, profile: Profile) -> float | None:
         """Return the wires' stiffness that the profile has, N/m; None if it has none."""
@@ -97,7 +88,7 @@ class Wires(Procedure[Recording]):
         profile, data, readings
             See `identify`.
         found : Fit
-            Of the mean of all rods: home (mm), give (mm/N) and three of the seals.
+            Of the mean of all rods: home (mm), compliance (mm/N) and three of the seals.
         mean : WireEstimates
             What follows from it.
         """
@@ -136,16 +127,18 @@ class Wires(Procedure[Recording]):
             found, fitted, steady = fit_wires(levels)
         except ValueError as error:
             raise CalibrationRefused(f"the wires: {error}") from error
-        home, give = (1e-3 * float(value) for value in found.values[:2])
-        if give <= 0.0:
+        home, compliance = (1e-3 * float(value) for value in found.values[:2])
+        if compliance <= 0.0:
             raise CalibrationRefused("the rods come out as the pull grows: an encoder is reversed")
         wires = WireEstimates(
             found.estimate("home", "m", (1e-3, 0, 0, 0, 0), home),
-            found.estimate("give", "m/N", (0, 1e-3, 0, 0, 0), give),
+            found.estimate("compliance", "m/N", (0, 1e-3, 0, 0, 0), compliance),
             notes=() if steady else (_UNSTEADY,),
         )
         wires = self.with_single_wires(profile, data, readings, found, wires)
-        stiffness, stretch = _stiffness(wires.give, pneumatics.area * pneumatics.base_pressure)
+        stiffness, stretch = _stiffness(
+            wires.compliance, pneumatics.area * pneumatics.base_pressure
+        )
         values: dict[str, object] = {}
         if wires.offsets:
             values["wire_offsets"] = [quantity(offset, "m") for offset in wires.offsets]
@@ -154,11 +147,11 @@ class Wires(Procedure[Recording]):
         if believed is not None:
             values["wire_stiffness"] = quantity(stiffness.value, "N/m")
         # A controller that knows no stiffness takes the wires as rigid.
-        give_before = 0.0 if believed is None else 1.0 / believed
+        before = 0.0 if believed is None else 1.0 / believed
         panel = Panel(
             "mean extension of the rods", "pull of a chamber (N)", "extension (mm)",
             "residual (µm)", pull, 1e3 * extension, 1e3 * fitted,
-            1e3 * (profile.mechanism_settings.home - give_before * pull), 1e3,
+            1e3 * (profile.mechanism_settings.home - before * pull), 1e3,
         )  # fmt: skip
         return (
             Finding(
@@ -179,14 +172,14 @@ def ends_of_sweeps() -> dict[str, int]:
     }  # fmt: skip
 
 
-def _stiffness(give: Estimate, base_pull: float) -> tuple[Estimate, Estimate]:
+def _stiffness(compliance: Estimate, base_pull: float) -> tuple[Estimate, Estimate]:
     """Return the stiffness of a wire, and its stretch under the pull at base pressure (N)."""
-    spread = (base_pull * x for x in (give.std, give.low, give.high))
-    stretch = Estimate("wire.stretch", give.value * base_pull, "m", *spread)
-    return give.inverse("wire.stiffness", "N/m"), stretch
+    spread = (base_pull * x for x in (compliance.std, compliance.low, compliance.high))
+    stretch = Estimate("wire.stretch", compliance.value * base_pull, "m", *spread)
+    return compliance.inverse("wire.stiffness", "N/m"), stretch
 
 
-def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) -> list[Level]:
+def _levels(pneumatics: AnyPneumatics, recording: Recording, sweep: int) -> list[Level]:
     """Return all steps of a sweep.
 
     A step that is only passed is not recorded. It lacks as much of its setpoint as recorded steps
@@ -209,7 +202,7 @@ def _levels(pneumatics: Pneumatics[Any, Any], recording: Recording, sweep: int) 
     ]  # fmt: skip
 
 
-def _sweep(pneumatics: Pneumatics[Any, Any], sweep: int) -> Iterator[tuple[str, float, int]]:
+def _sweep(pneumatics: AnyPneumatics, sweep: int) -> Iterator[tuple[str, float, int]]:
     """Yield name (empty: not recorded), pressure and side (0: not on a line) of a sweep's steps."""
     low, high = pneumatics.lowest, 0.9 * pneumatics.highest
     spacing = (high - low) / (LEVELS + 5)

@@ -17,7 +17,7 @@ Posture = tuple[float, ...]
 
 
 class AxisPositions(Protocol):
-    """Where axes are or should be."""
+    """Positions of axes."""
 
     @property
     def positions(self) -> Posture:
@@ -26,7 +26,7 @@ class AxisPositions(Protocol):
 
 
 class AxisMotion(AxisPositions, Protocol):
-    """Where axes should be, and how fast."""
+    """Positions and velocities that axes should have."""
 
     @property
     def velocities(self) -> Posture:
