@@ -336,9 +336,10 @@ def _merged(
 
 
 def _made_procedure(path: str, protocol: type[Thing]) -> Thing:
-    kind = load(path)
-    check_class(f"procedure: {path}", kind, protocol)
-    made: Thing = kind()
+    make = load(path)
+    if isinstance(make, type):  # else something that calls one
+        check_class(f"procedure: {path}", make, protocol)
+    made: Thing = make()
     check_offers(f"procedure: {path}", made, protocol)
     return made
 

@@ -1,5 +1,6 @@
 """The contract of a procedure: an excitation within the rig's limits, and an identification."""
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -164,11 +165,13 @@ class Procedure(Protocol[Data]):
     """
 
     @property
+    @abstractmethod
     def name(self) -> str:
         """What the command line calls it."""
         ...
 
     @property
+    @abstractmethod
     def title(self) -> str:
         """What it finds, for people."""
         ...
@@ -207,6 +210,7 @@ class Procedure(Protocol[Data]):
         """
         raise NoFiles(f"{self.name} reads no files")
 
+    @abstractmethod
     def identify(self, profile: Profile, data: Data, readings: Readings) -> Sequence[Finding]:
         """Return what the data say.
 
