@@ -9,6 +9,7 @@ CiA 306-1 V1.3, sections 4.5 (device) and 4.6 (object dictionary).
 """
 
 import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -147,6 +148,30 @@ class Eds:
         if sub == 0 and self._number(own, "ObjectType", 7) not in (8, 9):
             return self._variable(index, 0, own)
         return None
+
+    def objects(self) -> Iterator[EdsObject]:
+        """Yield every variable of the device, those of each object in their order.
+
+        Raises
+        ------
+        EdsError
+            What is written of one makes no sense.
+        """
+        seen: set[tuple[int, int]] = set()
+        for name, section in self._sections.items():
+            place = _OBJECT.fullmatch(name)
+            if place is None:
+                continue
+            index = int(place[1], 16)
+            if place[2] is not None:
+                subs: Iterable[int] = (int(place[2], 16),)
+            else:
+                subs = range(self._number(section, "CompactSubObj", 0) + 1)
+            for sub in subs:
+                found = None if (index, sub) in seen else self.find(index, sub)
+                if found is not None:
+                    seen.add((index, sub))
+                    yield found
 
     def name_of(self, index: int, sub: int) -> str | None:
         """Return what the maker calls a variable: its object's name and its own."""

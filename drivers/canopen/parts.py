@@ -9,4 +9,5 @@ PROTOCOL = ProtocolParts(
     load="drivers.can.load:check_bus_load",
     decoder="drivers.canopen.decoder:make_decoder",
     discovery="drivers.canopen.discovery:survey_canopen",
+    nodes="drivers.sim.described_wiring:WIRING",
 )

@@ -7,6 +7,7 @@ has its own object of these types, which its row names; none of them imports ano
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
 from drivers.sim.perturbation import Draws
@@ -36,6 +37,8 @@ class Installed(Generic[Own, Seen]):
     nominal : object, optional
         The driver's settings before any calibration, which is the driver's knowledge alone: the
         device is as these say. Default: `settings`.
+    description : Path, optional
+        The device's own EDS.
     serial : int, optional
         The serial number that the profile wants of it, which it then has.
     seed : int
@@ -49,6 +52,7 @@ class Installed(Generic[Own, Seen]):
     plant: Seen
     channels: tuple[int, ...] = ()
     nominal: Own | None = None
+    description: Path | None = None
     serial: int | None = None
     seed: int = 0
     bounds: Mapping[str, float] = field(default_factory=dict)
@@ -74,12 +78,15 @@ class Wiring(NamedTuple, Generic[Settings, Port, Node]):
     perturb : callable, optional
         ``perturb(plant, draws)``: a port that shows of the plant what sensors and actuators make
         of it that err as drawn. None: the device does not err.
+    needs_channels : bool
+        Whether the plant must have a channel for it.
     """
 
     emulate: Callable[[Installed[Settings, Port]], Sequence[Node]]
     simulate: Callable[[Installed[Settings, Port], Clock], Device]
     correct: Callable[[Installed[Settings, Port]], Port] | None = None
     perturb: Callable[[Port, Draws], Port] | None = None
+    needs_channels: bool = True
 
 
 class LinkWiring(NamedTuple, Generic[Settings, Port]):
@@ -106,7 +113,12 @@ class LinkWiring(NamedTuple, Generic[Settings, Port]):
 
 
 def plant_channels(
-    device: str, wired: Mapping[str, str], known: tuple[str, ...], names: tuple[str, ...]
+    device: str,
+    wired: Mapping[str, str],
+    known: tuple[str, ...],
+    names: tuple[str, ...],
+    *,
+    needed: bool = True,
 ) -> tuple[int, ...]:
     """Return the plant's channels that a device is wired to.
 
@@ -120,6 +132,8 @@ def plant_channels(
         The plant's channels.
     names : tuple of str
         The device's own channels; empty if it has no names for them.
+    needed : bool
+        Whether it must have one; else it has none where the plant lacks what it wants.
 
     Raises
     ------
@@ -128,7 +142,9 @@ def plant_channels(
     """
     wanted = names or ((wired[device],) if device in wired else ())
     missing = [name for name in wanted if name not in known]
-    if missing or not wanted:
+    if not needed and missing:
+        return ()
+    if missing or (needed and not wanted):
         raise ConfigurationError(
             f"{device}: the plant has no channel {', '.join(missing) or 'for it'}; "
             f"it has {', '.join(known)}"

@@ -85,6 +85,7 @@ def install(profile: Profile, plant: Any, name: str) -> tuple[Any, Any]:
         entry.settings,
         plant,
         nominal=entry.nominal,
+        description=entry.eds,
         serial=entry.serial,
         seed=seed,
         bounds=bounds,
@@ -94,7 +95,7 @@ def install(profile: Profile, plant: Any, name: str) -> tuple[Any, Any]:
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     wired = mechanism.wiring(profile.mechanism_settings)
     own = entry.settings.channel_names()
-    channels = plant_channels(name, wired, plant.channel_names, own)
+    channels = plant_channels(name, wired, plant.channel_names, own, needed=wiring.needs_channels)
     port = plant
     if wiring.perturb is not None and profile.simulation.perturbation != Perturbation():
         port = wiring.perturb(plant, draw(bounds, seed))

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from rig.calibration.instruments import Instrument, made_to, parse_reading
-from rig.calibration.procedure import Readings
+from rig.calibration.instruments import Instrument, Readings, made_to, parse_reading
 from rig.config.quantities import UnitError
 from rig.hal import ConfigurationError
 

@@ -7,18 +7,20 @@ with an error of its own, and the identification is given its readings and nothi
 
 import math
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from rig.calibration.procedure import Readings
 from rig.calibration.recording import TRUTH, CalibrationRefused
 from rig.config.quantities import UnitError, parse_quantity
 from rig.experiment.metrics import evaluation_from_json
 from rig.run_folder import EVALUATION, RunFolder
 from rig.runtime.log import read_log
+
+Readings = Mapping[str, Mapping[str, float]]
+"""What reference instruments showed: by quantity, then by stretch; SI."""
 
 
 class Instrument(NamedTuple):

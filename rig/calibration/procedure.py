@@ -3,19 +3,14 @@
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
+from rig.calibration.instruments import Instrument, Readings
 from rig.calibration.recording import NoFiles
 from rig.config import Profile
 from rig.hal.motion import Motion
-
-if TYPE_CHECKING:
-    from rig.calibration.instruments import Instrument
-
-Readings = Mapping[str, Mapping[str, float]]
-"""What reference instruments showed: by quantity, then by stretch; SI."""
 
 
 class Panel(NamedTuple):

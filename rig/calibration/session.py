@@ -8,15 +8,9 @@ from typing import NamedTuple
 from rig.assembly import Backend, check_profile
 from rig.calibration import instruments, store
 from rig.calibration.instrument_files import read_file
+from rig.calibration.instruments import Readings
 from rig.calibration.page import draw_page
-from rig.calibration.procedure import (
-    AnyProcedure,
-    Data,
-    Excitation,
-    Finding,
-    Procedure,
-    Readings,
-)
+from rig.calibration.procedure import AnyProcedure, Data, Excitation, Finding, Procedure
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
 from rig.experiment.plan import Plan

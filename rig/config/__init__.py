@@ -16,16 +16,25 @@ if TYPE_CHECKING:
         DeviceEntry,
         Experiment,
         MetricSpec,
-        Perturbation,
         Profile,
         ReferenceEntry,
-        SimulationSettings,
     )
     from rig.config.names import find_configs, find_file, list_files
     from rig.config.profile import PROFILE_KEYS, load_profile
     from rig.config.schema import experiment_schema, profile_schema
+    from rig.config.simulation_models import Perturbation, SimulationSettings
 
-_MODULES = ("names", "formats", "models", "diagnostics", "dump", "experiment", "profile", "schema")
+_MODULES = (
+    "names",
+    "formats",
+    "simulation_models",
+    "models",
+    "diagnostics",
+    "dump",
+    "experiment",
+    "profile",
+    "schema",
+)
 """Homes of what this package offers, those first that import little."""
 
 __all__ = [

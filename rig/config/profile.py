@@ -29,11 +29,11 @@ from rig.config.models import (
     LoopSettings,
     PlantEntry,
     Profile,
-    SimulationSettings,
 )
 from rig.config.named_settings import Registry, controller_key, controller_names
 from rig.config.names import find_file, is_name
 from rig.config.settings import build
+from rig.config.simulation_models import SimulationSettings
 
 PROFILE_KEYS: Final = (
     "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",

@@ -36,7 +36,7 @@ from rig.hal.errors import (
 )
 from rig.hal.mechanism import DevicePicker, Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
-from rig.hal.plant import PhysicsSettings, Plant
+from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant
 from rig.hal.reading import Reading
 
 __all__ = [
@@ -71,6 +71,7 @@ __all__ = [
     "Margin",
     "MarkerCamera",
     "Markers",
+    "MeasuredPlant",
     "Mechanism",
     "MonotonicClock",
     "Motion",

@@ -44,6 +44,18 @@ class Plant(Protocol):
         ...
 
 
+class MeasuredPlant:
+    """Base of a plant that tells any sensor what there is at a channel.
+
+    A device whose driver brings no simulation of its own measures by it; on another plant such a
+    device reads 0.
+    """
+
+    def channel_value(self, channel: int) -> float:
+        """Return what a sensor at one of `Plant.channel_names` measures now, SI."""
+        return 0.0
+
+
 class PhysicsSettings(Protocol):
     """The settings of a plant. Inherit it: what has a default need not be written."""
 

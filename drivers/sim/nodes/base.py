@@ -58,8 +58,8 @@ class EmulatedNode(FaultInjection):
         1 … 127.
     device_type : int
         Object 0x1000.
-    product_code, revision, serial : int
-        Objects 0x1018:2 … 4.
+    vendor, product_code, revision, serial : int
+        Objects 0x1018:1 … 4.
 
     Attributes
     ----------
@@ -77,6 +77,7 @@ class EmulatedNode(FaultInjection):
         node_id: int,
         *,
         device_type: int,
+        vendor: int = VENDOR_ID,
         product_code: int = 0,
         revision: int = 0x0001_0000,
         serial: int = 0,
@@ -106,7 +107,7 @@ class EmulatedNode(FaultInjection):
             0x1018,
             [
                 Variable(UNSIGNED32, value, "ro")
-                for value in (VENDOR_ID, product_code, revision, serial)
+                for value in (vendor, product_code, revision, serial)
             ],
         )
         self.dictionary.add_array(

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from controllers.friction import PreslidingFriction, SmoothFriction
-from controllers.spherical_joint.ball_friction import BallFriction
+from controllers.spherical_joint.ball_friction import slide
 from drivers.sim.plants.friction import bristle_damping, step_bristle, stribeck_force
 
 COULOMB, BREAKAWAY, STRIBECK, VISCOUS, ROUNDING = 6.0, 9.0, 8e-3, 50.0, 1e-3
@@ -35,14 +35,13 @@ def test_presliding_friction_is_its_formula():
 
 def test_a_ring_that_slides_on_shares_its_friction_by_its_direction():
     """Ring: 0.1 of 200 N; wires: 0.2 of 50 and of 150 N."""
-    friction = BallFriction(0.1, 0.2, 40e-6, 1e-3)
+    step, tension = 1e-3 / 40e-6, (50.0, 150.0)
+    seat = wires = (0.0, 0.0)
     for _ in range(200):
-        force = friction.update((0.03, -0.04), (50.0, 150.0))
+        force, seat, wires = slide(0.1, 0.2, step, seat, wires, (0.03, -0.04), tension)
     assert force == pytest.approx((20.0 * 0.6 + 10.0, -20.0 * 0.8 - 30.0), rel=1e-3)
-    friction.reset()
-    for rested in (friction, BallFriction(0.1, 0.2, 40e-6, 1e-3)):
-        first = rested.update((40e-6 / 1e-3, 0.0), (50.0, 150.0))
-        assert first == pytest.approx((20.0 * 0.5 + 10.0 * 0.5, 0.0))
+    first, _, _ = slide(0.1, 0.2, step, (0.0, 0.0), (0.0, 0.0), (1.0 / step, 0.0), tension)
+    assert first == pytest.approx((20.0 * 0.5 + 10.0 * 0.5, 0.0))
 
 
 @pytest.mark.parametrize("speed", [-0.02, -4e-3, 0.0, 4e-3, 0.02])

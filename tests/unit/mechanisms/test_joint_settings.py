@@ -1,6 +1,7 @@
 """What a profile may say of the joint, and which devices can do it."""
 
 import math
+from dataclasses import fields
 
 import pytest
 from joint_fakes import (
@@ -23,7 +24,7 @@ from pneumatic_fakes import (
 
 from rig.hal import ConfigurationError
 from rig.mechanisms.joint.mechanism import SphericalJoint
-from rig.mechanisms.joint.settings import JointFriction, JointLimits
+from rig.mechanisms.joint.settings import JointFriction, JointLimits, JointSettings
 
 
 def test_controllers_are_told_what_the_profile_says():
@@ -109,5 +110,7 @@ def test_what_a_profile_leaves_out_is_as_its_documentation_says():
     assert (alarms.twist.limit, alarms.twist.time) == (math.radians(10.0), 0.1)
     settings = joint_settings()
     assert settings.wire_offsets == (0.0,) * 4
+    defaults = {field.name: field.default for field in fields(JointSettings)}
+    assert defaults["wire_stiffness"] == 80e3
     assert (settings.camera, settings.emergency_stop) == (None, None)
     assert JointFriction(1.0, 2.0, 3.0, 4.0) == JointFriction(1.0, 2.0, 3.0, 4.0, 0.08, 0.10)

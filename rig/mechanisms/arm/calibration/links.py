@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Procedure, Readings
+from rig.calibration.instruments import Instrument, Readings
+from rig.calibration.procedure import Excitation, Finding, Procedure
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.arm.calibration.hand_fit import fit_hand

@@ -9,8 +9,8 @@ import numpy as np
 from controllers.arm.types import ArmCommand, ArmReference
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
-from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.instruments import Instrument, Readings, shown_in
+from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.arm.calibration.hand_fit import HandFit, find_unseen, jacobian

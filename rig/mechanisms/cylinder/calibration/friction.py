@@ -41,7 +41,8 @@ from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate, Fit, fit, fit_or_refuse
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.calibration.glides import Glides, GlideScript

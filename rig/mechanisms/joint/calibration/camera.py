@@ -19,7 +19,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from rig.calibration.estimates import Estimate
-from rig.calibration.procedure import Excitation, Finding, Procedure, Readings, quantity
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Procedure, quantity
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.camera_and_geometry import (

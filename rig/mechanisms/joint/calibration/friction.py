@@ -21,7 +21,8 @@ import numpy as np
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, quantity
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.ball_friction import Belief, belief_of

@@ -10,8 +10,8 @@ from typing import Final
 
 import numpy as np
 
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Procedure, Readings, quantity
+from rig.calibration.instruments import Instrument, Readings
+from rig.calibration.procedure import Excitation, Finding, Procedure, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.camera import camera_finding

@@ -12,7 +12,8 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import interval
-from rig.calibration.procedure import FilesOffered, Finding, Panel, Procedure, Readings
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import FilesOffered, Finding, Panel, Procedure
 from rig.calibration.recording import CalibrationRefused, NoFiles
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.board_lens import (

@@ -25,8 +25,7 @@ import numpy as np
 from rig.calibration.arrays import Array
 from rig.calibration.error_sums import estimate_of_sum
 from rig.calibration.estimates import Estimate, Fit, fit, welch
-from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Readings
+from rig.calibration.instruments import Instrument, Readings, shown_in
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.joint.calibration import sighting_model

@@ -11,8 +11,8 @@ from controllers.gait.geometry import AXIS_NAMES
 from controllers.gait.types import LegsCommand, LegsReference
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.instruments import Instrument, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel
 from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile

@@ -13,8 +13,8 @@ import numpy as np
 from controllers.gait.geometry import AXIS_NAMES
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
-from rig.calibration.instruments import Instrument
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings
+from rig.calibration.instruments import Instrument, Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (

@@ -14,8 +14,8 @@ import numpy as np
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import fit_or_refuse
-from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.instruments import Instrument, Readings, shown_in
+from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.cylinder.references import Staircase

@@ -39,7 +39,8 @@ import numpy as np
 from rig.assembly import make_controller
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel
 from rig.calibration.recording import CalibrationRefused, Recording, RigLacks
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.lock_cycles import (

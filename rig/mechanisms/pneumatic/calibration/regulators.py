@@ -17,8 +17,8 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, Fit, fit_or_refuse
-from rig.calibration.instruments import Instrument, shown_in
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.instruments import Instrument, Readings, shown_in
+from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure

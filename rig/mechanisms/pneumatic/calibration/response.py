@@ -22,7 +22,8 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, middle_of
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import PneumaticProcedure

@@ -18,7 +18,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rig.calibration.estimates import Estimate, Fit
-from rig.calibration.procedure import Excitation, Finding, Panel, Readings, quantity
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.pneumatic.calibration.pneumatics import AnyPneumatics, PneumaticProcedure

@@ -17,7 +17,8 @@ from annotated_types import Gt, Unit
 from controllers.minimum_jerk import minimum_jerk
 from crank_rig.crank.types import CrankCommand, CrankReference, CrankState
 from rig.calibration.estimates import fit
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, Readings, quantity
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure, quantity
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.calibration.sequence import ScriptedMotion
 from rig.config import Profile, format_quantity
