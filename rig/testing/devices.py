@@ -124,12 +124,12 @@ class PressureRegulatorSuite(DeviceSuite[PressureRegulator]):
     settling : float
         After which a chamber has the pressure of its setpoint, s.
     tolerance : float
-        Of a pressure that has settled, Pa.
+        Of a pressure that has settled, Pa; most regulators have a dead band.
     """
 
     capability = PressureRegulator
-    settling: ClassVar[float] = 0.5
-    tolerance: ClassVar[float] = 3e3
+    settling: ClassVar[float] = 1.0
+    tolerance: ClassVar[float] = 10e3
 
     def reading(self, device: PressureRegulator) -> Reading[Vector]:
         """Return the monitored pressures."""

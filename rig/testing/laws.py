@@ -8,7 +8,7 @@ import pytest
 from rig.assembly import make_controller
 from rig.hal.offers import lacking
 from rig.testing.of_experiment import OfExperiment
-from rig.testing.rehearsal import AnyController, Rehearsal, numbers_of
+from rig.testing.rehearsal import AnyLaw, Rehearsal, numbers_of
 
 _ROUNDS = 3
 _MEMORY = 20_000
@@ -26,16 +26,16 @@ class LawSuite(OfExperiment):
 
     bump: ClassVar[float] = 0.02
 
-    def made(self, rehearsal: Rehearsal) -> AnyController:
+    def made(self, rehearsal: Rehearsal) -> AnyLaw:
         """Return another one of the experiment's law, planned for its motion."""
         from rig.assembly import plan_motion
 
         plan = rehearsal.plan
-        law: AnyController = make_controller(plan.profile, plan.experiment.controller)
+        law: AnyLaw = make_controller(plan.profile, plan.experiment.controller)
         plan_motion(plan.profile, plan.experiment.reference.settings, law)
         return law
 
-    def answers(self, law: AnyController, rehearsal: Rehearsal) -> list[list[float]]:
+    def answers(self, law: AnyLaw, rehearsal: Rehearsal) -> list[list[float]]:
         """Return the numbers of every command that a law gives on the rehearsal's way."""
         law.reset(rehearsal.started)
         return [numbers_of(law.update(a.state, a.reference)) for a in rehearsal.asked]

@@ -31,8 +31,7 @@ class MechanismSuite(OfExperiment):
 
     def test_a_blend_begins_and_ends_with_its_ends(self, rehearsal: Rehearsal) -> None:
         mechanism = rehearsal.mechanism
-        start = mechanism.limit(rehearsal.asked[0].command)
-        end = mechanism.limit(rehearsal.asked[-1].command)
+        start, end = rehearsal.asked[0].command, rehearsal.asked[-1].command
         for share, wanted in ((0.0, start), (1.0, end)):
             # What is blended is where to go; how fast is the way's own matter.
             assert _first(mechanism.blend(start, end, share)) == pytest.approx(_first(wanted))
@@ -40,6 +39,7 @@ class MechanismSuite(OfExperiment):
     def test_what_was_limited_is_not_limited_again(self, rehearsal: Rehearsal) -> None:
         mechanism = rehearsal.mechanism
         for asked in (rehearsal.asked[0], rehearsal.asked[-1]):
+            mechanism.start_limiting(asked.state)
             once = mechanism.limit(asked.command)
             before = dict(mechanism.limit_hits())
             again = mechanism.limit(once)

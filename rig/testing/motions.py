@@ -51,7 +51,4 @@ class MotionSuite(OfExperiment):
 
 
 def _steps(rows: list[list[float]]) -> list[list[float]]:
-    return [
-        [b - a for a, b in zip(before, after, strict=True)]
-        for before, after in pairwise(rows)
-    ]
+    return [[b - a for a, b in zip(before, after, strict=True)] for before, after in pairwise(rows)]

@@ -26,7 +26,7 @@ class OfExperiment:
     experiment: ClassVar[str]
     options: ClassVar[tuple[str, ...]] = ()
 
-    @pytest.fixture(scope="class")
+    @pytest.fixture
     def rehearsal(self) -> Rehearsal:
         """Return the beginning of the experiment, on `sim`."""
         return _rehearsed(self.configs, self.experiment, self.options)

@@ -6,14 +6,15 @@ from typing import NamedTuple
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import Plan, load_plan
-from rig.hal import Column, Controller, Mechanism
+from rig.hal import Column, Mechanism
+from rig.hal.controller import Law
 from rig.runtime.cycle import RUN_COLUMNS
 from rig.runtime.loop import Loop
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
-AnyController = Controller[object, object, object]
+AnyLaw = Law[object, object, object]
 AnyMechanism = Mechanism[object, object, object, object]
 
 
@@ -28,14 +29,17 @@ class Asked(NamedTuple):
 class Noting:
     """A law that stands for another one, and notes what passes through it."""
 
-    def __init__(self, law: AnyController) -> None:
+    def __init__(self, law: AnyLaw, mechanism: AnyMechanism) -> None:
         self.law = law
         self.asked: list[Asked] = []
         self.started: object = None
+        self.applied: object = None
+        self._mechanism = mechanism
 
     def reset(self, state: object) -> None:
         """Reset the law."""
         self.started = state
+        self.applied = self._mechanism.energised_command(state)
         self.law.reset(state)
 
     def update(self, state: object, reference: object) -> object:
@@ -43,10 +47,6 @@ class Noting:
         command = self.law.update(state, reference)
         self.asked.append(Asked(state, reference, command))
         return command
-
-    def compile(self) -> None:
-        """Have the law compile."""
-        self.law.compile()
 
 
 class Rehearsal(NamedTuple):
@@ -62,8 +62,8 @@ class Rehearsal(NamedTuple):
         The state in which the law took over.
     asked : sequence of Asked
         Its cycles.
-    applied : tuple of float
-        The last command before it took over, as what the mechanism made of it.
+    applied : object
+        The command that energised the rig, from which the law took over.
     columns : sequence of Column
         Of the mechanism.
     rows : sequence of tuple of float
@@ -118,9 +118,9 @@ def rehearse(
     states.move(RigState.IDLE)
     timings = Timings(energise=0.5, approach=1.0, release=0.0)
     rows = _Rows(stop, round((seconds + timings.energise) / period))
-    law = Noting(plan.controller)
     with build_rig(plan.profile, Backend.SIM) as rig:
         mechanism: AnyMechanism = rig.mechanism
+        law = Noting(plan.controller, mechanism)
         mechanism.attach(plan.controller, plan.motion)
         plan.motion.attach(rig.devices)
         rig.arm(torque=plan.motion.has_torque)
@@ -147,7 +147,7 @@ def rehearse(
         mechanism,
         law.started,
         law.asked,
-        mechanism.energised_command(law.started),
+        law.applied,
         columns,
         [row[first:end] for row in rows.rows],
         [row[-len(rig.truth_columns) :] for row in rows.rows],
