@@ -128,9 +128,15 @@ def encode_pressure(codec: SetpointCodec, pressure: float) -> int | float:
     return setpoint_encoder(codec)(pressure)
 
 
-def decode_pressure(codec: MonitorCodec, raw: float) -> float:
-    """Return the pressure for counts, Pa gauge."""
-    return codec.gain * raw + codec.offset
+def pressure_decoder(codec: MonitorCodec) -> Callable[[float], float]:
+    """Return ``decode(counts)`` of a channel, Pa gauge, with everything that it needs at hand."""
+    gain, offset = codec.gain, codec.offset
+    return lambda raw: gain * raw + offset
+
+
+def decode_signal(codec: MonitorCodec, raw: float) -> float:
+    """Return the signal on the wire for counts, V or A."""
+    return codec.signal_gain * raw + codec.signal_offset
 
 
 def _line(xs: tuple[float, float], ys: tuple[float, float]) -> tuple[float, float]:

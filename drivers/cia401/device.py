@@ -16,8 +16,10 @@ from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.mapping import pack
 from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.cia401.codec import (
+    decode_signal,
     encode_pressure,
     monitor_codec,
+    pressure_decoder,
     setpoint_codec,
     setpoint_encoder,
 )
@@ -77,7 +79,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
         # What every sample needs of them, in counts.
         self._monitor_lines = tuple(
-            (k, codec.gain, codec.offset, *codec.intact_counts)
+            (k, pressure_decoder(codec), *codec.intact_counts)
             for k, codec in enumerate(self._monitor_codecs)
         )
         low, high = self.pressure_range
@@ -145,11 +147,11 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         """Decode a sample: monitors, then the digital byte. Hot path."""
         pressures = []
         intact = True
-        for k, gain, offset, low, high in self._monitor_lines:
+        for k, decode, low, high in self._monitor_lines:
             raw = values[k]
             if not low <= raw <= high:
                 intact = False
-            pressures.append(gain * raw + offset)
+            pressures.append(decode(raw))
         if intact:  # else the last good sample is held, and grows old
             self._pressure = tuple(pressures)
             self._measured_at = t
@@ -162,13 +164,12 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
 
     def _count_broken(self, values: tuple[Any, ...]) -> None:
         """Count in how many samples in a row each monitor's signal told a broken wire."""
-        for k, _, _, low, high in self._monitor_lines:
+        for k, _, low, high in self._monitor_lines:
             if low <= values[k] <= high:
                 self._broken[k] = 0
             else:
-                codec = self._monitor_codecs[k]
                 self._broken[k] += 1
-                self._signals[k] = codec.signal_gain * values[k] + codec.signal_offset
+                self._signals[k] = decode_signal(self._monitor_codecs[k], values[k])
 
     # Life cycle -----------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia402.codec import DriveCodec
 from drivers.cia402.errors import describe_error
 from drivers.cia402.settings import PROFILE, Cia402Settings, DriveSettings
 from drivers.cia402.setup import (
@@ -86,10 +87,10 @@ class Cia402Drive:
         # In csp the drive watches as well, and knows more: it speaks first.
         patience = settings.following_time * (1.0 if self._follows_velocity else 2.0)
         self.watch = FollowingWatch(settings.following_window, patience)
-        self._gain = settings.counts_per_radian
-        self._radians = 1.0 / settings.counts_per_radian
-        self._velocity_gain = settings.velocity_per_radian
-        self._offset = settings.offset
+        codec = DriveCodec(settings)
+        self._decode_position, self._encode_position = codec.decode_position, codec.encode_position
+        self._decode_velocity, self._encode_velocity = codec.decode_velocity, codec.encode_velocity
+        self._rounding = 2.0 * abs(codec.step)
         self._torque_unit = 0.0
         self._reach = _JUMP * settings.max_speed
         self._mode = MODES[shared.mode]
@@ -127,12 +128,12 @@ class Cia402Drive:
         self._shown_mode = values[2]
         if self._code_at is not None:
             self.error_code = values[self._code_at]
-        position = counts * self._radians + self._offset
+        position = self._decode_position(counts)
         then = self.time
         if self._counts is not None:
             # A late sample and the next one come in one cycle and bear the same time.
             since = then if t > then else self._earlier
-            reach = self._reach * (t - since) + 2.0 * abs(self._radians)
+            reach = self._reach * (t - since) + self._rounding
             if not -reach <= position - self.position <= reach:
                 self._latch_jump(position, reach)
                 return
@@ -142,7 +143,7 @@ class Cia402Drive:
         self.position = position
         self.time = t
         if self._velocity_at is not None:
-            self.velocity = values[self._velocity_at] / self._velocity_gain
+            self.velocity = self._decode_velocity(values[self._velocity_at])
         if self._torque_at is not None:
             self.torque = values[self._torque_at] * self._torque_unit
 
@@ -152,15 +153,13 @@ class Cia402Drive:
         The drive takes its velocity from the targets' distance.
         """
         self.watch.reference = position
-        self._target = target = round((position - self._offset) * self._gain)
+        self._target = target = self._encode_position(position)
         self.pdo.data = self._pack(ENABLE_OPERATION, target, self._mode)
 
     def command_velocity(self, velocity: float) -> None:
         """Send a target velocity (rad/s) with the next cycle, to an enabled drive in csv."""
         self.watch.drift(velocity, self.position, self._period)
-        self.pdo.data = self._pack(
-            ENABLE_OPERATION, round(velocity * self._velocity_gain), self._mode
-        )
+        self.pdo.data = self._pack(ENABLE_OPERATION, self._encode_velocity(velocity), self._mode)
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -253,7 +252,7 @@ class Cia402Drive:
 
     def begin_following(self, now: float) -> None:
         """Take the measured position for the reference, and the last hold for the target."""
-        self.watch.reset(self._target * self._radians + self._offset, now)
+        self.watch.reset(self._decode_position(self._target), now)
 
     def stop(self) -> None:
         """Stop quickly, from the next frame on. Never raises."""

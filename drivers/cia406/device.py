@@ -7,12 +7,19 @@ positions and speeds of several sensors, 0x6503 alarms, 0x6509 offset.
 """
 
 from math import inf
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
+from drivers.cia406.codec import (
+    LinearCodec,
+    decode_velocity,
+    describe_alarms,
+    linear_codec,
+    position_decoder,
+)
 from drivers.cia406.settings import PROFILE, Cia406Settings
 from rig.hal import ConnectionFailed, DeviceFault, LinearEncoder, Reading, Vector
 
@@ -21,44 +28,6 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 _ROTARY: Final = (1, 2)  # upper word of the device type: single-turn and multi-turn
 _POSITION_UNIT: Final = 1e-9  # of 0x6005:1, m
 _SPEED_UNIT: Final = 1e-5  # of 0x6005:2, m/s
-_ALARMS: Final = {0: "position error"}  # the others differ from maker to maker
-
-
-class LinearCodec(NamedTuple):
-    """Counts to SI, one straight line each.
-
-    Attributes
-    ----------
-    gain, offset : float
-        ``extension = gain · counts + offset``, m.
-    speed_gain : float
-        ``velocity = speed_gain · counts``, m/s.
-    """
-
-    gain: float
-    offset: float
-    speed_gain: float
-
-
-def linear_codec(settings: Cia406Settings, step: float, speed_step: float) -> LinearCodec:
-    """Return the codec for measuring steps (m and m/s per count)."""
-    factor = -settings.scale if settings.reversed else settings.scale
-    return LinearCodec(factor * step, settings.offset, factor * speed_step)
-
-
-def decode_position(codec: LinearCodec, counts: float) -> float:
-    """Return the extension, m."""
-    return codec.gain * counts + codec.offset
-
-
-def decode_velocity(codec: LinearCodec, counts: float) -> float:
-    """Return the velocity, m/s."""
-    return codec.speed_gain * counts
-
-
-def describe_alarms(alarms: int) -> str:
-    """Return the bits of 0x6503 in words."""
-    return ", ".join(_ALARMS.get(bit, f"bit {bit}") for bit in range(16) if alarms >> bit & 1)
 
 
 class Cia406Encoder(LinearEncoder):
@@ -124,7 +93,7 @@ class Cia406Encoder(LinearEncoder):
 
     def _use(self, codec: LinearCodec) -> None:
         self._codec = codec
-        self._gain, self._offset, _ = codec
+        self._decode = position_decoder(codec)
         self._rounding = 2.0 * abs(codec.gain)
 
     def _take(self, values: tuple[Any, ...], t: float) -> None:
@@ -133,7 +102,7 @@ class Cia406Encoder(LinearEncoder):
         if self._has_alarms and values[-1]:
             self._latch_alarm(values[-1])
             return
-        extension = self._gain * counts + self._offset
+        extension = self._decode(counts)
         before, then = self._counts, self._sampled_at
         if before is None:
             self._moved_at = t

@@ -7,12 +7,14 @@ import pytest
 
 from drivers.cia401.channel_settings import MonitorSignal, SetpointSignal
 from drivers.cia401.codec import (
-    decode_pressure,
     encode_pressure,
     monitor_codec,
+    pressure_decoder,
     setpoint_codec,
 )
-from drivers.cia406.device import decode_position, decode_velocity, linear_codec
+from drivers.cia402.codec import DriveCodec
+from drivers.cia402.settings import DriveSettings
+from drivers.cia406.codec import decode_velocity, linear_codec, position_decoder
 from drivers.cia406.settings import Cia406Settings
 
 BAR = 1e5
@@ -81,7 +83,7 @@ LOOP = MonitorSignal(sub=1, raw=(0.0, 20000.0), current=(4e-3, 20e-3), pressure=
 def test_monitor_counts_mean_this_pressure_and_this_wire(signal, data, pressure, broken):
     codec = monitor_codec(signal)
     raw = struct.unpack("<h", bytes.fromhex(data))[0]
-    assert decode_pressure(codec, raw) == pytest.approx(pressure, abs=50.0)
+    assert pressure_decoder(codec)(raw) == pytest.approx(pressure, abs=50.0)
     current = codec.signal_gain * raw + codec.signal_offset
     assert (not codec.broken_below <= current <= codec.broken_above) is broken
 
@@ -106,9 +108,23 @@ def test_more_than_21_mA_is_a_short():
 def test_position_counts_mean_this_extension(settings, step, data, position):
     codec = linear_codec(Cia406Settings(node=1, stroke=0.1, **settings), step, 1e-5)
     raw = struct.unpack("<i", bytes.fromhex(data))[0]
-    assert decode_position(codec, raw) == pytest.approx(position, abs=1e-12)
+    assert position_decoder(codec)(raw) == pytest.approx(position, abs=1e-12)
 
 
 def test_speed_counts_are_hundredths_of_millimetres_per_second():
     codec = linear_codec(Cia406Settings(node=1, stroke=0.1, reversed=True), 1e-6, 1e-5)
     assert decode_velocity(codec, -150) == pytest.approx(1.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("turned", "counts", "angle"), [(False, 1024, 0.25), (False, 0, 0.1), (True, 1024, -0.05)]
+)
+def test_a_drives_counts_are_angles_of_its_joint_both_ways(turned, counts, angle):
+    gear = 2.0 * 3.141592653589793 / 0.6  # 0.6 rad of the joint for one turn of the shaft
+    codec = DriveCodec(
+        DriveSettings(node=1, counts_per_turn=4096.0, gear=gear, reversed=turned, offset=0.1)
+    )
+    assert codec.decode_position(counts) == pytest.approx(angle, abs=1e-12)
+    assert codec.encode_position(codec.decode_position(counts)) == counts
+    assert codec.decode_velocity(counts) == pytest.approx(angle - 0.1, abs=1e-12)
+    assert codec.encode_velocity(codec.decode_velocity(counts)) == counts

@@ -56,8 +56,14 @@ class FakeDrive:
 class Chain(ServoChain):
     """The part of a driver that a chain does not have."""
 
+    def connect(self):
+        pass
+
     def arm(self):
         self._armed = True
+
+    def close(self):
+        pass
 
 
 def chain_of(*windows):
