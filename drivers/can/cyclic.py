@@ -23,7 +23,7 @@ _STILL_WAITING: Final = OSError(errno.ENOBUFS, "the frames of the last cycle sti
 
 
 class BusSettings(Protocol):
-    """What every protocol's settings of a bus hold."""
+    """The settings of a bus that every protocol has."""
 
     @property
     def receive_limit(self) -> int:

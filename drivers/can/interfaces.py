@@ -28,7 +28,7 @@ logging.getLogger("can").addHandler(logging.NullHandler())
 
 
 class InterfaceSettings(Protocol):
-    """What opening an interface needs to know of a bus."""
+    """The settings of a bus that opening its interface needs."""
 
     @property
     def interface(self) -> str:

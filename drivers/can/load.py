@@ -16,7 +16,7 @@ from rig.hal import BusLoad, ConfigurationError, DriverSettings, FrameLoad
 
 
 class BusTraffic(Protocol):
-    """What the load needs to know of a bus's settings."""
+    """The part of a bus's settings that its load depends on."""
 
     @property
     def bitrate(self) -> int:

@@ -9,7 +9,7 @@ from rig.hal.driver import Keys
 
 
 class Quantity(NamedTuple):
-    """What a mapped object is, beyond its counts.
+    """The meaning of a mapped object, beyond its counts.
 
     Attributes
     ----------

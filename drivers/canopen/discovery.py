@@ -38,7 +38,7 @@ _ANSWER: Final = struct.Struct("<BHBI")
 
 
 class _Heard:
-    """What came in, sorted."""
+    """The frames that came in, sorted."""
 
     def __init__(self) -> None:
         self.objects: dict[int, dict[_Object, list[int | None]]] = defaultdict(

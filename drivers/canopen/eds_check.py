@@ -24,7 +24,7 @@ _ON_EVERY_SYNC: Final = 1
 
 
 class Finding(NamedTuple):
-    """What a device cannot do.
+    """Something that a device cannot do.
 
     Attributes
     ----------

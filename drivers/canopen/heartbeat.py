@@ -68,7 +68,7 @@ class HeartbeatProducer:
 
 
 class HeartbeatWatch:
-    """What a node's heartbeats say, and whether they still come.
+    """Watches a node's heartbeats: what they say, and that they come.
 
     Parameters
     ----------

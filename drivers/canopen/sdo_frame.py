@@ -28,7 +28,7 @@ _ABORTS: Final = {
 
 
 class SdoFrame(NamedTuple):
-    """What a frame does.
+    """The content of an SDO frame.
 
     Attributes
     ----------

@@ -18,7 +18,7 @@ PROFILE: Final = 401
 
 @dataclass(frozen=True, slots=True)
 class FollowingSettings:
-    """When a regulator that does not follow its setpoint is a fault.
+    """The bound beyond which a regulator that does not follow is a fault.
 
     The monitored pressure is compared with the setpoint passed through a first-order lag.
 

@@ -27,7 +27,7 @@ FAULTY: Final = (DriveState.FAULT, DriveState.FAULT_REACTION_ACTIVE)
 
 
 class Goal(IntEnum):
-    """Where the master wants a drive."""
+    """The state in which the master wants a drive."""
 
     DISABLED = 0
     ENABLED = 1

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Identity(NamedTuple):
-    """What a servo says of itself.
+    """The identity that a servo reports.
 
     Attributes
     ----------

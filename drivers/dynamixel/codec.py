@@ -27,7 +27,7 @@ _POLYNOMIAL: Final = 0x8005
 
 
 class Instruction(IntEnum):
-    """What a packet asks for, or that it answers."""
+    """The instruction of a packet, or that it is an answer."""
 
     PING = 0x01
     READ = 0x02
@@ -42,7 +42,7 @@ class Instruction(IntEnum):
 
 
 class Status(NamedTuple):
-    """What one servo answered.
+    """The answer of one servo.
 
     Attributes
     ----------

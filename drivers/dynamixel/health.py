@@ -11,7 +11,7 @@ _CONFIRMED: Final = 2  # samples in a row; one may have been taken while a setti
 
 
 class Health(NamedTuple):
-    """What one servo says of itself.
+    """The state that one servo reports.
 
     Attributes
     ----------

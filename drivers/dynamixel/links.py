@@ -20,7 +20,7 @@ _DAMAGED: Final = "damaged"
 
 
 class ServoLink:
-    """What came of one servo's answers.
+    """A record of one servo's answers.
 
     Parameters
     ----------

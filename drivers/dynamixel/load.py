@@ -20,7 +20,7 @@ _GOAL_SIZE: Final = 4
 
 
 class SerialTraffic(Protocol):
-    """What the load needs to know of a bus's settings."""
+    """The part of a bus's settings that its load depends on."""
 
     @property
     def baudrate(self) -> int:

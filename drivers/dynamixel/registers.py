@@ -123,7 +123,7 @@ ALERT: Final = 0x80
 
 
 class Model(NamedTuple):
-    """What differs from model to model.
+    """The properties that differ from model to model.
 
     Attributes
     ----------

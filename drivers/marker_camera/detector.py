@@ -24,7 +24,7 @@ _ROWS: Final = 32
 
 
 class Outcome(NamedTuple):
-    """What a search found; see `Sighting`. `places` are the markers' centres, pixels."""
+    """The result of a search; see `Sighting`. `places` are the markers' centres, pixels."""
 
     sight: Sight
     amount: float = nan

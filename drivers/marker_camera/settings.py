@@ -19,7 +19,7 @@ DictionaryName = Literal[
 
 @dataclass(frozen=True, slots=True)
 class SourceSettings:
-    """Where the frames come from.
+    """The source of the frames.
 
     Parameters
     ----------

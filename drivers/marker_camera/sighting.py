@@ -9,7 +9,7 @@ from drivers.marker_camera.projection import Vector3
 
 
 class Sight(IntEnum):
-    """Whether the marker was seen, or why not."""
+    """A verdict on one frame: the marker was seen, or why it was not."""
 
     SEEN = 0
     COVERED = 1

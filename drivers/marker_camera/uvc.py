@@ -24,7 +24,7 @@ _STAMP_AGE: Final = 1.0
 
 
 class Capture(Protocol):
-    """What is needed of `cv2.VideoCapture`."""
+    """The part of `cv2.VideoCapture` that is needed."""
 
     def isOpened(self) -> bool: ...  # noqa: D102, N802
     def set(self, propId: int, value: float) -> bool: ...  # noqa: D102

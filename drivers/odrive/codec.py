@@ -52,7 +52,7 @@ class AxisState(IntEnum):
 
 
 class ControlMode(IntEnum):
-    """What the innermost setpoint of the host is."""
+    """The kind of the host's innermost setpoint."""
 
     VELOCITY = 2
     POSITION = 3
@@ -100,7 +100,7 @@ _READ, _WRITE = 0, 1
 
 
 class Heartbeat(NamedTuple):
-    """What an axis says of itself.
+    """The state that an axis reports.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Heartbeat(NamedTuple):
 
 
 class Version(NamedTuple):
-    """What Get_Version answers."""
+    """The answer to Get_Version."""
 
     protocol: int
     hardware: tuple[int, int, int]

@@ -9,7 +9,7 @@ from annotated_types import Gt, Interval, Unit
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxisSettings:
-    """How one joint hangs on its drive, and what it may do.
+    """One joint: its mounting on the drive, and its limits.
 
     The joint's angle is ``± (turns of the drive's shaft) · 2π / gear + offset``.
 

@@ -18,7 +18,7 @@ from drivers.sim.frame_faults import FrameFault
 
 
 class Plant(Protocol):
-    """What the world needs of the physics."""
+    """The physics, as the world needs it."""
 
     def advance(self, t: float) -> None:
         """Integrate up to time `t`, s."""

@@ -32,7 +32,7 @@ Changed = TypeVar("Changed", bound=PhysicsSettings)
 
 
 class Draws(NamedTuple):
-    """What was drawn, each within its bound.
+    """Everything that was drawn, each within its bound.
 
     Parameters
     ----------

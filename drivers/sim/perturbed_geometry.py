@@ -24,7 +24,7 @@ Geometry = TypeVar("Geometry", bound=Any)  # a dataclass
 
 
 class AxisDraws(NamedTuple):
-    """What was drawn for joints on servo drives and the links between them.
+    """The draws for joints on servo drives and the links between them.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ class Installed(Generic[Own, Seen]):
 
 
 class Wiring(NamedTuple, Generic[Settings, Port, Node]):
-    """How to make the two simulated forms of a device on a bus.
+    """Makes the two simulated forms of a device on a bus.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class Wiring(NamedTuple, Generic[Settings, Port, Node]):
 
 
 class LinkWiring(NamedTuple, Generic[Settings, Port]):
-    """How to make the simulated forms of a device that hangs on no bus.
+    """Makes the simulated forms of a device that hangs on no bus.
 
     Attributes
     ----------

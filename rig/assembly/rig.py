@@ -9,7 +9,7 @@ from rig.hal import Clock, Column, CyclicBus, Device, Mechanism
 
 
 class Backend(StrEnum):
-    """What a run runs on."""
+    """The world that a run runs on."""
 
     SIM = "sim"
     VIRTUAL = "virtual"

@@ -103,7 +103,7 @@ class FrameLoad(NamedTuple):
 
 
 class BusLoad(NamedTuple):
-    """What fills a bus.
+    """The load of a bus.
 
     Attributes
     ----------

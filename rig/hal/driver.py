@@ -35,7 +35,7 @@ Scalar = str | int | float | bool | None
 
 
 class DeviceFile(Protocol):
-    """What a device's own description file (``eds:``) knows of it."""
+    """A device's own description file (``eds:``)."""
 
     def values(self, plain: Mapping[str, object]) -> Mapping[tuple[str, ...], Scalar]:
         """Return the settings that the file knows, by their keys.
@@ -97,7 +97,7 @@ class DriverSettings:
 
 
 class Endpoint(NamedTuple):
-    """What a bus runs on, for people: ``socketcan``, ``can0`` and bit/s."""
+    """The interface of a bus, for people: ``socketcan``, ``can0`` and bit/s."""
 
     interface: str
     channel: str

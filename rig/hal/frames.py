@@ -53,7 +53,7 @@ UNKNOWN = Decoded("", "unknown", known=False)
 
 
 class Decoder(Protocol):
-    """What reads the frames of one bus, in their order."""
+    """Reads the frames of one bus, in their order."""
 
     def decode(self, can_id: int, data: bytes) -> Decoded:
         """Return what a frame says."""
@@ -82,7 +82,7 @@ class LoggedFrame(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What one node number answers.
+    """The answers of one node number.
 
     Attributes
     ----------

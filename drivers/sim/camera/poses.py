@@ -11,7 +11,7 @@ Floats = NDArray[np.float64]
 
 
 class MarkerPose(NamedTuple):
-    """Where a marker is.
+    """The pose of a marker.
 
     Attributes
     ----------

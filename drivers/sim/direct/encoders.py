@@ -10,7 +10,7 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 
 
 class RodPort(Protocol):
-    """What an encoder needs of a plant."""
+    """Rods of a plant, as encoders need them."""
 
     def position(self, channel: int) -> float:
         """Return the true extension of a rod, m."""

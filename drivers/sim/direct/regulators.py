@@ -23,7 +23,7 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 
 
 class SimulatedDevice(Device):
-    """What the devices share: faults by name, and silence."""
+    """Base of the devices: faults by name, and silence."""
 
     def __init__(self, name: str, clock: Clock) -> None:
         self.name = name

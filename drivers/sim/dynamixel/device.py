@@ -17,7 +17,7 @@ _HARDWARE_BITS = {
 
 
 class StationFaults:
-    """What can go wrong with one servo.
+    """The faults of one servo.
 
     ``silent`` (value: s, default for ever)
         It hears and says nothing, as with a broken wire.

@@ -46,7 +46,7 @@ def checksum(data: bytes, start: int = 0) -> int:
 
 
 class InstructionPacket(NamedTuple):
-    """What the host sent.
+    """One packet of the host.
 
     Attributes
     ----------

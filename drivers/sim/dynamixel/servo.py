@@ -23,7 +23,7 @@ _VELOCITY_MODE, _MULTI_TURN_MODES = 1, (4, 5)
 
 
 class Mounting:
-    """How a servo sits on its joint.
+    """The mounting of a servo on its joint.
 
     Parameters
     ----------

@@ -191,7 +191,7 @@ class EmulatedNode(FaultInjection):
     ) -> None:
         """Take a frame from the bus; what is not for this node is ignored."""
         handler = self._routes.get(can_id)
-        if handler is None or extended or remote or not self.connected:
+        if handler is None or extended or remote or "silent" in self.lasting:
             return
         if now >= self.due:
             self.tick(now)
@@ -236,11 +236,11 @@ class EmulatedNode(FaultInjection):
         self.due = -inf
 
     def _transmit(self, can_id: int, data: bytes) -> None:
-        if self.connected:
+        if "silent" not in self.lasting:
             self.send(can_id, data)
 
     def _send_heartbeat(self, state: int) -> None:
-        if not self.heartbeat_muted:
+        if "heartbeat_silent" not in self.lasting:
             self._transmit(0x700 + self.node_id, bytes((state,)))
 
     # Routing --------------------------------------------------------------------------
@@ -277,7 +277,7 @@ class EmulatedNode(FaultInjection):
         self.pdos.synchronise(now)
 
     def _on_sdo(self, data: bytes, now: float) -> None:
-        if not self.sdo_muted:
+        if "sdo_silent" not in self.lasting:
             self._server.receive(data, now)
             self.wake()
 

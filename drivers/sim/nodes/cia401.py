@@ -32,7 +32,7 @@ _UPPER, _LOWER, _DELTA = 0x01, 0x02, 0x04  # bits of 0x6421
 
 
 class RegulatorWiring(NamedTuple):
-    """How one regulator is wired to the module.
+    """The wiring of one regulator to the module.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ _INPUTS = AnalogueArray(0x6401)
 
 @dataclass(frozen=True, slots=True)
 class ModuleBuild:
-    """How a module is made and what is wired to its digital side.
+    """The make of a module, and the wiring of its digital side.
 
     Parameters
     ----------

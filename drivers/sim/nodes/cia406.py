@@ -36,7 +36,7 @@ _SCALING = 0x0004  # bit 2 of 0x6000
 
 
 class PositionPort(Protocol):
-    """What an encoder needs of the plant."""
+    """Rods of a plant, as an encoder needs them."""
 
     def position(self, channel: int) -> float:
         """Return the true extension of a rod, m."""
@@ -110,7 +110,6 @@ class EmulatedCia406(EmulatedNode):
         self._window = speed_window
         self._zero = offset
         self._samples: deque[tuple[float, float]] = deque()
-        self.frozen = False
         self._jump = 0.0
         self._add_objects(
             step=round(step / _METRES_PER_STEP_UNIT),
@@ -122,7 +121,7 @@ class EmulatedCia406(EmulatedNode):
         # As shipped: TPDO1 by event timer (off), TPDO2 on every SYNC.
         self.dictionary.find(0x1800, 2).default = 254
         self.dictionary.find(0x1801, 2).default = 1
-        self.add_fault("frozen", lambda value: self.mute("frozen", True, value))
+        self.add_lasting_fault("frozen")
         self.add_fault("jump", self._start_jump, self._restore_position)
         self.add_fault("other_rod", self._mount_elsewhere, self._mount_back)
         self.add_fault("alarm", lambda value: self._raise_alarm(), self._clear_alarm)
@@ -171,7 +170,7 @@ class EmulatedCia406(EmulatedNode):
 
     def sample_inputs(self, now: float) -> None:
         """Measure position and derive speed from the samples of the last window."""
-        if self.frozen:
+        if "frozen" in self.lasting:
             self._speed.value = 0
             return
         position = self._measured_steps()
@@ -224,7 +223,7 @@ class EmulatedCia406(EmulatedNode):
         self._jump += 5e-3 if value is None else value
 
     def _restore_position(self) -> None:
-        self.frozen = False
+        self.lasting.discard("frozen")
         self._jump = 0.0
 
     def _mount_elsewhere(self, value: float | None) -> None:

@@ -45,7 +45,7 @@ class ObjectBuild(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class NodeBuild:
-    """What a node is.
+    """The make of a node.
 
     Parameters
     ----------

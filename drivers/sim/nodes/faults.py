@@ -38,9 +38,8 @@ class FaultInjection:
     due: float
 
     def __init__(self) -> None:
-        self.connected = True
-        self.heartbeat_muted = False
-        self.sdo_muted = False
+        self.lasting: set[str] = set()
+        """The faults of `add_lasting_fault` that last now."""
         self.fault_due = inf
         self._ends: dict[str, float] = {}
         self._faults: dict[str, FaultAction] = {}
@@ -76,9 +75,8 @@ class FaultInjection:
             code = whole_number(self.name, "emergency", value, 0x1000, 0xFFFF)
             emergency.raise_error(f"injected {code}", code, GENERIC)
 
-        self.add_fault("silent", lambda value: self.mute("connected", False, value))
-        self.add_fault("sdo_silent", lambda value: self.mute("sdo_muted", True, value))
-        self.add_fault("heartbeat_silent", lambda value: self.mute("heartbeat_muted", True, value))
+        for fault in ("silent", "sdo_silent", "heartbeat_silent"):
+            self.add_lasting_fault(fault)
         self.add_fault("wrong_device_type", set_device_type, restore_device_type)
         self.add_fault("sdo_abort", refuse, refused.clear)
         self.add_fault("emergency", report, emergency.clear_injected)
@@ -117,14 +115,17 @@ class FaultInjection:
         """End all faults that last."""
         self._ends.clear()
         self.fault_due = inf
-        self.connected = True
-        self.heartbeat_muted = self.sdo_muted = False
+        self.lasting.clear()
         for repair in self._repairs:
             repair()
         self.due = -inf
 
-    def mute(self, attribute: str, value: bool, duration: float | None) -> None:
-        """Set a flag, and set it back after `duration` (s) if there is one.
+    def add_lasting_fault(self, fault: str) -> None:
+        """Make a fault known that does nothing but last, for its value in s if it has one."""
+        self.add_fault(fault, lambda value: self._last_for(fault, value))
+
+    def _last_for(self, fault: str, duration: float | None) -> None:
+        """Have a fault last, for `duration` (s) if there is one.
 
         Raises
         ------
@@ -133,19 +134,19 @@ class FaultInjection:
         """
         if duration is not None and not duration > 0.0:
             raise ValueError(f"{self.name}: a fault lasts longer than {duration:g} s")
-        setattr(self, attribute, value)
-        self._ends.pop(attribute, None)
+        self.lasting.add(fault)
+        self._ends.pop(fault, None)
         if duration is not None:
-            self._ends[attribute] = self.now + duration
+            self._ends[fault] = self.now + duration
         self.fault_due = min(self._ends.values(), default=inf)
 
     def expire_faults(self, now: float) -> None:
         """End the faults whose time has come."""
         if now < self.fault_due:
             return
-        for attribute in [flag for flag, end in self._ends.items() if now >= end]:
-            del self._ends[attribute]
-            setattr(self, attribute, attribute == "connected")
+        for fault in [fault for fault, end in self._ends.items() if now >= end]:
+            del self._ends[fault]
+            self.lasting.discard(fault)
         self.fault_due = min(self._ends.values(), default=inf)
 
 

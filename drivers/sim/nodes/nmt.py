@@ -69,7 +69,7 @@ class HeartbeatProducer:
 
 
 class _Watch:
-    """What is known of one monitored node."""
+    """One monitored node."""
 
     __slots__ = ("deadline", "lost", "timeout")
 

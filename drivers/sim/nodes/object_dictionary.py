@@ -49,7 +49,7 @@ class SdoAbortError(Exception):
 
 
 class DataType(NamedTuple):
-    """How a value stands in bytes, little-endian, and what it may be."""
+    """A type: its bytes, little-endian, and its range."""
 
     code: str
     size: int

@@ -36,7 +36,7 @@ _SAVE = 1  # of Reboot's actions
 
 @dataclass(frozen=True, slots=True)
 class OdriveBuild:
-    """What an ODrive is, and how it is mounted and set up.
+    """The make of an ODrive, its mounting and its setup.
 
     Parameters
     ----------
@@ -162,11 +162,11 @@ class EmulatedOdrive(OdriveFaults):
             self._drive(now)
         if now >= self._heartbeat_due:
             self._heartbeat_due = _next(self._heartbeat_due, self.heartbeat_msg_rate_ms, now)
-            if not self.heartbeat_muted:
+            if "heartbeat_silent" not in self.lasting:
                 self._transmit(0x01, self._beat())
         if now >= self._encoder_due:
             self._encoder_due = _next(self._encoder_due, self.encoder_msg_rate_ms, now)
-            if not self.estimates_muted:
+            if "estimates_silent" not in self.lasting:
                 self._transmit(0x09, self._estimates())
         self._plan()
 
@@ -201,7 +201,7 @@ class EmulatedOdrive(OdriveFaults):
     ) -> None:
         """Take a frame from the bus; what is not for this axis is ignored."""
         node, command = can_id >> 5, can_id & 0x1F
-        if extended or not self.connected or node not in (self.node_id, _BROADCAST):
+        if extended or "silent" in self.lasting or node not in (self.node_id, _BROADCAST):
             return
         if now >= self.due:
             self.tick(now)
@@ -219,7 +219,7 @@ class EmulatedOdrive(OdriveFaults):
             self.tick(now)
 
     def _transmit(self, command: int, data: bytes) -> None:
-        if self.connected:
+        if "silent" not in self.lasting:
             self.send(self.node_id << 5 | command, data)
 
     def _version(self) -> bytes | None:
@@ -303,7 +303,7 @@ class EmulatedOdrive(OdriveFaults):
             self.reboot()
 
     def _access_parameter(self, data: bytes) -> None:
-        if not self.sdo_muted:
+        if "sdo_silent" not in self.lasting:
             answer = self.parameters.take(data, self._connection)
             if answer is not None:
                 self._transmit(0x05, answer)

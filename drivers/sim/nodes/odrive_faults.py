@@ -1,7 +1,6 @@
 """What an emulated ODrive axis may do wrong, by name."""
 
 from abc import ABC, abstractmethod
-from functools import partial
 
 from drivers.sim.nodes.faults import FaultInjection, whole_number
 from drivers.sim.servo_port import ServoPort
@@ -39,7 +38,6 @@ class OdriveFaults(FaultInjection, ABC):
 
     def __init__(self) -> None:
         super().__init__()
-        self.estimates_muted = False
         self._jump = 0.0
         self._stuck = False
         self._add_faults()
@@ -62,13 +60,8 @@ class OdriveFaults(FaultInjection, ABC):
     def _angle(self, turns: float) -> float: ...
 
     def _add_faults(self) -> None:
-        for fault, flag, value in (
-            ("silent", "connected", False),
-            ("heartbeat_silent", "heartbeat_muted", True),
-            ("estimates_silent", "estimates_muted", True),
-            ("sdo_silent", "sdo_muted", True),
-        ):
-            self.add_fault(fault, partial(self.mute, flag, value))
+        for fault in ("silent", "heartbeat_silent", "estimates_silent", "sdo_silent"):
+            self.add_lasting_fault(fault)
         self.add_fault("reboot", lambda _: self.reboot())
         for fault in ("axis_error", "drive_fault"):
             self.add_fault(fault, self._inject_error)
@@ -79,7 +72,7 @@ class OdriveFaults(FaultInjection, ABC):
     def repair(self) -> None:
         """End all faults that last."""
         super().repair()
-        self.estimates_muted = self._stuck = False
+        self._stuck = False
         self._jump = 0.0
 
     def _inject_error(self, value: float | None) -> None:

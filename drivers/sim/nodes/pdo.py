@@ -43,7 +43,7 @@ _DUMMY_BYTES = {0x0002: 1, 0x0003: 2, 0x0004: 4, 0x0005: 1, 0x0006: 2, 0x0007: 4
 
 
 class Pdo:
-    """What receive and transmit PDOs have in common: COB-ID, type and mapping.
+    """Base of receive and transmit PDOs: COB-ID, type and mapping.
 
     Parameters
     ----------
