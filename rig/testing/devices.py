@@ -137,6 +137,7 @@ class PressureRegulatorSuite(DeviceSuite[PressureRegulator]):
 
     def pressures(self, bench: Bench[PressureRegulator]) -> Vector:
         """Return what the chambers have; a bench that knows better may say the truth."""
+        bench.device.check(bench.clock.now())  # which is when a device without a bus samples
         return bench.device.pressure().value
 
     def somewhere(self, device: PressureRegulator) -> Vector:
