@@ -3,6 +3,8 @@
 import gc
 import os
 
+pytest_plugins = "rig.testing.plugin"
+
 # As many processes as cores: threads of linear algebra beside them would only wait for each other,
 # and make a fit of 2 s one of 14 s. Read when numpy is imported, here and in what tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -44,16 +44,17 @@ def check_offers(what: str, thing: object, protocol: type) -> None:
         )
 
 
-def check_settings(what: str, settings: object) -> None:
-    """Refuse what is no dataclass: a section of a file cannot become one.
+def check_settings(what: str, settings: object, protocol: type) -> None:
+    """Refuse what is no dataclass, which a section of a file becomes, or lacks what is asked of it.
 
     Raises
     ------
     ConfigurationError
-        It is none.
+        With what it lacks.
     """
     if not (isinstance(settings, type) and is_dataclass(settings)):
         raise ConfigurationError(f"{what} is no dataclass, which the settings of a section must be")
+    check_offers(what, settings, protocol)
 
 
 def check_class(what: str, thing: object, protocol: type) -> None:

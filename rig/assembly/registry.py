@@ -19,8 +19,11 @@ from rig.assembly.contract_check import (
     check_table,
 )
 from rig.config.named_settings import Kind
-from rig.hal import ConfigurationError, CyclicBus, Device, Mechanism, Plant
+from rig.hal import ConfigurationError, CyclicBus, Device, DriverSettings, Mechanism, Plant
+from rig.hal.controller import Law
+from rig.hal.driver import BusSettings
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
+from rig.hal.plant import PhysicsSettings
 
 Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
 Thing = TypeVar("Thing")
@@ -95,7 +98,7 @@ class InstalledParts:
         code = _code_of(kind, name)
         path = code.settings or f"{code.path}.Settings"
         found: type[Any] = load(path)
-        check_settings(f"{kind} {name}: {path}", found)
+        check_settings(f"{kind} {name}: {path}", found, _SETTINGS_OF.get(kind, object))
         return found
 
     def load(self, kind: Kind, name: str) -> Any:
@@ -108,10 +111,10 @@ class InstalledParts:
         """
         path = _code_of(kind, name).path
         found = load(path)
-        protocol = _PROTOCOL_OF.get(kind)
+        protocols = _PROTOCOLS_OF.get(kind, ())
         if kind == "controller":
-            protocol = load(_mechanisms().rows[name.partition("/")[0]].view).law
-        if protocol is not None:
+            protocols = (*protocols, load(self.mechanism(name.partition("/")[0]).view).law)
+        for protocol in protocols:
             check_class(f"{kind} {name}: {path}", found, protocol)
         return found
 
@@ -281,11 +284,17 @@ def _references() -> Iterator[tuple[str, _Code]]:
             yield name, _Code(path, path)
 
 
-_PROTOCOL_OF: dict[Kind, type] = {
-    "mechanism": Mechanism,
-    "driver": Device,
-    "bus": CyclicBus,
-    "plant": Plant,
+_PROTOCOLS_OF: dict[Kind, tuple[type, ...]] = {
+    "mechanism": (Mechanism,),
+    "driver": (Device,),
+    "bus": (CyclicBus,),
+    "plant": (Plant,),
+    "controller": (Law,),
+}
+_SETTINGS_OF: dict[Kind, type] = {
+    "driver": DriverSettings,
+    "bus": BusSettings,
+    "plant": PhysicsSettings,
 }
 _ROWS_OF: dict[Kind, Sequence[Callable[[], _Rows]]] = {
     "mechanism": (_mechanisms,),

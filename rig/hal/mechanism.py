@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 from rig.hal.columns import Column
-from rig.hal.controller import Controller
+from rig.hal.controller import Law
 from rig.hal.devices import Device
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
@@ -34,8 +34,8 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
 
     columns: Sequence[Column]
 
-    law: ClassVar[type] = Controller
-    """What its laws must offer: `Controller`, or a protocol that asks for more."""
+    law: ClassVar[type] = Law
+    """What its laws must offer beside `Law`: a protocol or base that asks for more."""
 
     stopping_time: float = 0.0
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""

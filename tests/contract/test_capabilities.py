@@ -1,7 +1,7 @@
 """What every pressure regulator and every linear encoder does, whatever is behind it.
 
-One suite per capability, over the production driver on an emulated node and over the device
-that stands straight on the plant.
+The suites are those of `rig.testing`, over the production driver on an emulated node and over the
+device that stands straight on the plant, with what these devices do besides.
 """
 
 import math
@@ -24,7 +24,8 @@ from drivers.sim.emulated_rig import EmulatedRig
 from drivers.sim.nodes.cia401_wiring import emulate_cia401, simulate_cia401
 from drivers.sim.nodes.cia406_wiring import emulate_cia406, simulate_cia406
 from drivers.sim.wiring import Installed
-from rig.hal import DeviceFault, LimitExceeded, Reading
+from rig.hal import DeviceFault, LimitExceeded
+from rig.testing.devices import EmergencyStopSuite, LinearEncoderSuite, PressureRegulatorSuite
 
 PERIOD = 0.002
 
@@ -68,7 +69,9 @@ class Bench:
 
 
 class Rig:
-    """One device in a loop, with or without a bus."""
+    """One device in a loop, with or without a bus: the bench of its suite."""
+
+    period = PERIOD
 
     def __init__(self, plant, make_driver=None, node=None, simulate=None):
         self.plant = plant
@@ -117,6 +120,10 @@ class Rig:
             self.bus.transmit(now)
             self.clock.sleep_until(now + PERIOD)
 
+    def close(self):
+        self.device.make_safe()
+        self.bus.close()
+
 
 # Pressure regulators ---------------------------------------------------------------------
 
@@ -150,86 +157,47 @@ def simulated_regulators():
     )
 
 
-@pytest.fixture(params=[emulated_regulators, simulated_regulators])
-def make_regulators(request):
-    return request.param
+class TestPressureRegulator(PressureRegulatorSuite, EmergencyStopSuite):
+    settling, tolerance = 0.12, 100.0
 
+    @pytest.fixture(params=[emulated_regulators, simulated_regulators])
+    def make_bench(self, request):
+        return request.param
 
-@pytest.fixture
-def regulators(make_regulators):
-    rig = make_regulators()
-    rig.start()
-    return rig
+    def pressures(self, bench):
+        return tuple(bench.plant.pressures)
 
+    def test_its_name_range_and_channels_are_the_settings(self, bench):
+        assert bench.device.name == "valves"
+        assert bench.device.channels == ("agonist", "antagonist")
+        assert bench.device.pressure_range == (0.0, 500e3)
 
-class TestPressureRegulator:
-    def test_names_range_and_shapes(self, regulators):
-        device = regulators.device
-        assert device.name == "valves"
-        assert device.channels == ("agonist", "antagonist")
-        assert device.pressure_range == (0.0, 500e3)
-        reading = device.pressure()
-        assert isinstance(reading, Reading)
-        assert [type(value) for value in reading.value] == [float, float]
-
-    def test_connecting_vents_and_opens_no_supply(self, make_regulators):
-        rig = make_regulators()
+    def test_connecting_opens_no_supply(self, make_bench):
+        rig = make_bench()
         rig.open()
         assert rig.plant.setpoints == pytest.approx([0.0, 0.0], abs=20.0)
         assert not rig.plant.supply
 
-    def test_setpoints_before_arming_are_ignored(self, make_regulators):
-        rig = make_regulators()
-        rig.open()
-        rig.device.set_pressure((300e3, 300e3))
-        rig.clock.sleep_until(rig.clock.now() + 0.1)
-        assert rig.plant.pressures == pytest.approx([0.0, 0.0], abs=20.0)
+    def test_a_setpoint_acts_in_its_own_cycle(self, bench):
+        bench.run(1, lambda: bench.device.set_pressure((250e3, 250e3)))
+        assert bench.plant.setpoints == pytest.approx([250e3, 250e3], abs=20.0)
 
-    def test_setpoints_are_followed_each_by_its_channel(self, regulators):
-        regulators.run(60, lambda: regulators.device.set_pressure((120e3, 430e3)))
-        assert regulators.plant.pressures == pytest.approx([120e3, 430e3], abs=100.0)
-        assert regulators.device.pressure().value == pytest.approx((120e3, 430e3), abs=100.0)
-
-    def test_a_setpoint_acts_in_its_own_cycle(self, regulators):
-        regulators.run(1, lambda: regulators.device.set_pressure((250e3, 250e3)))
-        assert regulators.plant.setpoints == pytest.approx([250e3, 250e3], abs=20.0)
-
-    def test_make_safe_vents_shuts_the_supply_and_lasts(self, regulators):
-        regulators.run(60, lambda: regulators.device.set_pressure((300e3, 300e3)))
-        regulators.safe_cycles(5)
-        assert not regulators.plant.supply
-        regulators.device.set_pressure((300e3, 300e3))
-        regulators.safe_cycles(60)
-        assert regulators.plant.pressures == pytest.approx([0.0, 0.0], abs=100.0)
-
-    def test_the_emergency_stop_is_read(self, regulators):
-        assert regulators.device.emergency_stop().value is False
-        regulators.inject("emergency_stop", 1.0)
-        regulators.run(3)
-        assert regulators.device.emergency_stop().value is True
-        regulators.inject("emergency_stop", 0.0)
-        regulators.run(3)
-        assert regulators.device.emergency_stop().value is False
+    def test_make_safe_shuts_the_supply(self, bench):
+        bench.run(60, lambda: bench.device.set_pressure((300e3, 300e3)))
+        bench.safe_cycles(5)
+        assert not bench.plant.supply
 
     @pytest.mark.parametrize("number", [0, 1])
-    def test_a_broken_monitor_names_its_channel(self, regulators, number):
-        regulators.inject("wire_break", number)
-        name = regulators.device.channels[number]
+    def test_a_broken_monitor_names_its_channel(self, bench, number):
+        bench.inject("wire_break", number)
+        name = bench.device.channels[number]
         with pytest.raises(DeviceFault, match=f"valves.*monitor of {name}.*broken wire"):
-            regulators.run(10)
+            bench.run(10)
 
-    def test_a_regulator_that_does_not_follow_is_named(self, regulators):
-        regulators.inject("output_stuck", 1)
+    def test_a_regulator_that_does_not_follow_is_named(self, bench):
+        bench.inject("output_stuck", 1)
         with pytest.raises(DeviceFault, match=r"valves.*antagonist does not follow its setpoint"):
-            regulators.run(200, lambda: regulators.device.set_pressure((300e3, 300e3)))
-
-    def test_a_second_start_after_a_stop(self, regulators):
-        regulators.safe_cycles(5)
-        regulators.device.close()
-        regulators.device.connect()
-        regulators.device.arm()
-        regulators.run(60, lambda: regulators.device.set_pressure((200e3, 200e3)))
-        assert regulators.plant.pressures == pytest.approx([200e3, 200e3], abs=100.0)
+            bench.run(200, lambda: bench.device.set_pressure((300e3, 300e3)))
 
 
 @pytest.mark.parametrize("bad", [(600e3, 0.0), (0.0, -50e3), (float("nan"), 0.0)])
@@ -258,31 +226,19 @@ def simulated_encoder(settings=ENCODER):
     return Rig(plant, simulate=partial(simulate_cia406, Installed("rod", settings, plant, (1,))))
 
 
-@pytest.fixture(params=[emulated_encoder, simulated_encoder])
-def make_encoder(request):
-    return request.param
+class TestLinearEncoder(LinearEncoderSuite):
+    @pytest.fixture(params=[emulated_encoder, simulated_encoder])
+    def make_bench(self, request):
+        return request.param
 
-
-@pytest.fixture
-def encoder(make_encoder):
-    rig = make_encoder()
-    rig.start()
-    return rig
-
-
-class TestLinearEncoder:
-    def test_names_stroke_and_shapes(self, encoder):
-        device = encoder.device
-        assert device.name == "rod"
-        assert device.channels == ("rod",)
-        assert device.stroke == 0.060
-        for reading in (device.position(), device.velocity()):
-            assert isinstance(reading, Reading)
-            assert [type(value) for value in reading.value] == [float]
+    def test_its_name_and_stroke_are_the_settings(self, bench):
+        assert bench.device.name == "rod"
+        assert bench.device.channels == ("rod",)
+        assert bench.device.stroke == 0.060
 
     @pytest.mark.parametrize("settings", [ENCODER, REVERSED])
-    def test_it_measures_its_own_rod_in_its_steps(self, make_encoder, settings):
-        rig = make_encoder(settings)
+    def test_it_measures_its_own_rod_in_its_steps(self, make_bench, settings):
+        rig = make_bench(settings)
         rig.plant.extensions[1] = 0.0234567
         rig.start()
         (extension,) = rig.device.position().value
@@ -292,80 +248,21 @@ class TestLinearEncoder:
             assert steps == pytest.approx(round(steps), abs=1e-6)
 
     @pytest.mark.parametrize("speed", [0.05, -0.05])
-    def test_a_rod_that_moves(self, encoder, speed):
-        encoder.plant.speeds[1] = speed
-        encoder.run(100)
-        (extension,) = encoder.device.position().value
-        expected = 0.020 + speed * (encoder.device.position().t - 3 * PERIOD)
+    def test_a_rod_that_moves(self, bench, speed):
+        bench.plant.speeds[1] = speed
+        bench.run(100)
+        (extension,) = bench.device.position().value
+        expected = 0.020 + speed * (bench.device.position().t - 3 * PERIOD)
         assert extension == pytest.approx(expected, abs=1.2e-3)
-        assert encoder.device.velocity().value[0] == pytest.approx(speed, abs=2e-3)
+        assert bench.device.velocity().value[0] == pytest.approx(speed, abs=2e-3)
 
-    def test_a_jump_is_a_fault_that_names_the_rod(self, encoder):
-        encoder.run(5)
-        encoder.inject("jump", 0.01)
+    def test_a_jump_is_a_fault_that_names_the_rod(self, bench):
+        bench.run(5)
+        bench.inject("jump", 0.01)
         with pytest.raises(DeviceFault, match=r"rod.*position jumped"):
-            encoder.run(5)
+            bench.run(5)
 
-    def test_an_alarm_is_a_fault_that_names_the_rod(self, encoder):
-        encoder.inject("alarm")
+    def test_an_alarm_is_a_fault_that_names_the_rod(self, bench):
+        bench.inject("alarm")
         with pytest.raises(DeviceFault, match=r"rod.*position error"):
-            encoder.run(5)
-
-
-# All of them -----------------------------------------------------------------------------
-
-
-@pytest.fixture(
-    params=[
-        (emulated_regulators, "pressure"),
-        (simulated_regulators, "pressure"),
-        (emulated_encoder, "position"),
-        (simulated_encoder, "position"),
-    ],
-    ids=lambda made: made[0].__name__,
-)
-def make_any(request):
-    """Return a maker of rigs, and how the rig's device is read."""
-    make, method = request.param
-    return make, lambda rig: getattr(rig.device, method)()
-
-
-def test_readings_are_fresh_and_never_go_back(make_any):
-    make, read = make_any
-    rig = make()
-    rig.start()
-    times = []
-    for _ in range(20):
-        rig.run(1)
-        times.append(read(rig).t)
-        assert 0.0 <= rig.clock.now() - times[-1] <= 2.5 * PERIOD
-    assert times == sorted(times)
-    assert len(set(times)) == 20
-
-
-def test_silence_is_a_fault_or_the_reading_grows_old(make_any):
-    make, read = make_any
-    rig = make()
-    rig.start()
-    rig.run(5)
-    rig.inject("silent")
-    name = rig.device.name
-    with pytest.raises(DeviceFault, match=name):
-        for _ in range(100):
-            rig.run(1)
-            if rig.clock.now() - read(rig).t > 0.05:
-                raise DeviceFault(name, "grew old, which the mechanism refuses")
-
-
-def test_it_can_be_made_safe_and_closed_in_any_state_and_again(make_any):
-    make, _ = make_any
-    rig = make()
-    for _ in range(2):
-        rig.device.make_safe()
-        rig.device.close()
-    rig = make()
-    rig.start()
-    for _ in range(2):
-        rig.device.make_safe()
-        rig.device.close()
-        rig.bus.close()
+            bench.run(5)

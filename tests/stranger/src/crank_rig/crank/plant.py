@@ -8,10 +8,12 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Unit
 
 from crank_rig.crank.types import AXES
+from rig.hal import Plant
+from rig.hal.plant import PhysicsSettings
 
 
 @dataclass(frozen=True, slots=True)
-class CrankPlantSettings:
+class CrankPlantSettings(PhysicsSettings):
     """What is true of the simulated cranks.
 
     Parameters
@@ -42,8 +44,8 @@ class CrankPlantSettings:
     timestep: Annotated[float, Unit("s"), Gt(0)] = 5e-4
 
 
-class CrankPlant:
-    """Two cranks, integrated in steps; satisfies `rig.hal.Plant` and `drivers.sim`'s `ServoPort`.
+class CrankPlant(Plant):
+    """Two cranks, integrated in steps, with the port that simulated servo drives need.
 
     Fault: ``rod_broken``.
 

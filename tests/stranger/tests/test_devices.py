@@ -1,0 +1,18 @@
+"""The devices pass what every one of their kind must."""
+
+from pathlib import Path
+
+import crank_rig
+
+from rig.testing.devices import PressureRegulatorSuite
+from rig.testing.laws import LawSuite
+
+CONFIGS = Path(crank_rig.__file__).parent / "configs"
+
+
+class TestTecno(PressureRegulatorSuite):
+    configs, rig, device = CONFIGS, "cylinder-tecno", "regulators"
+
+
+class TestPi(LawSuite):
+    configs, experiment = CONFIGS, "tecno-sine"
