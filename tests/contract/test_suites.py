@@ -28,20 +28,8 @@ class TestLegs(MechanismSuite, MotionSuite, PlantSuite):
     configs, experiment = CONFIGS, "legs-squat"
 
 
-class TestPid(LawSuite):
-    configs, experiment, options = CONFIGS, "cylinder-sine", ("controller=pid",)
-
-
-class TestPidFriction(LawSuite):
-    configs, experiment, options = CONFIGS, "cylinder-sine", ("controller=pid-friction",)
-
-
 class TestCascade(LawSuite):
     configs, experiment = CONFIGS, "cylinder-sine"
-
-
-class TestSuperTwisting(LawSuite):
-    configs, experiment, options = CONFIGS, "cylinder-sine", ("controller=super-twisting",)
 
 
 class TestJointLaw(LawSuite):
