@@ -7,6 +7,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Mapping
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import TypedDict
@@ -61,6 +62,7 @@ def git_state(directory: Path | None = None) -> GitState | None:
     return {"commit": commit, "dirty": dirty}
 
 
+@cache
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that may change a result."""
     found = {"python": platform.python_version()}

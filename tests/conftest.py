@@ -1,5 +1,6 @@
 """What plain ``pytest`` leaves out, and how many processes share the work."""
 
+import gc
 import os
 
 pytest_plugins = "rig.testing.plugin"
@@ -9,6 +10,8 @@ pytest_plugins = "rig.testing.plugin"
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 APART = ("benchmark", "slow")
+TOGETHER = ("tests/unit/controllers/gait/", "tests/closed_loop/test_legs_")
+"""Starts of the paths of files that share plans of walks, which are slow to make."""
 
 
 def pytest_ignore_collect(collection_path, config):
@@ -19,6 +22,13 @@ def pytest_ignore_collect(collection_path, config):
     return None
 
 
+def pytest_collection_finish(session):
+    """Look for garbage seldom: what is imported is most of what is there, and stays."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 50)
+
+
 def pytest_collection_modifyitems(config, items):
     """Deselect marked tests whose marker the ``-m`` expression does not speak of."""
     asked = config.option.markexpr
@@ -27,6 +37,18 @@ def pytest_collection_modifyitems(config, items):
     if left_out:
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if item not in set(left_out)]
+
+
+def pytest_xdist_make_scheduler(config, log):
+    """Give a file, or files that share what they set up, to one process."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFiles(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            return next((start for start in TOGETHER if file.startswith(start)), file)
+
+    return ByFiles(config, log) if config.option.dist == "loadfile" else None
 
 
 def pytest_xdist_auto_num_workers(config):

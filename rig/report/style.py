@@ -101,6 +101,7 @@ def save(figure: "Figure", folder: Path, name: str) -> list[Path]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         figure.savefig(paths[0])
+        figure.set_layout_engine("none")  # both files have the layout of the first
         figure.savefig(paths[1], metadata={"Date": None})
     except OSError as error:
         raise RunFolderError(

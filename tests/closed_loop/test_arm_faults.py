@@ -4,12 +4,15 @@ On production drivers and emulated drives of both kinds of bus. Rates and decele
 plant's own.
 """
 
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from rig.assembly import Backend
+from rig.config.models import FaultSpec
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.run_folder import RunFolder
@@ -38,20 +41,18 @@ FAULTS = [
 ]
 
 
+@cache
+def make_plan(rig, *options):
+    """Return the plan of the elbow's circle, made once."""
+    slow = ["approach=1 s", "reference.rate=0.5 rad/s", "metrics={}"]
+    return load_plan("arm-elbow-circle", [*slow, *options], rig=rig, configs=CONFIGS)
+
+
 def run_into(rig, fault, folder, *options):
     """Run into a fault of q3 on the elbow's circle."""
-    plan = load_plan(
-        "arm-elbow-circle",
-        [
-            "approach=1 s",
-            "reference.rate=0.5 rad/s",
-            "metrics={}",
-            f"simulation.faults=[{{at: {AT}, device: drives, fault: q3.{fault}}}]",
-            *options,
-        ],
-        rig=rig,
-        configs=CONFIGS,
-    )
+    plan = make_plan(rig, *options)
+    simulation = replace(plan.profile.simulation, faults=(FaultSpec(AT, "drives", f"q3.{fault}"),))
+    plan = plan._replace(profile=replace(plan.profile, simulation=simulation))
     return run_experiment(plan, Backend.VIRTUAL, folder, report=False)
 
 

@@ -21,7 +21,7 @@ from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
-from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
@@ -121,7 +121,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._position_antagonist = encoder_antagonist.position
         self._pressure = regulators.pressure
         self._limiter = VectorLimiter(
-            "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
+            "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
         )
         self._max_difference = limits.pair_force / settings.area
         self._force_hits = 0

@@ -32,7 +32,7 @@ from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
 from rig.mechanisms.joint.settings import JointLimits, JointSettings
 from rig.mechanisms.joint.watch import JointWatch
-from rig.mechanisms.pneumatic.devices import check_pneumatics
+from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
@@ -108,7 +108,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         self._limits = limits = settings.limits
         self._limiter = VectorLimiter(
-            "pressure", *limits.pressure, limits.pressure_rate, period, "Pa"
+            "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
         )
         self._watch = JointWatch(
             settings,

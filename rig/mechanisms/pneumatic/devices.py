@@ -10,6 +10,15 @@ _CLAMPED: Final = 0.05
 above or below what its maker says, and is clamped there."""
 
 
+def settable(limits: tuple[float, float], regulators: PressureRegulator) -> tuple[float, float]:
+    """Return the least and greatest setpoint, Pa gauge, that is permitted and can be given.
+
+    A calibrated regulator may begin a little above the least that the profile permits.
+    """
+    lowest, highest = regulators.pressure_range
+    return max(limits[0], lowest), min(limits[1], highest)
+
+
 def check_pneumatics(
     whose: str,
     channels: tuple[str, ...],

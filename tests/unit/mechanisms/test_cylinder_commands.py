@@ -10,6 +10,7 @@ from pneumatic_fakes import (
     MISMATCH,
     PERIOD,
     REACH,
+    FakeRegulators,
     HoldingRegulators,
     PairBench,
     pair_limits,
@@ -235,3 +236,11 @@ def test_a_pair_is_put_together_from_the_devices_that_the_profile_names():
         AntagonisticPair.assemble(pair_settings(emergency_stop="encoder-agonist"), devices, PERIOD)
     with pytest.raises(ConfigurationError, match=r"cylinder\.regulators: no device is called"):
         AntagonisticPair.assemble(pair_settings(regulators="valves"), devices, PERIOD)
+
+
+def test_no_setpoint_lies_beyond_what_calibrated_regulators_can_give():
+    """They begin at 2.5 kPa where the profile permits 0: venting must not be refused as 0."""
+    regulators = FakeRegulators(("agonist", "antagonist"), pressure_range=(2.5e3, 495e3))
+    bench = PairBench(pair_settings(pair_limits(pressure=(0.0, 500e3), pair_force=1e6)), regulators)
+    bench.pair.start_limiting(bench.pair.read(0.0))
+    assert bench.pair.limit(PairCommand(0.0, 500e3)) == (2.5e3, 495e3)

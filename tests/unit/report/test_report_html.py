@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from rig.hal import ConfigurationError
+from rig.report import style
 from rig.report.regenerate import write_report
 from rig.run_folder import RunFolder, RunStatus
 
@@ -43,6 +44,13 @@ class Page(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         self.text += data
+
+
+@pytest.fixture(autouse=True)
+def _draw_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the layout, which takes most of the time: figures have tests of their own."""
+    monkeypatch.setitem(style._RC, "figure.constrained_layout.use", False)
+    monkeypatch.setitem(style._RC, "savefig.dpi", 50)
 
 
 def test_report_says_everything_and_fetches_nothing(make_run: MakeRun) -> None:
