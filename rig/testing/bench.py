@@ -37,7 +37,7 @@ class Bench(Protocol[Tested]):
         """Open, arm, and run a few cycles."""
         ...
 
-    def run(self, cycles: int, command: Callable[[], None] | None = None) -> None:
+    def run(self, cycles: int, command: Callable[[], object] | None = None) -> None:
         """Run cycles of the loop; `command` gives setpoints where a mechanism would."""
         ...
 
@@ -101,7 +101,7 @@ class ProfileBench(Generic[Tested]):
         self._rig.arm()
         self.run(3)
 
-    def run(self, cycles: int, command: Callable[[], None] | None = None) -> None:
+    def run(self, cycles: int, command: Callable[[], object] | None = None) -> None:
         """Run cycles of the loop; see `Bench`."""
         rig = self._rig
         for _ in range(cycles):

@@ -15,6 +15,7 @@ from rig.hal import (
     DeviceFault,
     EmergencyStopInput,
     LinearEncoder,
+    MarkerCamera,
     PressureRegulator,
     Reading,
     ServoBus,
@@ -39,12 +40,17 @@ class DeviceSuite(Generic[Tested]):
     ----------
     configs, rig, device : Path and str
         The folder of the configurations, the profile and its device.
+    capability : type
+        The protocol that it has to meet.
+    silence : str
+        The fault of its simulated forms that stops its readings.
     """
 
     configs: ClassVar[Path]
     rig: ClassVar[str]
     device: ClassVar[str]
     capability: ClassVar[type] = Device
+    silence: ClassVar[str] = "silent"
 
     @pytest.fixture(params=["sim", "virtual"])
     def make_bench(self, request: pytest.FixtureRequest) -> Callable[[], Bench[Tested]]:
@@ -58,8 +64,8 @@ class DeviceSuite(Generic[Tested]):
         made.start()
         return made
 
-    def reading(self, device: Tested) -> Reading[Vector] | None:
-        """Return the reading that is looked at; None: the device has none."""
+    def read_at(self, device: Tested) -> float | None:
+        """Return of when the device's reading is, s; None: it has none."""
         return None
 
     def test_it_has_all_that_its_capability_asks_for(self, bench: Bench[Tested]) -> None:
@@ -75,23 +81,23 @@ class DeviceSuite(Generic[Tested]):
         times = []
         for _ in range(20):
             bench.run(1)
-            reading = self.reading(bench.device)
-            if reading is None:
+            read_at = self.read_at(bench.device)
+            if read_at is None:
                 pytest.skip("it has no reading")
-            times.append(reading.t)
-            assert 0.0 <= bench.clock.now() - reading.t <= _LATEST * bench.period
+            times.append(read_at)
+            assert 0.0 <= bench.clock.now() - read_at <= _LATEST * bench.period
         assert times == sorted(times)
         assert len(set(times)) == 20
 
     def test_silence_is_a_fault_or_the_reading_grows_old(self, bench: Bench[Tested]) -> None:
         bench.run(5)
-        bench.inject("silent")
+        bench.inject(self.silence)
         name = bench.device.name
         with pytest.raises(DeviceFault, match=name):
             for _ in range(int(0.2 / bench.period)):
                 bench.run(1)
-                reading = self.reading(bench.device)
-                if reading is not None and bench.clock.now() - reading.t > _GROWN_OLD:
+                read_at = self.read_at(bench.device)
+                if read_at is not None and bench.clock.now() - read_at > _GROWN_OLD:
                     raise DeviceFault(name, "grew old, which the mechanism refuses")
 
     def test_it_can_be_made_safe_and_closed_in_any_state_and_again(
@@ -131,9 +137,9 @@ class PressureRegulatorSuite(DeviceSuite[PressureRegulator]):
     settling: ClassVar[float] = 1.0
     tolerance: ClassVar[float] = 10e3
 
-    def reading(self, device: PressureRegulator) -> Reading[Vector]:
-        """Return the monitored pressures."""
-        return device.pressure()
+    def read_at(self, device: PressureRegulator) -> float:
+        """Return of when the monitored pressures are."""
+        return device.pressure().t
 
     def pressures(self, bench: Bench[PressureRegulator]) -> Vector:
         """Return what the chambers have; a bench that knows better may say the truth."""
@@ -213,9 +219,9 @@ class LinearEncoderSuite(DeviceSuite[LinearEncoder]):
 
     capability = LinearEncoder
 
-    def reading(self, device: LinearEncoder) -> Reading[Vector]:
-        """Return the positions."""
-        return device.position()
+    def read_at(self, device: LinearEncoder) -> float:
+        """Return of when the positions are."""
+        return device.position().t
 
     def test_names_stroke_and_shapes(self, bench: Bench[LinearEncoder]) -> None:
         device = bench.device
@@ -243,9 +249,9 @@ class ServoBusSuite(DeviceSuite[ServoBus]):
     tolerance: ClassVar[float] = 5e-3
     enabling: ClassVar[float] = 0.5
 
-    def reading(self, device: ServoBus) -> Reading[Vector]:
-        """Return the positions."""
-        return device.positions()
+    def read_at(self, device: ServoBus) -> float:
+        """Return of when the positions are."""
+        return device.positions().t
 
     def move(self, bench: Bench[ServoBus], angle: float) -> Vector:
         """Move every axis by an angle, wait, and return where each was sent."""
@@ -289,6 +295,41 @@ class ServoBusSuite(DeviceSuite[ServoBus]):
         bench.device.command_positions(tuple(angle + 0.05 for angle in before))
         bench.safe_cycles(round(self.enabling / bench.period))
         assert bench.device.positions().value == pytest.approx(before, abs=self.tolerance)
+
+
+class MarkerCameraSuite(DeviceSuite[MarkerCamera]):
+    """Cameras with a marker detector; they are slower than the loop, and late.
+
+    Attributes
+    ----------
+    looking : float
+        How long the camera is looked at, s.
+    """
+
+    capability = MarkerCamera
+    silence = "unplugged"
+    looking: ClassVar[float] = 0.3
+
+    def read_at(self, device: MarkerCamera) -> float:
+        """Return of when the markers were seen."""
+        return device.markers().t
+
+    def test_readings_are_fresh_and_never_go_back(self, bench: Bench[MarkerCamera]) -> None:
+        times = []
+        for _ in range(round(self.looking / bench.period)):
+            bench.run(1)
+            times.append(bench.device.markers().t)
+            assert times[-1] <= bench.clock.now()
+        assert times == sorted(times)
+        assert len(set(times)) > 3
+
+    def test_every_marker_has_a_place(self, bench: Bench[MarkerCamera]) -> None:
+        bench.run(round(self.looking / bench.period), bench.device.markers)
+        markers = bench.device.markers().value
+        assert len(markers.positions) == len(markers.ids) > 0
+        assert len(markers.twists) in (0, len(markers.ids))
+        for position in markers.positions:
+            assert [type(coordinate) for coordinate in position] == [float] * 3
 
 
 class EmergencyStopSuite:

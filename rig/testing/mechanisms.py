@@ -8,7 +8,7 @@ from rig.hal import Mechanism
 from rig.hal.columns import group_order, schema_text
 from rig.hal.offers import lacking
 from rig.testing.of_experiment import OfExperiment
-from rig.testing.rehearsal import Rehearsal, numbers_of
+from rig.testing.rehearsal import Rehearsal, numbers_of, place_of
 
 _ALIKE = 1e-9
 
@@ -51,7 +51,7 @@ class MechanismSuite(OfExperiment):
         start, end = mechanism.reference_of(rehearsal.started), motion.at(0.0)
         for t, wanted in ((0.0, start), (2.0, end)):
             reached = mechanism.approach(start, end, 2.0, t)
-            assert _first(reached) == pytest.approx(_first(wanted), abs=1e-6)
+            assert place_of(reached) == pytest.approx(place_of(wanted), abs=1e-6)
 
     def test_the_worst_margin_is_at_most_one(self, rehearsal: Rehearsal) -> None:
         mechanism, asked = rehearsal.mechanism, rehearsal.asked[-1]
@@ -67,7 +67,7 @@ class MechanismSuite(OfExperiment):
 
 
 def _first(value: object) -> list[float]:
-    """Return the numbers of a command's or reference's first part: its positions or pressures."""
+    """Return what a command sends: all of it, or its first member where that is many numbers."""
     numbers = numbers_of(value)
     if isinstance(value, tuple) and value and isinstance(value[0], tuple):
         return numbers_of(value[0])

@@ -2,17 +2,24 @@
 
 import math
 from itertools import pairwise
+from typing import ClassVar
 
 from rig.testing.of_experiment import OfExperiment
-from rig.testing.rehearsal import Rehearsal, numbers_of
+from rig.testing.rehearsal import Rehearsal, numbers_of, place_of
 
 _STEPS = 400
-_REST = 0.05
-"""Of the greatest step between two instants, the share that the first and last may have."""
 
 
 class MotionSuite(OfExperiment):
-    """The motion of an experiment."""
+    """The motion of an experiment; the first member of its references is where to be.
+
+    Attributes
+    ----------
+    rest : float
+        The share of the greatest step between two instants that the first and the last may have.
+    """
+
+    rest: ClassVar[float] = 0.2
 
     def test_it_lasts(self, rehearsal: Rehearsal) -> None:
         assert 0.0 < rehearsal.plan.motion.duration < math.inf
@@ -26,13 +33,13 @@ class MotionSuite(OfExperiment):
 
     def test_it_goes_from_rest_to_rest(self, rehearsal: Rehearsal) -> None:
         motion = rehearsal.plan.motion
-        rows = [numbers_of(motion.at(motion.duration * k / _STEPS)) for k in range(_STEPS + 1)]
+        rows = [place_of(motion.at(motion.duration * k / _STEPS)) for k in range(_STEPS + 1)]
         greatest = [max(map(abs, row)) for row in zip(*_steps(rows), strict=True)]
-        step = 1e-3 * motion.duration / _STEPS
+        step = motion.duration / _STEPS
         for t in (0.0, motion.duration - step):
-            (change,) = _steps([numbers_of(motion.at(t)), numbers_of(motion.at(t + step))])
+            (change,) = _steps([place_of(motion.at(t)), place_of(motion.at(t + step))])
             for moved, most in zip(change, greatest, strict=True):
-                assert abs(moved) <= _REST * most + 1e-9
+                assert abs(moved) <= self.rest * most + 1e-9
 
     def test_its_stretches_are_inside_it_and_have_names_of_their_own(
         self, rehearsal: Rehearsal

@@ -97,7 +97,7 @@ class _Rows:
 
 
 def rehearse(
-    configs: Path, experiment: str, options: Sequence[str] = (), seconds: float = 3.0
+    configs: Path, experiment: str, options: Sequence[str] = (), seconds: float = 2.0
 ) -> Rehearsal:
     """Go through the beginning of an experiment on `sim`.
 
@@ -116,7 +116,7 @@ def rehearse(
     period = plan.profile.loop.period
     stop, states = StopRequests(), StateMachine()
     states.move(RigState.IDLE)
-    timings = Timings(energise=0.5, approach=1.0, release=0.0)
+    timings = Timings(approach=1.0, release=0.0)
     rows = _Rows(stop, round((seconds + timings.energise) / period))
     with build_rig(plan.profile, Backend.SIM) as rig:
         mechanism: AnyMechanism = rig.mechanism
@@ -163,4 +163,9 @@ def numbers_of(value: object) -> list[float]:
     return []
 
 
-__all__ = ["Asked", "Rehearsal", "numbers_of", "rehearse"]
+def place_of(reference: object) -> list[float]:
+    """Return where a reference wants the mechanism to be: the numbers of its first member."""
+    return numbers_of(reference[0] if isinstance(reference, tuple) else reference)
+
+
+__all__ = ["Asked", "Rehearsal", "numbers_of", "place_of", "rehearse"]
