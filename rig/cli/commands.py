@@ -7,7 +7,7 @@ import sys
 
 import click
 
-from rig.cli import COMMANDS, INTRODUCTION
+from rig.cli.command_table import COMMANDS, INTRODUCTION
 
 
 class _LazyGroup(click.Group):

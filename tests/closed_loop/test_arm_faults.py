@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rig.assembly import Backend
-from rig.config.models import FaultSpec
+from rig.config.simulation_models import FaultSpec
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.run_folder import RunFolder

@@ -6,7 +6,7 @@ import pytest
 from emulated_rig import AGONIST, REGULATORS, Bench
 
 from drivers.sim.frame_faults import FrameFault
-from rig.config.models import FaultSpec
+from rig.config.simulation_models import FaultSpec
 
 
 def on_sync(bench):

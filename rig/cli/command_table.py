@@ -1,0 +1,23 @@
+"""The commands by name: where each one is, and its line in the help."""
+
+COMMANDS = {
+    "run": ("rig.cli.run:run", "Run an experiment and leave a run folder."),
+    "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
+    "check": ("rig.cli.check:check", "Check a profile and show what it says."),
+    "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
+    "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
+    "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
+    "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
+    "report": ("rig.cli.report:report", "Make a run's figures and report again."),
+    "export": ("rig.cli.export:export", "Write a run's log as csv, npz or mat."),
+    "schema": ("rig.cli.schema:schema", "Print the JSON Schema of a file, for editors."),
+    "completion": ("rig.cli.completion:completion", "Print a shell's completion script."),
+}
+
+INTRODUCTION = """\
+Run experiments on a research rig, on hardware or in simulation.
+
+Start with `rig run cylinder-sine`: an antagonistic pair of pneumatic
+cylinders tracks a sine over emulated CANopen devices. `rig list` shows what
+else there is.
+"""
