@@ -43,7 +43,7 @@ class Trajectory(Protocol):
 
 
 class ArmPath(ABC):
-    """What an experiment asks of an arm; another package's references inherit it.
+    """Base of the paths of an arm's hand; another package's references inherit it.
 
     The plain laws follow any trajectory. The singularity-consistent ones plan lines and circles
     (`controllers.arm.trajectories`) and refuse any other.

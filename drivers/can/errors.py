@@ -74,7 +74,7 @@ class BusErrors:
         """Take an error of sending: this cycle's frames are not tried again."""
         self.refused += 1
         self._refused_in_a_row += 1
-        code = _error_number(error)
+        code = error_number(error)
         if code in _LINK_DOWN:
             self.lose(error)
         elif code not in _QUEUE_FULL:
@@ -89,7 +89,7 @@ class BusErrors:
 
     def lose(self, error: Exception) -> None:
         """Take an error of receiving."""
-        if _error_number(error) in _LINK_DOWN:
+        if error_number(error) in _LINK_DOWN:
             self._latch("the interface went down while in use", "link down")
         else:
             self._latch(f"the interface failed while receiving: {error}", None)
@@ -124,9 +124,10 @@ class BusErrors:
             self._trouble = DeviceFault(self._name, what, value=value, bound=bound)
 
 
-def _error_number(error: Exception) -> int | None:
+def error_number(error: Exception) -> int | None:
     """Return the errno of an error; python-can keeps it under a name of its own."""
-    number = getattr(error, "errno", None)
-    if number is None:
-        number = getattr(error, "error_code", None)
-    return number if isinstance(number, int) else None
+    if isinstance(error, OSError):
+        return error.errno
+    from can import CanError
+
+    return error.error_code if isinstance(error, CanError) else None

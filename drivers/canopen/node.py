@@ -6,8 +6,8 @@ CiA 301 V4.2, sections 7.2.2 (PDO), 7.2.8 (NMT), 7.5.2 (communication objects).
 """
 
 import struct
-from collections.abc import Sequence
-from typing import Any, Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final, TypeVar
 
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.emergency import EmergencyLatch, describe_register
@@ -26,6 +26,9 @@ _SYNCHRONOUS: Final = 1
 _ABSENT: Final = (0x0602_0000, 0x0609_0011)  # abort codes: no such object, no such sub-index
 _RECEIVE, _TRANSMIT = 0x1400, 0x1800
 _MAPPING_OFFSET: Final = 0x200
+
+
+Result = TypeVar("Result")
 
 
 class CanopenNode:
@@ -205,7 +208,10 @@ class CanopenNode:
         try:
             return self.read(index, sub, type)
         except ConnectionFailed as error:
-            if getattr(error.__cause__, "code", None) in _ABSENT:
+            from canopen import SdoAbortedError
+
+            cause = error.__cause__
+            if isinstance(cause, SdoAbortedError) and cause.code in _ABSENT:
                 return None
             raise
 
@@ -328,7 +334,7 @@ class CanopenNode:
         except Exception as error:
             raise self._failed(f"the interface refused a frame: {error}") from error
 
-    def _transfer(self, done: str, index: int, sub: int, action: Any) -> Any:
+    def _transfer(self, done: str, index: int, sub: int, action: Callable[[], Result]) -> Result:
         from canopen import SdoAbortedError
 
         thing = f"0x{index:04X}:{sub:02X}"

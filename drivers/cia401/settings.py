@@ -6,8 +6,8 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode
-from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import Entry, Layout, layout_size, pack
+from drivers.canopen.node_settings import NodeSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
 from drivers.cia401.described import describe_channels, typed_objects
 from rig.hal import Address
@@ -38,7 +38,7 @@ class FollowingSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Cia401Settings(CanopenDeviceSettings):
+class Cia401Settings(NodeSettings):
     """A CiA 401 module: regulators on its analogue, safety on its digital channels.
 
     Parameters
@@ -64,16 +64,6 @@ class Cia401Settings(CanopenDeviceSettings):
         Data type of the error mode; some makers took u16.
     following : FollowingSettings
         When a regulator that does not follow is a fault.
-    vendor, product : int, optional
-        What the module must report in 0x1018.
-    eds : str, optional
-        The device's own EDS file, relative to this one: types are taken from it, and what it
-        says the device cannot do is refused.
-    remap : bool
-        Write the PDO mapping; False for modules whose mapping is fixed, which is then
-        compared.
-    hold_after, fault_after : int
-        Readings missed in a row that are counted as held, and that are a fault.
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]
@@ -86,12 +76,6 @@ class Cia401Settings(CanopenDeviceSettings):
     error_value: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6444
     error_mode_type: Literal["u8", "u16"] = "u8"
     following: FollowingSettings = field(default_factory=FollowingSettings)
-    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    eds: str | None = None
-    remap: bool = True
-    hold_after: Annotated[int, Ge(1)] = 2
-    fault_after: Annotated[int, Ge(1)] = 5
 
     def __post_init__(self) -> None:
         sides = {
@@ -128,10 +112,7 @@ class Cia401Settings(CanopenDeviceSettings):
         low, high = self.pressure_range
         if not low < high:
             raise ValueError("channels: their setpoints have no pressure range in common.")
-        if self.fault_after < self.hold_after:
-            raise ValueError(
-                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
-            )
+        NodeSettings.__post_init__(self)
         pack(self.receive_entries)
         pack(self.transmit_entries)
 

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
-from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
+from drivers.canopen.node_settings import NodeSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
 from drivers.servos.axis_settings import FollowingAxisSettings
@@ -85,7 +85,7 @@ class DriveSettings(FollowingAxisSettings):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cia402Settings(CanopenDeviceSettings):
+class Cia402Settings(NodeSettings):
     """Joints on CiA 402 drives, one node each, in a cyclic synchronous mode.
 
     Parameters
@@ -110,15 +110,6 @@ class Cia402Settings(CanopenDeviceSettings):
     absent : tuple of int
         Objects among those that are written at each start that these drives do not have;
         what the drive does instead must be found in its manual.
-    vendor, product : int, optional
-        What every drive must report in 0x1018.
-    eds : str, optional
-        The device's own EDS file, relative to this one: types are taken from it, and what it
-        says the device cannot do is refused.
-    remap : bool
-        Write the PDO mapping; False for drives whose mapping is fixed, which is then compared.
-    hold_after, fault_after : int
-        Readings missed in a row that are counted as held, and that are a fault.
     """
 
     joints: Annotated[dict[str, DriveSettings], MinLen(1)]
@@ -128,12 +119,6 @@ class Cia402Settings(CanopenDeviceSettings):
     after_stop: Literal["hold", "release"] = "hold"
     enable_time: Annotated[float, Unit("s"), Gt(0)] = 1.0
     absent: tuple[int, ...] = ()
-    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    eds: str | None = None
-    remap: bool = True
-    hold_after: Annotated[int, Ge(1)] = 2
-    fault_after: Annotated[int, Ge(1)] = 5
 
     def __post_init__(self) -> None:
         owner: dict[int, str] = {}
@@ -146,10 +131,7 @@ class Cia402Settings(CanopenDeviceSettings):
             owner[joint.node] = name
         if len(set(self.feedback)) != len(self.feedback):
             raise ValueError("feedback: a quantity is named twice.")
-        if self.fault_after < self.hold_after:
-            raise ValueError(
-                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
-            )
+        NodeSettings.__post_init__(self)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

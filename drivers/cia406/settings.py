@@ -7,8 +7,8 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
-from drivers.canopen.device_settings import CanopenDeviceSettings
 from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
+from drivers.canopen.node_settings import NodeSettings
 from rig.hal import Address
 from rig.hal.driver import Keys
 
@@ -51,7 +51,7 @@ class SpeedObject:
 
 
 @dataclass(frozen=True, slots=True)
-class Cia406Settings(CanopenDeviceSettings):
+class Cia406Settings(NodeSettings):
     """A linear encoder after CiA 406, one rod per node.
 
     The rod's extension is ``± scale · step · counts + offset``.
@@ -87,16 +87,6 @@ class Cia406Settings(CanopenDeviceSettings):
         for encoders with noise of their own: a rod may well stand still.
     preset_offset : int, optional
         What 0x6509 must hold, counts: somebody who set a preset has moved the zero.
-    vendor, product : int, optional
-        What the device must report in 0x1018.
-    eds : str, optional
-        The device's own EDS file, relative to this one: types are taken from it, and what it
-        says the device cannot do is refused.
-    remap : bool
-        Write the PDO mapping; False for devices whose mapping is fixed, which is then
-        compared.
-    hold_after, fault_after : int
-        Readings missed in a row that are counted as held, and that are a fault.
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]
@@ -113,18 +103,9 @@ class Cia406Settings(CanopenDeviceSettings):
     max_speed: Annotated[float, Unit("m/s"), Gt(0)] = 2.0
     frozen_timeout: Annotated[float, Unit("s"), Gt(0)] | None = None
     preset_offset: int | None = None
-    vendor: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    product: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
-    eds: str | None = None
-    remap: bool = True
-    hold_after: Annotated[int, Ge(1)] = 2
-    fault_after: Annotated[int, Ge(1)] = 5
 
     def __post_init__(self) -> None:
-        if self.fault_after < self.hold_after:
-            raise ValueError(
-                f"fault_after ({self.fault_after}) is below hold_after ({self.hold_after})."
-            )
+        NodeSettings.__post_init__(self)
         if len(pack(self.transmit_entries)) > 1:
             raise ValueError(
                 "position, speed and alarms are more than the 8 bytes of one PDO; "

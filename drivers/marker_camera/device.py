@@ -25,7 +25,7 @@ _NOTHING: Final = Markers((), ())
 
 
 class Reason(NamedTuple):
-    """Why a marker was not seen, in words; fields of `rig.hal.DeviceError`."""
+    """The reason why a marker was not seen, in words; fields of `rig.hal.DeviceError`."""
 
     what: str
     value: str

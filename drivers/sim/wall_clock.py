@@ -13,6 +13,7 @@ from time import monotonic, sleep
 from typing import Final, Protocol
 
 from drivers.can import close_bus
+from drivers.can.errors import error_number
 from drivers.sim.dynamixel.line import MemoryPort
 from drivers.sim.emulated_rig import EmulatedRig
 from rig.hal import DeviceFault, FastCanBus
@@ -127,8 +128,7 @@ class CanEnd(FastCanBus):
     shutdown = close
 
     def _note(self, error: Exception) -> None:
-        number = getattr(error, "errno", None) or getattr(error, "error_code", None)
-        if number in (errno.ENODEV, errno.ENXIO):
+        if error_number(error) in (errno.ENODEV, errno.ENXIO):
             raise DeviceFault(self.name, f"the interface is gone: {error}") from error
         self.trouble = str(error)
 

@@ -239,7 +239,7 @@ def _foreign_additions() -> _Rows:
 
 
 class _Code(NamedTuple):
-    """Where the code behind a name is, and its settings where they are apart from it."""
+    """The place of the code behind a name, and of its settings where they are apart from it."""
 
     path: str
     settings: str | None

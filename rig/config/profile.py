@@ -200,7 +200,7 @@ def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:
         yield mechanism.value, (mechanism.value,), root
 
 
-class _Reader:
+class _Reader(Sections):
     """The merged document, read section by section into a `Profile`."""
 
     def __init__(
@@ -212,20 +212,16 @@ class _Reader:
         bare: Node,
     ) -> None:
         keys = (*PROFILE_KEYS, *registry.names("mechanism"))
-        self._sections = Sections(root, keys, registry, problems)
-        self._root = root
-        self._registry = registry
-        self._problems = problems
+        super().__init__(root, keys, registry, problems)
         self._calibrations = calibrations
         self._bare = bare
 
     def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
         """Read every section, so that every error is found; None if there is one."""
-        sections = self._sections
         mechanism_settings, calibration, uncalibrated = self._mechanism()
-        bus_nodes, device_nodes = sections.named("buses"), sections.named("devices")
+        bus_nodes, device_nodes = self.named("buses"), self.named("devices")
         buses = {
-            bus: sections.chosen("bus", node, "protocol", DEFAULT_PROTOCOL)
+            bus: self.chosen("bus", node, "protocol", DEFAULT_PROTOCOL)
             for bus, node in bus_nodes.items()
         }
         devices = {
@@ -234,13 +230,13 @@ class _Reader:
         }
         controllers = {
             controller: self._controller(controller, node)
-            for controller, node in sections.named("controllers", names=False).items()
+            for controller, node in self.named("controllers", names=False).items()
         }
-        plant_node = sections.take("plant")
-        plant = None if plant_node is None else sections.chosen("plant", plant_node, "model")
+        plant_node = self.take("plant")
+        plant = None if plant_node is None else self.chosen("plant", plant_node, "model")
         simulation = self._simulation((*device_nodes, *bus_nodes, "plant"))
-        head = sections.rest(ProfileHead)
-        if self._problems or head is None or simulation is None:
+        head = self.rest(ProfileHead)
+        if self.problems or head is None or simulation is None:
             return None
         return Profile(
             name=name,
@@ -260,60 +256,60 @@ class _Reader:
 
     def _mechanism(self) -> tuple[object, Calibration | None, object]:
         """Return its settings, what was laid over them, and the settings without it."""
-        node = self._root.get("mechanism")
+        node = self.root.get("mechanism")
         name = None if node is None else node.value
         settings = None
         if node is not None and isinstance(name, str):
-            settings = self._sections.settings_of("mechanism", name, node)
+            settings = self.settings_of("mechanism", name, node)
         if settings is None or not isinstance(name, str):
             # Its name is missing or wrong, which is said elsewhere; its settings are not unknown.
-            for other in self._registry.names("mechanism"):
-                self._sections.take(other)
+            for other in self.registry.names("mechanism"):
+                self.take(other)
             return None, None, None
-        entry = self._sections.take(name, required=True)
-        if entry is None or not self._sections.is_mapping(entry, name):
+        entry = self.take(name, required=True)
+        if entry is None or not self.is_mapping(entry, name):
             return None, None, None
-        built = build(settings, entry, self._problems)
-        calibration = self._calibration(name, self._sections.take("calibration"))
+        built = build(settings, entry, self.problems)
+        calibration = self._calibration(name, self.take("calibration"))
         if built is None:
             return None, None, None
         return built, *self._nominal(name, settings, self._bare.get(name), calibration)
 
     def _controller(self, name: str, node: Node) -> object:
-        mechanism = self._root.get("mechanism")
+        mechanism = self.root.get("mechanism")
         of = mechanism.value if mechanism is not None else None
         scope = of if isinstance(of, str) else None
-        known = controller_names(self._registry, scope)
+        known = controller_names(self.registry, scope)
         if name not in known:
             message = f"no controller is called {shown(name)}"
-            self._problems.add(node.heading, message, nearest(name, known))
+            self.problems.add(node.heading, message, nearest(name, known))
             return None
-        key = name if scope is None else controller_key(self._registry, scope, name)
+        key = name if scope is None else controller_key(self.registry, scope, name)
         try:
-            settings = self._registry.settings("controller", key)
+            settings = self.registry.settings("controller", key)
         except KeyError:  # the mechanism is missing, which is said elsewhere
             return None
-        return build(settings, node, self._problems)
+        return build(settings, node, self.problems)
 
     def _device(self, name: str, node: Node, buses: tuple[str, ...]) -> DeviceEntry | None:
         common, own = _parted(node)
         stated = {key: entry for key, entry in common.items() if key in ("bus", "serial")}
-        head = build(DeviceHead, node.with_items(stated), self._problems)
+        head = build(DeviceHead, node.with_items(stated), self.problems)
         if head is not None and head.bus is not None and head.bus not in buses:
             hint = nearest(head.bus, buses) or "the profile has no buses"
-            self._problems.add(common["bus"].mark, f"no bus is called {shown(head.bus)}", hint)
+            self.problems.add(common["bus"].mark, f"no bus is called {shown(head.bus)}", hint)
         calibration = self._calibration(name, common.get("calibration"))
-        driver = self._sections.text(node, "driver")
+        driver = self.text(node, "driver")
         if driver is None:
             return None
-        settings = self._sections.settings_of("driver", driver, common["driver"])
+        settings = self.settings_of("driver", driver, common["driver"])
         if settings is None:
             return None
         _, bare = _parted(self._bare.descend(("devices", name))[0])
-        file = DeviceDescription.of(settings, own, self._problems)
+        file = DeviceDescription.of(settings, own, self.problems)
         if file is not None:
             own, bare = file.complete(own), file.complete(bare)
-        built = build(settings, own, self._problems, also=COMMON_KEYS)
+        built = build(settings, own, self.problems, also=COMMON_KEYS)
         if file is not None and built is not None:
             file.compare(name, built, own)
         if head is None or built is None:
@@ -329,8 +325,8 @@ class _Reader:
         if calibration is None or bare is None:
             return calibration, None
         if name not in self._calibrations:  # a resolved profile says itself what was replaced
-            return calibration, build(settings, with_replaced(bare, calibration), self._problems)
-        nominal = build(settings, bare, self._problems)
+            return calibration, build(settings, with_replaced(bare, calibration), self.problems)
+        nominal = build(settings, bare, self.problems)
         replaced = pruned(as_plain(nominal), calibration.replaced)
         return replace(calibration, replaced=replaced), nominal
 
@@ -340,7 +336,7 @@ class _Reader:
             return self._calibrations.get(device)
         if not isinstance(node.value, dict):
             if node.value is not BROKEN:
-                self._problems.add(
+                self.problems.add(
                     node.mark, f"calibration is {shown(node.plain())}, expected true or false"
                 )
             return None
@@ -350,25 +346,25 @@ class _Reader:
         replaced = items.pop("replaced", None)
         for key, extra in items.items():
             hint = nearest(key, ("file", "provenance", "replaced"))
-            self._problems.add(extra.heading, f"unknown key {key!r}", hint)
+            self.problems.add(extra.heading, f"unknown key {key!r}", hint)
         if file is None or provenance is None or not isinstance(file.value, str):
-            self._problems.add(node.heading, "a resolved calibration has file and provenance")
+            self.problems.add(node.heading, "a resolved calibration has file and provenance")
             return None
-        read = read_provenance(provenance, self._problems)
+        read = read_provenance(provenance, self.problems)
         if read is None:
             return None
         before = {} if replaced is None else replaced.plain()
         return Calibration(file.value, read, before if isinstance(before, dict) else {})
 
     def _simulation(self, names: tuple[str, ...]) -> SimulationSettings | None:
-        node = self._sections.take("simulation")
+        node = self.take("simulation")
         if node is None:
             return SimulationSettings()
-        simulation = build(SimulationSettings, node, self._problems)
+        simulation = build(SimulationSettings, node, self.problems)
         for index, fault in enumerate(simulation.faults if simulation else ()):
             if fault.device not in names:
                 place, _ = node.descend(("faults", index, "device"))
-                self._problems.add(
+                self.problems.add(
                     place.mark,
                     f"no device or bus is called {shown(fault.device)}",
                     nearest(fault.device, names),

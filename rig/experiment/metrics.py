@@ -23,7 +23,7 @@ class MetricError(RigError):
 
 
 class MetricRequest(Protocol):
-    """What an experiment says of a metric.
+    """A metric as an experiment asks for it.
 
     `measure` defaults to the metric's name, `segments` is a pattern of segment names, `max`
     and `min` are bounds in the measure's SI unit.

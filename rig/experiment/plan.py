@@ -27,7 +27,7 @@ from rig.hal.motion import Fact, Motion
 
 
 class Plan(NamedTuple):
-    """What is to be done, on what; found possible before anything is opened.
+    """An experiment with its rig and controller; found possible before anything is opened.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ EXIT_OK, EXIT_MISSED, EXIT_PREFLIGHT, EXIT_FAULT, EXIT_INTERRUPTED = 0, 1, 3, 4,
 
 
 class Result(NamedTuple):
-    """How a run ended.
+    """The end of a run, with its folder and metrics.
 
     Parameters
     ----------

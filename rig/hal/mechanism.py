@@ -19,14 +19,14 @@ Kind = TypeVar("Kind")
 
 
 class Margin(NamedTuple):
-    """How far a quantity is from its limit: 1 is far, 0 is on it."""
+    """The distance of a quantity from its limit: 1 is far, 0 is on it."""
 
     name: str
     fraction: float
 
 
 class Mechanism(Protocol[Settings, State, Reference, Command]):
-    """What the loop needs to know of a rig's mechanics.
+    """The loop's view of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
     `write`, `row`. Inherit it: what has a default need not be written.

@@ -23,7 +23,7 @@ class PlantModel:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Additions:
-    """What may be added to a mechanism, also by another package than the mechanism's own.
+    """Things that may be added to a mechanism, also by another package than the mechanism's own.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ TIMING_COLUMNS = (
 
 
 class Recorder(Protocol):
-    """Where each cycle goes."""
+    """The log of a run, a row for each cycle."""
 
     def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
         """Append one cycle; it is with the operating system when this returns."""

@@ -26,7 +26,7 @@ SAFE_CYCLES = 5
 
 
 class Progress(NamedTuple):
-    """What a progress line needs."""
+    """The state of a run, for a progress line."""
 
     phase: Phase
     t: float
@@ -36,7 +36,7 @@ class Progress(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How a run ended.
+    """The end of a run.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ from rig.runtime.states import RigState, StateMachine
 
 
 class Phase(IntEnum):
-    """Where a run is; recorded with every cycle."""
+    """The phase that a run is in; recorded with every cycle."""
 
     APPROACH = 0
     RUN = 1

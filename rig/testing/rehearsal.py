@@ -50,7 +50,7 @@ class Noting:
 
 
 class Rehearsal(NamedTuple):
-    """What an experiment was for the first cycles of its way.
+    """An experiment over the first cycles of its way.
 
     Attributes
     ----------

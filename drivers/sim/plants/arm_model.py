@@ -18,7 +18,7 @@ _STIFF_FRICTION = "0.9999 0.9999 0.001 0.5 2"
 
 
 class ArmDimensions(Protocol):
-    """What the plant needs of a profile's geometry: m and rad.
+    """The part of a profile's geometry that the plant needs: m and rad.
 
     At zero the arm stands straight up. q1 turns about Z, q2 and q3 about Y, the wrist about Z,
     `wrist_sign` times Y, and Z.
@@ -37,7 +37,7 @@ class ArmDimensions(Protocol):
 
 
 class Deviations(NamedTuple):
-    """How a unit differs from its drawing: factors.
+    """Differences of a unit from its drawing: factors.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class LinkMasses(Protocol):
 
 
 class LegDimensions(Protocol):
-    """What the plant needs of a profile's geometry: m, kg, rad, rad/s, N m."""
+    """The part of a profile's geometry that the plant needs: m, kg, rad, rad/s, N m."""
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -69,7 +69,7 @@ class LegDimensions(Protocol):
 
 
 class Deviations(NamedTuple):
-    """How a unit differs from its drawing.
+    """Differences of a unit from its drawing.
 
     Parameters
     ----------

@@ -157,7 +157,7 @@ class WireSettings:
 
 @dataclass(frozen=True, slots=True)
 class CarriageSettings:
-    """What the two wires of a pair move, as seen from the wires.
+    """The carriage that the two wires of a pair move, as seen from the wires.
 
     Parameters
     ----------

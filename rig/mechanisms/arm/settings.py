@@ -11,7 +11,7 @@ from rig.mechanisms.servo.settings import ServoSettings
 
 @dataclass(frozen=True, slots=True)
 class HandMetrology:
-    """How the hand's positions are measured when the arm is calibrated.
+    """Measurement of the hand's positions when the arm is calibrated.
 
     Parameters
     ----------

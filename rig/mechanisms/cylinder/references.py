@@ -21,7 +21,7 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 
 
 class PairMotion(Motion[PairReference]):
-    """What an experiment asks of a pair: references inherit it."""
+    """Base of the references of a pair."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ class FrictionModel(SealFriction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylinderLimits(PneumaticLimits):
-    """What the loop never permits of a pair, beside what `PneumaticLimits` says.
+    """Limits of a pair, beside what `PneumaticLimits` says.
 
     Parameters
     ----------

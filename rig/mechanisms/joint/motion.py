@@ -38,7 +38,7 @@ class Repetition(NamedTuple):
 
 
 class JointDrawing(Motion[JointReference]):
-    """What an experiment asks of the joint: references inherit it."""
+    """Base of the references of the joint."""
 
     @property
     def repetitions(self) -> Sequence[Repetition]:

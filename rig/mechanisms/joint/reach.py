@@ -47,7 +47,7 @@ class PoseFacts(NamedTuple):
 
 
 class JointReach:
-    """How far the joint reaches, what its wires bear there, how wrong the paper's wires are.
+    """Reach of the joint, load of its wires there, and how wrong the paper's wires are.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class JointFriction(SealFriction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointLimits(PneumaticLimits):
-    """What the loop never permits, and what a plan is refused for; see `PneumaticLimits`, too.
+    """Limits that the loop enforces, and by which a plan is refused; see `PneumaticLimits`, too.
 
     Parameters
     ----------

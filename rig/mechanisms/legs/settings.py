@@ -24,7 +24,7 @@ def _jig_poses() -> dict[str, SixAngles]:
 
 @dataclass(frozen=True, slots=True)
 class JigSettings:
-    """What holds both legs at known angles while they are calibrated.
+    """The jig that holds both legs at known angles while they are calibrated.
 
     Parameters
     ----------

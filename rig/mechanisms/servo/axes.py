@@ -41,7 +41,7 @@ class AxisLimits(NamedTuple):
 
 
 class AxisValues(Protocol):
-    """What state, reference and command of a mechanism on servo axes have in common."""
+    """The common part of state, reference and command of a mechanism on servo axes."""
 
     @property
     def positions(self) -> Vector: ...  # noqa: D102 - rad

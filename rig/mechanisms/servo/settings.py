@@ -8,7 +8,7 @@ from annotated_types import Gt, MinLen, Unit
 
 @dataclass(frozen=True, slots=True)
 class ServoLimits:
-    """What the loop never permits, beside the joint limits of the geometry.
+    """Limits that the loop enforces, beside the joint limits of the geometry.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class ServoLimits:
 
 @dataclass(frozen=True, slots=True)
 class ServoSettings:
-    """Which devices drive the joints.
+    """The devices that drive the joints.
 
     Parameters
     ----------

@@ -47,7 +47,7 @@ class _Readings(NamedTuple):
 
 
 class WireLimits(NamedTuple):
-    """What the watch is told of the joint.
+    """The joint as the watch is told of it.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ ENDED = 2.0
 
 
 class LapErrors(NamedTuple):
-    """What each lap of a window left.
+    """The errors that each lap of a window left.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ _LEAST = 1e-7
 
 
 class Yielding(NamedTuple):
-    """How a pose gave way to a push on the pair (ch1, ch3).
+    """The way in which a pose gave way to a push on the pair (ch1, ch3).
 
     Parameters
     ----------

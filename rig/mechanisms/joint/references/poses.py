@@ -25,7 +25,7 @@ _ZERO: Vector = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class JointPose:
-    """Where the axis points.
+    """A direction of the ring's axis.
 
     Parameters
     ----------
