@@ -9,8 +9,11 @@ import json
 import shutil
 import sys
 
+import numpy as np
 import pytest
 from stranger_lab import PACKAGE, SOURCE, Lab, beside_the_source, in_an_environment, metrics_of
+
+from rig.runtime.log import read_log
 
 TRUE_ZERO = 0.015  # rad, of the plant's settings
 
@@ -87,11 +90,25 @@ def test_run_on_virtual_can(recorded):
     assert metrics["rod_twist"]["pass"] and metrics["turning_rms"]["pass"]
 
 
+@pytest.mark.parametrize("backend", ["sim", "virtual"])
+def test_a_sensor_that_nobody_uses_is_logged_with_its_unit(lab, recorded, backend):
+    """It has no simulation of its own: what its settings describe is enough."""
+    path = recorded if backend == "virtual" else lab.run("crank-turns", "--on", "sim")
+    log = read_log(path / "log.mcap")
+    (column,) = [c for c in log.columns if c.name == "device.rod_force_force"]
+    assert column.unit == "N"
+    force, torque = log.column(column.name), log.column("truth.rod_torque")
+    assert np.ptp(force) > 10.0
+    # One cycle old, and in steps of 15 mN.
+    assert np.corrcoef(force[1:], torque[:-1])[0, 1] > 0.99
+
+
 def test_monitor_reads_its_frames_in_its_names(lab, recorded):
     done = lab.rig("monitor", "crank", "--frames", recorded)
     assert done.returncode == 0, done.stderr
     assert "drives left" in done.stdout
     assert "target position" in done.stdout
+    assert "rod-force" in done.stdout
 
 
 def test_report_is_made_again(lab, recorded):
@@ -103,6 +120,7 @@ def test_report_is_made_again(lab, recorded):
     assert "Twist of the rod" in (recorded / "report.html").read_text()
 
 
+@pytest.mark.slow
 def test_compare_draws_its_own_comparison(lab):
     done = lab.rig("compare", "crank-turns", "--on", "sim")
     assert done.returncode == 0, done.stderr
@@ -113,6 +131,7 @@ def test_compare_draws_its_own_comparison(lab):
     assert "mrad" in figure.read_text()
 
 
+@pytest.mark.slow
 def test_calibration_finds_what_is_true_and_is_laid_over(lab):
     refused = lab.rig("calibrate", "crank", "rod-zreo", "--yes")
     assert refused.returncode == 2
@@ -140,6 +159,7 @@ def test_another_codec_in_the_place_of_ours_under_a_law_of_its_own(lab):
     assert "kPa, supply open" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_fault_of_its_node_is_a_fault_of_the_run(lab):
     fault = "simulation.faults=[{at: 3 s, device: regulators, fault: regulator_fault}]"
     done = lab.rig("run", "tecno-sine", "--on", "virtual", "--set", fault)
@@ -147,6 +167,7 @@ def test_a_fault_of_its_node_is_a_fault_of_the_run(lab):
     assert "regulators: a regulator reports a fault" in done.stderr
 
 
+@pytest.mark.slow
 def test_a_path_of_its_own_for_an_arm(lab):
     assert metrics_of(lab.run("arm-sway", "--on", "sim"))["completes"]["value"] == 1.0
 
