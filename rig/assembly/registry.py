@@ -87,6 +87,11 @@ class InstalledParts:
         found: ProtocolParts = _find(_protocols(), name)
         return found
 
+    def broken(self) -> tuple[str, ...]:
+        """Return why what is installed cannot be used, a sentence each: its names are missing."""
+        found = (_mechanisms(), _drivers(), _protocols(), _foreign_additions())
+        return tuple(why for rows in found for why in rows.broken.values())
+
     # Names ----------------------------------------------------------------------------
 
     def names(self, kind: Kind) -> tuple[str, ...]:
@@ -246,8 +251,6 @@ def _code_of(kind: Kind, name: str) -> _Code:
     except KeyError:
         for found in _ROWS_OF.get(kind, ()):
             _find(found(), name)  # an installed row that is broken says why
-        for why in () if kind in _ROWS_OF else _foreign_additions().broken.values():
-            raise ConfigurationError(f"no {kind} is called {name!r}; {why}") from None
         raise
     for other in others:  # said where the name is used: it is no concern of other rigs
         raise ConfigurationError(

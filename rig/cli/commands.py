@@ -77,6 +77,7 @@ def _report(error: Exception) -> int:
     if isinstance(error, RigError):
         click.echo(f"error: {error}", err=True)
         if isinstance(error, ConfigurationError):
+            _tell_of_broken_packages(str(error))
             return 2
         return 3 if isinstance(error, DeviceError) else 4
     import traceback
@@ -92,3 +93,12 @@ def _report(error: Exception) -> int:
         "\nThis is a bug in rig, not in your files. Please report it with the text above.", err=True
     )
     return 70
+
+
+def _tell_of_broken_packages(told: str) -> None:
+    """Say what is installed and cannot be used: a name that is missing may be one of its."""
+    from rig.assembly import REGISTRY
+
+    for sentence in REGISTRY.broken():
+        if sentence not in told:
+            click.echo(f"besides: {sentence}", err=True)

@@ -8,7 +8,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Unit
 
 from crank_rig.crank.types import AXES
-from rig.hal import Plant
+from rig.hal import MeasuredPlant, Plant
 from rig.hal.plant import PhysicsSettings
 
 
@@ -24,6 +24,8 @@ class CrankPlantSettings(PhysicsSettings):
         Dry friction of each crank, N m.
     rod_stiffness : float
         Torque for a twist of the rod, where the cranks stand across it, N m/rad.
+    radius : float
+        Of the cranks, m.
     rod_zero : float
         The right crank's lead at which the rod is unstrained, rad.
     drive_stiffness, drive_damping : float
@@ -37,6 +39,7 @@ class CrankPlantSettings(PhysicsSettings):
     inertia: Annotated[float, Unit("kg m^2"), Gt(0)] = 0.05
     friction: Annotated[float, Unit("N m"), Ge(0)] = 0.5
     rod_stiffness: Annotated[float, Unit("N m"), Gt(0)] = 400.0
+    radius: Annotated[float, Unit("m"), Gt(0)] = 0.05
     rod_zero: Annotated[float, Unit("rad")] = 0.015
     drive_stiffness: Annotated[float, Unit("N m"), Gt(0)] = 800.0
     drive_damping: Annotated[float, Unit("N m s"), Ge(0)] = 12.0
@@ -44,7 +47,7 @@ class CrankPlantSettings(PhysicsSettings):
     timestep: Annotated[float, Unit("s"), Gt(0)] = 5e-4
 
 
-class CrankPlant(Plant):
+class CrankPlant(Plant, MeasuredPlant):
     """Two cranks, integrated in steps, with the port that simulated servo drives need.
 
     Fault: ``rod_broken``.
@@ -57,7 +60,7 @@ class CrankPlant(Plant):
         Of the noise.
     """
 
-    channel_names = AXES
+    channel_names = (*AXES, "rod")
     known_faults = ("rod_broken",)
     truth_columns = (
         ("position_left", "rad"),
@@ -113,6 +116,12 @@ class CrankPlant(Plant):
     def joint_torque(self, channel: int) -> float:
         """Return the torque of a crank's drive, N m."""
         return self._torques[channel]
+
+    def channel_value(self, channel: int) -> float:
+        """Return what a sensor on a channel measures: on the rod its force, N; else an angle."""
+        if channel < len(AXES):
+            return self._angles[channel]
+        return self._rod_torque() / self.settings.radius
 
     def _rod_torque(self) -> float:
         """Return the rod's torque on the left crank, N m; at its dead centres it has no lever."""

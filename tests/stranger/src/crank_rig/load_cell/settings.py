@@ -25,15 +25,22 @@ class LoadCellSettings(CanopenDeviceSettings):
         Its number on the bus.
     capacity : float
         The force at full scale, 32767 counts, N.
+    measures : str
+        The plant's channel that a simulated one shows.
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]
     capacity: Annotated[float, Unit("N"), Gt(0)]
+    measures: str = "rod"
 
     @property
     def gain(self) -> float:
         """Force of one count, N."""
         return self.capacity / 32767.0
+
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the plant's channel that it is mounted on."""
+        return (self.measures,)
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the one node."""
