@@ -1,17 +1,14 @@
 """The cascade's law as numbers: one source for Python and for the loop, where it is compiled."""
 
 import math
-from typing import TYPE_CHECKING
 
 from controllers.compiled import PlainNumbers, inlined
+from controllers.cylinder.cascade_settings import CascadeSettings
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward
 from controllers.cylinder.law import Integral, Output
 from controllers.cylinder.types import PairModel
 from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
-
-if TYPE_CHECKING:
-    from controllers.cylinder.cascade import CascadeSettings
 
 _REST_SPEED, _REST_TIME = 5e-5, 0.1
 """A reference rests if it is slower than this (m/s) and stays so for this time (s): a sine that
@@ -52,7 +49,7 @@ class CascadeLaw(PlainNumbers):
         The loop's period, s.
     """
 
-    def __init__(self, settings: "CascadeSettings", model: PairModel, period: float) -> None:
+    def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
         self._position_rate = settings.position_rate
         tuned = settings.tuned_viscous
         share = 1.0 if tuned is None else model.viscous / tuned

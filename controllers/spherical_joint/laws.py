@@ -5,7 +5,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from controllers.cylinder.cascade import Cascade, CascadeSettings
+from controllers.cylinder.cascade import Cascade
+from controllers.cylinder.cascade_settings import CascadeSettings
 from controllers.cylinder.feedforward import FeedforwardSettings
 from controllers.cylinder.pid import Pid, PidSettings
 from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings

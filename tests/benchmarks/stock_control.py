@@ -10,7 +10,7 @@ filterpy has it, instead of from a bandwidth; the filter's noise is chosen for a
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
-from controllers.cylinder.cascade import CascadeSettings
+from controllers.cylinder.cascade_settings import CascadeSettings
 
 REST_SPEED, REST_TIME = 5e-5, 0.1
 STILL_DISTANCE, STILL_TIME = 5e-6, 0.04
