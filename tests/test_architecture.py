@@ -308,3 +308,16 @@ def test_no_file_has_grown_past_its_subject():
         if (count := len(path.read_text().splitlines())) > 400
     ]
     assert not long, "\n".join(long)
+
+
+def test_pytest_is_imported_by_the_suites_alone():
+    """It is no dependency of who runs a rig; the suites are for who writes for one."""
+    broken = [
+        str(path.relative_to(ROOT))
+        for module, path in MODULES.items()
+        if not belongs(module, "rig.testing")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if (isinstance(node, ast.Import) and any(a.name == "pytest" for a in node.names))
+        or (isinstance(node, ast.ImportFrom) and node.module in ("pytest", "rig.testing"))
+    ]
+    assert not broken, "\n".join(broken)

@@ -5,9 +5,11 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from drivers.sim.direct.regulators import SimulatedDevice
-from rig.hal import Clock, device_column
+from rig.hal import Clock, DeviceFault, device_column
 
 _NO_LETTERS = re.compile("[^a-z0-9]+")
+_SILENT_AFTER = 50e-3
+"""Without a reading, s: as long as a node on a bus has for five cycles of 100 Hz."""
 
 
 class Measured(NamedTuple):
@@ -29,7 +31,7 @@ class Measured(NamedTuple):
 class SimulatedSensor(SimulatedDevice):
     """A sensor that is read once a cycle.
 
-    Faults: ``silent`` (value: s), in which the last readings stay, ``repair``.
+    Faults: ``silent`` (value: s), ``repair``.
 
     Parameters
     ----------
@@ -51,6 +53,7 @@ class SimulatedSensor(SimulatedDevice):
         )
         self._measured = tuple(measured)
         self._values = (0.0,) * len(self._measured)
+        self._sampled_at = 0.0
 
     def connect(self) -> None:
         """Take the first readings."""
@@ -61,8 +64,22 @@ class SimulatedSensor(SimulatedDevice):
         self._sample()
 
     def check(self, now: float) -> None:
-        """Sample the next readings; a sensor that nobody waits for has no faults to report."""
+        """Sample the next readings.
+
+        Raises
+        ------
+        DeviceFault
+            It has been silent for too long.
+        """
         self._sample()
+        silent = now - self._sampled_at
+        if silent > _SILENT_AFTER:
+            raise DeviceFault(
+                self.name,
+                "it sends no readings any more",
+                value=f"{silent:.3f} s",
+                bound=f"{_SILENT_AFTER:g} s",
+            )
 
     def make_safe(self) -> None:
         """Do nothing: a sensor moves nothing."""
@@ -74,6 +91,7 @@ class SimulatedSensor(SimulatedDevice):
     def _sample(self) -> None:
         if not self._is_silent():
             self._values = tuple([item.value() for item in self._measured])
+            self._sampled_at = self._clock.now()
 
 
 def _field_name(name: str) -> str:
