@@ -14,11 +14,12 @@ import subprocess
 import sys
 from pathlib import Path
 
-from user_mode_linux import SCRATCH, NotInstalled, run_inside
+from user_mode_linux import SCRATCH, CannotBoot, NotInstalled, run_inside
 from vcan_links import LINKS, make_links, missing
 
 TIME_LIMIT = float(os.environ.get("VCAN_TIME_LIMIT", "1800"))  # of the whole run, s
 _NEITHER = 4  # pytest's own code for a usage error
+_CANNOT_BOOT = 6  # none of pytest's
 _ROOT = Path(__file__).parents[2]
 _PATIENT_TIME = Path(__file__).parent / "patient_time"
 
@@ -41,6 +42,9 @@ def main() -> int:
     except NotInstalled as error:
         say(str(error))
         return _NEITHER
+    except CannotBoot as error:
+        say(str(error))
+        return _CANNOT_BOOT
     if code is None:
         say(f"ended after {TIME_LIMIT:g} s (VCAN_TIME_LIMIT)")
         return 124

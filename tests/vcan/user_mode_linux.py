@@ -29,6 +29,7 @@ _MODULES = (
 # What the first process does. The root is the host's: what this writes, the host keeps.
 _FIRST_PROCESS = """\
 #!/bin/sh
+: >{begun}
 mount -t proc proc /proc
 mount -t sysfs sys /sys
 mount -t devpts devpts /dev/pts 2>/dev/null
@@ -48,6 +49,10 @@ _KEPT = ("HOME", "PATH", "LANG", "VIRTUAL_ENV", "PYTHONPATH", "NUMBA_CACHE_DIR",
 
 class NotInstalled(Exception):
     """User-mode Linux, or a tool that it needs, is not on this machine."""
+
+
+class CannotBoot(Exception):
+    """User-mode Linux died before its first process did anything."""
 
 
 def run_inside(command: list[str], folder: Path, time_limit: float) -> int | None:
@@ -72,6 +77,8 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
     ------
     NotInstalled
         With the command that installs it.
+    CannotBoot
+        This machine's processor cannot run it.
     """
     kernel = shutil.which("linux.uml") or shutil.which("linux")
     insmod = shutil.which("insmod") or shutil.which("insmod", path="/sbin:/usr/sbin")
@@ -85,6 +92,7 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
     with tempfile.TemporaryDirectory(prefix="vcan-") as name:
         place = Path(name)
         out, code, first = place / "out", place / "code", place / "init"
+        begun = place / "begun"
         out.touch()
         kept = {key: os.environ[key] for key in _KEPT if key in os.environ}
         first.write_text(
@@ -100,6 +108,7 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
                 command=shlex.join([*starter, *command]),
                 out=out,
                 code=code,
+                begun=begun,
             ),
             encoding="utf-8",
         )
@@ -117,11 +126,17 @@ def run_inside(command: list[str], folder: Path, time_limit: float) -> int | Non
         _come_first(booted.pid)
         try:
             _follow(booted, out, code, time_limit)
+            died = booted.poll() is not None
         finally:
             # All of its processes are in a session of their own, the guest's programs too.
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(booted.pid, signal.SIGKILL)
             booted.wait()
+        if died and not begun.exists():
+            raise CannotBoot(
+                "user-mode Linux dies on this processor before its first process: Debian's 6.1 "
+                "saves less of a processor's state than some have (those with AMX)"
+            )
         try:
             return int(code.read_text())
         except (OSError, ValueError):
