@@ -47,7 +47,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
     Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`; with lock valves
-    `rig.hal.ChamberLocks`.
+    `rig.hal.PressureRegulator.lock`.
 
     Parameters
     ----------
@@ -237,7 +237,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._armed = True
 
     def doubt(self, now: float) -> str | None:
-        """Return which channel is furthest off its setpoint, if one is; see `Doubtful`."""
+        """Return which channel is furthest off its setpoint, if one is; see `Device.doubt`."""
         doubts = [found for watch in self._following if (found := watch.doubt()) is not None]
         return f"{self.name}: {max(doubts)[1]}" if doubts else None
 
@@ -299,7 +299,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             pdo.data = data
 
     def lock(self, shut: tuple[bool, ...]) -> None:
-        """Shut or open the lock valves from the next setpoints on; see `ChamberLocks`.
+        """Shut or open the lock valves from the next setpoints on; see `PressureRegulator.lock`.
 
         Raises
         ------
@@ -339,7 +339,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         return self._inputs.statistics()
 
     def safe_pressure(self) -> Vector:
-        """Return the setpoints of the safe state, Pa gauge, shape (n,); see `SafePressure`."""
+        """Return the setpoints of the safe state, Pa gauge, shape (n,); see `PressureRegulator`."""
         return tuple(
             setpoint if held else vented
             for held, setpoint, vented in zip(self._held, self._setpoint, self._vented, strict=True)

@@ -202,7 +202,7 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
         )
 
     def lock(self, shut: tuple[bool, ...]) -> None:
-        """Shut or open the lock valves; see `rig.hal.ChamberLocks`.
+        """Shut or open the lock valves; see `rig.hal.PressureRegulator`.
 
         Raises
         ------
