@@ -46,8 +46,7 @@ _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
 class Cia401Regulators(PressureRegulator, EmergencyStopInput):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
-    Satisfies `rig.hal.PressureRegulator` and `rig.hal.EmergencyStopInput`; with lock valves
-    `rig.hal.PressureRegulator.lock`.
+    Channels with a lock valve follow `lock`; the others refuse it.
 
     Parameters
     ----------
