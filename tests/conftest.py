@@ -3,11 +3,18 @@
 import gc
 import os
 
+import hypothesis
+
 pytest_plugins = "rig.testing.plugin"
 
 # As many processes as cores: threads of linear algebra beside them would only wait for each other,
 # and make a fit of 2 s one of 14 s. Read when numpy is imported, here and in what tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# What passed once passes again: the same examples in every run. `--hypothesis-profile=default` draws
+# others.
+hypothesis.settings.register_profile("repeatable", derandomize=True, print_blob=True)
+hypothesis.settings.load_profile("repeatable")
 
 APART = ("benchmark", "slow")
 TOGETHER = ("tests/unit/controllers/gait/", "tests/closed_loop/test_legs_")
