@@ -11,8 +11,8 @@ pytest_plugins = "rig.testing.plugin"
 # and make a fit of 2 s one of 14 s. Read when numpy is imported, here and in what tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# What passed once passes again: the same examples in every run. `--hypothesis-profile=default` draws
-# others.
+# What passed once passes again: the same examples in every run. Others are drawn with
+# `--hypothesis-profile=default`.
 hypothesis.settings.register_profile("repeatable", derandomize=True, print_blob=True)
 hypothesis.settings.load_profile("repeatable")
 

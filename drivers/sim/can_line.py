@@ -4,6 +4,7 @@ What python-can's ``virtual`` interface does, for two ends and in virtual time: 
 frame attribute by attribute, for every receiver, under locks, which took a fifth of a run.
 """
 
+import errno
 from collections import deque
 
 from rig.hal import FastCanBus
@@ -17,6 +18,12 @@ class CanLineEnd(FastCanBus):
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._other: CanLineEnd | None = None
         self._open = True
+        self._trouble: OSError | None = None
+
+    def trouble_other(self, trouble: OSError | None) -> None:
+        """Have whatever the other end does fail with this error from now on; None: with none."""
+        if self._other is not None:
+            self._other._trouble = trouble
 
     def send_data(self, can_id: int, data: bytes) -> None:
         """Send a frame given by identifier (with flags of `drivers.can.frame`) and data.
@@ -30,6 +37,8 @@ class CanLineEnd(FastCanBus):
         """
         if not self._open:
             raise OSError(f"{self._name}: the bus is closed")
+        if self._trouble is not None:
+            raise self._trouble
         other = self._other
         if other is not None:
             other._waiting.append((can_id, bytes(data)))
@@ -44,6 +53,8 @@ class CanLineEnd(FastCanBus):
         """
         if not self._open:
             raise OSError(f"{self._name}: the bus is closed")
+        if self._trouble is not None and self._trouble.errno == errno.ENETDOWN:
+            raise self._trouble
         waiting = self._waiting
         if len(waiting) > limit:
             return [waiting.popleft() for _ in range(limit)]

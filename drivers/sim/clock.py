@@ -26,6 +26,11 @@ class SimClock:
     def __init__(self, world: World) -> None:
         self.world = world
         self._now = 0.0
+        self._pause = 0.0
+
+    def pause(self, duration: float) -> None:
+        """Have the sleep that goes on now take `duration` (s) longer, as when a host stalls."""
+        self._pause += duration
 
     def now(self) -> float:
         """Return the virtual time, s; 0 at the start."""
@@ -45,3 +50,6 @@ class SimClock:
             raise ValueError(f"The simulated clock cannot sleep until {t}.")
         self.world.advance(t)
         self._now = t
+        if self._pause > 0.0:
+            pause, self._pause = self._pause, 0.0
+            self.sleep_until(t + pause)

@@ -6,12 +6,16 @@ from functools import partial
 from math import inf
 
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
+from drivers.sim.can_line import CanLineEnd
 from drivers.sim.frame_faults import FrameFaults
+from drivers.sim.interface_faults import InterfaceFaults
 from drivers.sim.nodes.bus_node import BusNode
 from rig.hal import FastCanBus
 
 _BATCH = 256
 """Frames that are taken from the bus at a time."""
+_FRAME_TIME = 125e-6
+"""What a frame of 8 bytes takes at 1 Mbit/s, s."""
 
 
 class EmulatedBus:
@@ -60,6 +64,7 @@ class EmulatedBus:
         self._post: Callable[[float, Callable[[float], None]], None]
         self._random = random.Random(0)
         self._now = 0.0
+        self._interface = InterfaceFaults(bus) if isinstance(bus, CanLineEnd) else None
 
     def attach(
         self,
@@ -82,13 +87,16 @@ class EmulatedBus:
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` accepts."""
-        return ("frame_loss", "foreign_frame")
+        interface = InterfaceFaults.known if self._interface is not None else ()
+        return ("frame_loss", "foreign_frame", "flood", *interface)
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault of the bus itself happen.
 
         ``frame_loss`` (value: probability, default 1) loses frames at random from now on;
-        ``foreign_frame`` (value: CAN id, default 0x7E5) sends one that belongs to nobody.
+        ``foreign_frame`` (value: CAN id, default 0x7E5) sends one that belongs to nobody;
+        ``flood`` (value: frames, default 64) sends so many of them, one every 125 µs, as many
+        as 1 Mbit/s carries. What else `known_faults` has is in `InterfaceFaults`.
 
         Raises
         ------
@@ -102,6 +110,13 @@ class EmulatedBus:
             self.frame_loss = probability
         elif fault == "foreign_frame":
             self.send_foreign(0x7E5 if value is None else int(value), bytes(8))
+        elif fault == "flood":
+            for k in range(64 if value is None else int(value)):
+                self._post(k * _FRAME_TIME, lambda _: self.send_foreign(0x7E5, bytes(8)))
+        elif self._interface is not None and fault in InterfaceFaults.known:
+            end = self._interface.inject(fault)
+            if value is not None:
+                self._post(value, lambda _: end())
         else:
             raise ValueError(
                 f"bus {self.name}: no fault {fault!r}; known are {', '.join(self.known_faults)}"
@@ -168,6 +183,8 @@ class EmulatedBus:
             node.receive(can_id, data, now)
 
     def _to_master(self, can_id: int, data: bytes, now: float, *, extended: bool = False) -> None:
+        if self._interface is not None and self._interface.severed:
+            return
         if self.monitor is not None:
             self.monitor(now, can_id, data)
         self.bus.send_data(can_id | EXTENDED_FLAG if extended else can_id, data)

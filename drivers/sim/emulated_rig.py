@@ -9,12 +9,14 @@ give the same frames.
 import heapq
 import random
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Protocol
 
 from drivers.sim.axis_faults import faults_by_joint
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.faults import FaultSchedule, Faulty, ScheduledFault
-from drivers.sim.frame_faults import FrameFault
+from drivers.sim.frame_faults import LASTING, FrameFault, FrameFaults, kind_of
+from rig.hal.world import Frames
 
 
 class Plant(Protocol):
@@ -162,7 +164,45 @@ class EmulatedRig:
 
     def add_frame_fault(self, bus: str, fault: FrameFault) -> None:
         """Have something happen to chosen frames of a bus."""
-        next(item for item in self.buses if item.name == bus).faults.add(fault)
+        self._faults_of(bus).add(fault)
+
+    @property
+    def known_faults(self) -> dict[str, tuple[str, ...]]:
+        """Names that `inject` understands, of each device, each bus and the plant."""
+        return {name: tuple(target.known_faults) for name, target in self._targets.items()}
+
+    def frames_of(self, device: str) -> Frames | None:
+        """Return the identifiers of a device's frames now; None if it has no CAN frames."""
+        for bus in self.buses:
+            nodes = [
+                node
+                for node in bus.nodes
+                if isinstance(bus, EmulatedBus) and node.name.partition(".")[0] == device
+            ]
+            if nodes:
+                return Frames(
+                    bus.name,
+                    tuple(can_id for node in nodes for can_id in node.receive_ids),
+                    tuple(can_id for node in nodes for can_id in node.transmit_ids),
+                    tuple(can_id for node in nodes for can_id in node.alive_ids),
+                )
+        return None
+
+    def disturb(self, bus: str, kind: str, can_id: int, value: float) -> Callable[[], None]:
+        """Have something happen to every frame of an identifier; see `BreakableWorld`.
+
+        Raises
+        ------
+        ValueError
+            There is no such kind.
+        """
+        faults = self._faults_of(bus)
+        fault = FrameFault(kind_of(kind), can_id, count=LASTING, value=value)
+        faults.add(fault)
+        return partial(faults.remove, fault)
+
+    def _faults_of(self, bus: str) -> FrameFaults:
+        return next(item for item in self.buses if item.name == bus).faults
 
     def _tell_time(self) -> None:
         """Give every node the time: a fault that lasts is counted from now."""

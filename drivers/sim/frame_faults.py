@@ -6,8 +6,26 @@ from typing import Literal
 
 from drivers.sim.nodes.bus_node import BusNode
 
-Kind = Literal["drop", "delay", "duplicate", "truncate", "corrupt"]
+Kind = Literal["drop", "delay", "duplicate", "truncate", "corrupt", "reorder", "spoof"]
 _KINDS: tuple[Kind, ...] = ("drop", "delay", "duplicate", "truncate", "corrupt")
+"""Those that are offered by name in a schedule, for the next frame."""
+_ALL: tuple[Kind, ...] = (*_KINDS, "reorder", "spoof")
+LASTING = 1 << 60
+"""So many frames are all of them."""
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of that name.
+
+    Raises
+    ------
+    ValueError
+        There is none.
+    """
+    for kind in _ALL:
+        if kind == name:
+            return kind
+    raise ValueError(f"frames: no fault {name!r}; known are {', '.join(_ALL)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +37,9 @@ class FrameFault:
     kind : str
         ``"drop"``: they are lost; ``"delay"``: they come `value` seconds later;
         ``"duplicate"``: they come twice; ``"truncate"``: only `value` bytes come;
-        ``"corrupt"``: byte `value` is inverted.
+        ``"corrupt"``: byte `value` is inverted; ``"reorder"``: every other one comes `value`
+        seconds later, after its successor; ``"spoof"``: somebody sends the same identifier with
+        inverted data right after it.
     can_id : int
         Of the frames.
     count : int
@@ -47,6 +67,12 @@ class FrameFaults:
     def add(self, fault: FrameFault) -> None:
         """Have it happen to the next frames; several on one id act one after the other."""
         self._faults.setdefault(fault.can_id, []).append((fault, [0]))
+
+    def remove(self, fault: FrameFault) -> None:
+        """End one fault; nothing happens if it has ended."""
+        left = [entry for entry in self._faults.pop(fault.can_id, ()) if entry[0] is not fault]
+        if left:
+            self._faults[fault.can_id] = left
 
     def clear(self) -> None:
         """Let all frames pass again."""
@@ -79,7 +105,8 @@ class FrameFaults:
         for fault, seen in self._faults[can_id]:
             seen[0] += 1
             if fault.after < seen[0] <= fault.after + fault.count:
-                frames = [item for frame in frames for item in _happen(fault, *frame)]
+                odd = bool(seen[0] % 2)
+                frames = [item for frame in frames for item in _happen(fault, *frame, odd)]
         self._faults[can_id] = [
             (fault, seen)
             for fault, seen in self._faults[can_id]
@@ -90,7 +117,7 @@ class FrameFaults:
         return frames
 
 
-def _happen(fault: FrameFault, delay: float, data: bytes) -> list[tuple[float, bytes]]:
+def _happen(fault: FrameFault, delay: float, data: bytes, odd: bool) -> list[tuple[float, bytes]]:
     match fault.kind:
         case "drop":
             return []
@@ -105,3 +132,7 @@ def _happen(fault: FrameFault, delay: float, data: bytes) -> list[tuple[float, b
             if changed:
                 changed[int(fault.value) % len(changed)] ^= 0xFF
             return [(delay, bytes(changed))]
+        case "reorder":
+            return [(delay + (fault.value if odd else 0.0), data)]
+        case "spoof":
+            return [(delay, data), (delay, bytes(byte ^ 0xFF for byte in data))]

@@ -22,6 +22,7 @@ from rig.config.named_settings import Kind
 from rig.hal import ConfigurationError, CyclicBus, Device, DriverSettings, Mechanism, Plant
 from rig.hal.controller import Law
 from rig.hal.driver import BusSettings
+from rig.hal.hazards import Hazard
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 from rig.hal.plant import PhysicsSettings
 
@@ -122,6 +123,14 @@ class InstalledParts:
         for protocol in protocols:
             check_class(f"{kind} {name}: {path}", found, protocol)
         return found
+
+    def hazards(self, plant: str) -> Callable[[Any], tuple[Hazard, ...]] | None:
+        """Return what makes the hazards of a plant of a mechanism's settings, if anything does."""
+        for row in _additions():
+            if plant in row.plants and (path := row.plants[plant].hazards) is not None:
+                found: Callable[[Any], tuple[Hazard, ...]] = load(path)
+                return found
+        return None
 
     # What mechanisms add to the frameworks ----------------------------------------------
 

@@ -7,6 +7,7 @@ COMMANDS = {
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
     "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
+    "faults": ("rig.cli.faults:faults", "Break a rig in simulation, and judge what comes of it."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
     "export": ("rig.cli.export:export", "Write a run's log as csv, npz or mat."),

@@ -15,7 +15,7 @@ from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
-from rig.hal import Clock, DeviceError, RigError
+from rig.hal import Clock, Controller, DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import read_log
@@ -55,6 +55,16 @@ class Result(NamedTuple):
 
 class Watcher:
     """Hears what happens during a run; every method may be overridden."""
+
+    def built(self, rig: Rig) -> None:
+        """Take note of the rig before anything of it is opened."""
+
+    def moved(self, state: RigState) -> None:
+        """Take note that the rig is in another state now."""
+
+    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
+        """Return the controller that the loop is to run: this one."""
+        return controller
 
     def started(self, path: Path) -> None:
         """Take note that the run folder exists."""
@@ -120,6 +130,7 @@ def run_experiment(
     frame_log = None if frames is None else make_frame_log(plan.profile, backend)
     rig = build_rig(plan.profile, backend, on, frame_log)
     try:
+        watcher.built(rig)
         folder = _create_folder(plan, backend, on, out, overrides, frames)
         if frame_log is not None:
             frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
@@ -249,6 +260,7 @@ def _run(
     def on_change(old: RigState, new: RigState) -> None:
         t = None if loop is None else loop.t
         events(t, "state", f"{old} -> {new}", {"old": old, "new": new})
+        watcher.moved(new)
 
     states = StateMachine(on_change)
     energised = False
@@ -257,7 +269,7 @@ def _run(
             stack.enter_context(rig)
             stack.callback(stop.shield)  # first on the way out: closing is not to be torn
             states.move(RigState.IDLE)
-            loop = _make_loop(plan, rig, states)
+            loop = _make_loop(plan, rig, states, watcher)
             columns = (
                 *RUN_COLUMNS,
                 *rig.mechanism.columns,
@@ -299,7 +311,7 @@ def _run(
         return RunStatus.FAULTED, EXIT_PREFLIGHT, str(error)
 
 
-def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any]:
+def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:
     loop = plan.profile.loop
     rig.mechanism.attach(plan.controller, plan.motion)
     plan.motion.attach(rig.devices)
@@ -309,7 +321,7 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine) -> Loop[Any, Any, Any
         buses=tuple(rig.buses.values()),
         devices=tuple(rig.devices.values()),
         mechanism=rig.mechanism,
-        controller=plan.controller,
+        controller=watcher.employed(plan.controller),
         states=states,
         max_missed=loop.max_missed,
         truth=rig.truth,

@@ -15,10 +15,22 @@ Path = str
 
 @dataclass(frozen=True, slots=True)
 class PlantModel:
-    """A plant and its settings."""
+    """A plant and its settings.
+
+    Parameters
+    ----------
+    settings : Path
+        Dataclass of a profile's section ``plant``, a `rig.hal.PhysicsSettings`.
+    plant : Path
+        The class, a `rig.hal.Plant`.
+    hazards : Path, optional
+        ``hazards(settings)``, which makes `rig.hal.hazards.Hazard`s of the mechanism's settings;
+        without it `rig faults` cannot judge the rig.
+    """
 
     settings: Path
     plant: Path
+    hazards: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -178,6 +178,16 @@ class EmulatedNode(FaultInjection):
         """CAN ids of the transmit PDOs that are valid now."""
         return tuple(pdo.can_id for pdo in self.pdos.transmit if pdo.can_id is not None)
 
+    @property
+    def receive_ids(self) -> tuple[int, ...]:
+        """CAN ids of the receive PDOs that are valid now."""
+        return tuple(pdo.can_id for pdo in self.pdos.receive if pdo.can_id is not None)
+
+    @property
+    def alive_ids(self) -> tuple[int, ...]:
+        """CAN id of the heartbeat."""
+        return (0x700 + self.node_id,)
+
     # Time and frames ------------------------------------------------------------------
 
     def receive(

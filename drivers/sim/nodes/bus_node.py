@@ -33,6 +33,16 @@ class BusNode(Protocol):
         """CAN ids of the process data that the node sends now."""
         ...
 
+    @property
+    def receive_ids(self) -> tuple[int, ...]:
+        """CAN ids of the process data that the node takes now."""
+        ...
+
+    @property
+    def alive_ids(self) -> tuple[int, ...]:
+        """CAN ids by which the node says that it lives."""
+        ...
+
     def add_fault(
         self,
         fault: str,

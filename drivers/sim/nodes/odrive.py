@@ -194,7 +194,17 @@ class EmulatedOdrive(OdriveFaults):
     @property
     def transmit_ids(self) -> tuple[int, ...]:
         """CAN ids of the cyclic messages."""
-        return (self.node_id << 5 | 0x01, self.node_id << 5 | 0x09)
+        return (*self.alive_ids, self.node_id << 5 | 0x09)
+
+    @property
+    def receive_ids(self) -> tuple[int, ...]:
+        """CAN ids of the setpoints."""
+        return (self.node_id << 5 | 0x0C, self.node_id << 5 | 0x0D)
+
+    @property
+    def alive_ids(self) -> tuple[int, ...]:
+        """CAN id of the heartbeat."""
+        return (self.node_id << 5 | 0x01,)
 
     def receive(
         self, can_id: int, data: bytes, now: float, *, extended: bool = False, remote: bool = False

@@ -25,7 +25,9 @@ PARTS = MechanismParts(
     },
     plants={
         "arm": PlantModel(
-            "drivers.sim.plants.arm_settings:ArmPlantSettings", "drivers.sim.plants.arm:ArmPlant"
+            "drivers.sim.plants.arm_settings:ArmPlantSettings",
+            "drivers.sim.plants.arm:ArmPlant",
+            "drivers.sim.hazards:arm_hazards",
         )
     },
     measures=(f"{_HERE}.measures:ARM_MEASURES",),

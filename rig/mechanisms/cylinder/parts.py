@@ -25,6 +25,7 @@ PARTS = MechanismParts(
         "antagonistic-pair": PlantModel(
             "drivers.sim.plants.settings:PlantSettings",
             "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
+            "drivers.sim.hazards:pair_hazards",
         )
     },
     measures=(f"{_HERE}.measures:PAIR_MEASURES",),

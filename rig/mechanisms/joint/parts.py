@@ -26,6 +26,7 @@ PARTS = MechanismParts(
         "spherical-joint": PlantModel(
             f"{_PLANTS}.spherical_joint_settings:SphericalJointPlantSettings",
             f"{_PLANTS}.spherical_joint:SphericalJointPlant",
+            "drivers.sim.hazards:joint_hazards",
         )
     },
     measures=(

@@ -26,6 +26,7 @@ PARTS = MechanismParts(
         "legs": PlantModel(
             "drivers.sim.plants.legs_settings:LegsPlantSettings",
             "drivers.sim.plants.legs:LegsPlant",
+            "drivers.sim.hazards:legs_hazards",
         )
     },
     measures=(f"{_HERE}.measures:LEGS_MEASURES",),

@@ -1,0 +1,187 @@
+"""One case: a fault, or two, at a drawn place, size and moment of an experiment."""
+
+import hashlib
+import random
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from math import inf
+
+from rig.faults.catalogue import KINDS
+from rig.faults.kind import FaultKind, Place, Sizes
+from rig.faults.subject import Subject
+
+
+class Moment(StrEnum):
+    """The phase of a run in which a fault happens."""
+
+    CONNECT = "connect"
+    ENERGISE = "energise"
+    APPROACH = "approach"
+    RUN = "run"
+    RELEASE = "release"
+    STOP = "stop"
+
+
+WEIGHTS = {
+    Moment.CONNECT: 1, Moment.ENERGISE: 1, Moment.APPROACH: 1, Moment.RUN: 6,
+    Moment.RELEASE: 1, Moment.STOP: 1,
+}  # fmt: skip
+"""How often each is drawn: most of a rig's life is the run."""
+
+RUN_SHARE = 2.5
+"""Longest time into the run at which a fault is drawn, s: a campaign has to end."""
+SECOND_WITHIN = 0.2
+"""Longest time from a fault to the one after it, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Break:
+    """One fault of a case.
+
+    Parameters
+    ----------
+    kind : str
+        Name in the catalogue.
+    where : str
+        Which of the kind's places.
+    magnitude : float or None
+        How much, in the kind's unit.
+    lasts : float
+        For how long, s; infinite for good.
+    """
+
+    kind: str
+    where: str
+    magnitude: float | None
+    lasts: float
+
+    @property
+    def row(self) -> FaultKind:
+        """The kind's row."""
+        return KINDS[self.kind]
+
+    @property
+    def sizes(self) -> Sizes:
+        """How much and for how long."""
+        return Sizes(self.magnitude, self.lasts)
+
+    def place(self, subject: Subject) -> Place:
+        """Return the place on a rig.
+
+        Raises
+        ------
+        ValueError
+            The rig has no such place.
+        """
+        places = self.row.places(subject)
+        for place in places:
+            if place.where == self.where:
+                return place
+        known = ", ".join(place.where for place in places) or "no place at all"
+        raise ValueError(
+            f"{self.kind} cannot happen at {self.where!r} of {subject.rig}; there is {known}"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A run in which something breaks.
+
+    Parameters
+    ----------
+    rig, experiment : str
+        What is run.
+    seed : int
+        Of the simulated unit and its noise.
+    moment : Moment
+        The phase in which the first fault happens.
+    after : float
+        How long after the phase began, s.
+    first : Break
+        What breaks.
+    then : Break or None
+        What breaks next.
+    then_after : float
+        How long after the first, s.
+    drawn_with : int
+        The seed that this case is drawn with again.
+    """
+
+    rig: str
+    experiment: str
+    seed: int
+    moment: Moment
+    after: float
+    first: Break
+    then: Break | None = None
+    then_after: float = 0.0
+    drawn_with: int = 0
+
+    @property
+    def breaks(self) -> tuple[Break, ...]:
+        """What breaks, in its order."""
+        return (self.first,) if self.then is None else (self.first, self.then)
+
+    @property
+    def command(self) -> str:
+        """The command that runs this case again."""
+        return (
+            f"rig faults run {self.rig} --only {'+'.join(item.kind for item in self.breaks)} "
+            f"--seed {self.drawn_with}"
+        )
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as plain data."""
+        return asdict(self)
+
+
+def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int, *, energised: bool) -> Case:
+    """Draw where, when and how much of one fault, or of two.
+
+    Parameters
+    ----------
+    subject : Subject
+        The rig.
+    kinds : tuple of str
+        One or two names.
+    seed : int
+        The same seed gives the same case.
+    energised : bool
+        Whether only moments are drawn at which it is energised.
+    """
+    chance = random.Random(f"{subject.rig} {'+'.join(kinds)} {seed}")
+    weights = {m: w for m, w in WEIGHTS.items() if not (energised and m is Moment.CONNECT)}
+    moment = chance.choices(list(weights), list(weights.values()))[0]
+    lengths = {
+        Moment.CONNECT: subject.connecting, Moment.ENERGISE: 1.0, Moment.APPROACH: 2.0,
+        Moment.RUN: RUN_SHARE, Moment.RELEASE: 0.5, Moment.STOP: 0.05,
+    }  # fmt: skip
+    breaks = [_draw_break(subject, name, chance) for name in kinds]
+    return Case(
+        subject.rig,
+        chance.choice(subject.experiments),
+        chance.randrange(1_000_000),
+        moment,
+        chance.uniform(0.0, lengths[moment]),
+        breaks[0],
+        breaks[1] if len(breaks) > 1 else None,
+        chance.uniform(0.0, SECOND_WITHIN) if len(breaks) > 1 else 0.0,
+        seed,
+    )
+
+
+def _draw_break(subject: Subject, name: str, chance: random.Random) -> Break:
+    kind = KINDS[name]
+    place = chance.choice(list(kind.places(subject)))
+    return Break(
+        name,
+        place.where,
+        None if kind.magnitude is None else kind.magnitude.draw(chance),
+        inf if kind.lasts is None else kind.lasts.draw(chance),
+    )
+
+
+def seed_of(*parts: object) -> int:
+    """Return a seed that the same parts give on every machine."""
+    digest = hashlib.sha256(" ".join(map(str, parts)).encode()).digest()
+    return int.from_bytes(digest[:4], "big") % 10_000_000

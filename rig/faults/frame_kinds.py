@@ -1,0 +1,123 @@
+"""What may happen to frames on a CAN bus, in either direction."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Literal
+
+from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either
+from rig.faults.stage import Stage
+from rig.faults.subject import Subject
+from rig.hal.world import Frames
+
+Way = Literal["to", "from", "alive", "sync"]
+
+_SYNC = 0x080
+_LASTING = Magnitudes(1e-3, 1.0, "s")
+_COMMANDS_LATE = 0.03
+"""How long setpoints may be lost or late before it must be seen, s."""
+
+
+def _ids(frames: Frames, way: Way) -> tuple[int, ...]:
+    if way == "sync":
+        return (_SYNC,)
+    return {"to": frames.to_device, "from": frames.from_device, "alive": frames.alive}[way]
+
+
+def _places(way: Way, subject: Subject) -> list[Place]:
+    if way == "sync":
+        return [
+            Place(bus, bus, (bus, "SYNC", *_on(subject, bus)))
+            for bus in subject.buses
+            if any(_is_canopen(frames) for frames in subject.frames.values() if frames.bus == bus)
+        ]
+    return [
+        Place(device, device, (device, *subject.channels.get(device, ()), frames.bus))
+        for device, frames in subject.frames.items()
+        if _ids(frames, way) and "." not in device
+    ]
+
+
+def _on(subject: Subject, bus: str) -> list[str]:
+    return [name for name, frames in subject.frames.items() if frames.bus == bus]
+
+
+def _is_canopen(frames: Frames) -> bool:
+    return any(can_id > 0x700 for can_id in frames.alive)
+
+
+def _disturb(way: Way, kind: str, stage: Stage, place: Place, sizes: Sizes) -> Callable[[], None]:
+    world = stage.world
+    if way == "sync":
+        ends = [world.disturb(place.target, kind, _SYNC, sizes.magnitude or 0.0)]
+    else:
+        frames = world.frames_of(place.target)
+        assert frames is not None
+        ends = [
+            world.disturb(frames.bus, kind, can_id, sizes.magnitude or 0.0)
+            for can_id in _ids(frames, way)
+        ]
+    return partial(_end_all, ends)
+
+
+def _end_all(ends: Sequence[Callable[[], None]]) -> None:
+    for end in ends:
+        end()
+
+
+def _unless_bridged(sizes: Sizes, subject: Subject) -> Must:
+    return Must.SAFE if sizes.lasts > 3.0 * subject.reading_age else Must.EITHER
+
+
+def _unless_short(sizes: Sizes, subject: Subject) -> Must:
+    return Must.SAFE if sizes.lasts > _COMMANDS_LATE else Must.EITHER
+
+
+def _unless_early(least: float) -> Expect:
+    return lambda sizes, subject: (
+        Must.SAFE if (sizes.magnitude or 0.0) > least and sizes.lasts > 2.0 * least else Must.EITHER
+    )
+
+
+def _kind(name: str, what: str, way: Way, kind: str, must: Expect, within: float, *,
+          why: str = "", magnitude: Magnitudes | None = None,
+          lasts: Magnitudes | None = _LASTING) -> FaultKind:  # fmt: skip
+    return FaultKind(
+        name=name, what=what, places=partial(_places, way), apply=partial(_disturb, way, kind),
+        must=must, within=within, why=why, magnitude=magnitude, lasts=lasts,
+    )  # fmt: skip
+
+
+_BRIDGED = "a gap within the age that a reading may have is bridged"
+_SHORT = "setpoints that are late for less are caught up"
+_DELAY = Magnitudes(1e-3, 50e-3, "s")
+_BYTE = Magnitudes(1.0, 7.0, "1")
+
+KINDS = (
+    _kind("readings_lost", "What a device measures does not arrive.", "from", "drop",
+          _unless_bridged, 0.1, why=_BRIDGED),
+    _kind("readings_late", "What a device measures comes late.", "from", "delay",
+          _unless_early(30e-3), 0.2, why=_BRIDGED, magnitude=_DELAY),
+    _kind("readings_twice", "What a device measures comes twice.", "from", "duplicate",
+          either, 0.1, why="the second copy says nothing new"),
+    _kind("readings_out_of_order", "Every other reading comes after its successor.", "from",
+          "reorder", either, 0.2, why="the older one is older than it looks by one cycle",
+          magnitude=Magnitudes(0.2e-3, 2e-3, "s")),
+    _kind("readings_short", "What a device measures lacks bytes.", "from", "truncate",
+          _unless_bridged, 0.1, why=_BRIDGED, magnitude=_BYTE),
+    _kind("readings_corrupt", "A byte of what a device measures is inverted.", "from", "corrupt",
+          either, 0.1, why="a byte that says little changes little", magnitude=_BYTE),
+    _kind("readings_spoofed", "Somebody else sends under a device's identifier.", "from",
+          "spoof", _unless_bridged, 0.1, why=_BRIDGED),
+    _kind("setpoints_lost", "Setpoints do not arrive.", "to", "drop", _unless_short, 0.2,
+          why=_SHORT),
+    _kind("setpoints_late", "Setpoints arrive late.", "to", "delay",
+          _unless_early(_COMMANDS_LATE), 0.2, why=_SHORT, magnitude=_DELAY),
+    _kind("setpoints_corrupt", "A byte of the setpoints is inverted.", "to", "corrupt",
+          _unless_short, 0.2, why=_SHORT, magnitude=_BYTE),
+    _kind("setpoints_short", "Setpoints lack bytes.", "to", "truncate", _unless_short, 0.2,
+          why=_SHORT, magnitude=_BYTE),
+    _kind("heartbeats_lost", "A device's heartbeats do not arrive.", "alive", "drop", either, 0.3,
+          why="a device that measures is alive", lasts=_LASTING),
+    _kind("sync_lost", "SYNC does not arrive.", "sync", "drop", _unless_bridged, 0.1,
+          why=_BRIDGED),
+)  # fmt: skip

@@ -1,0 +1,135 @@
+"""A kind of fault: what may break, where, by how much, and what must come of it."""
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple
+
+from rig.faults.stage import Stage
+from rig.faults.subject import Subject
+
+
+class Must(StrEnum):
+    """What must come of a fault."""
+
+    RIDE = "ride"
+    """The run goes on as if nothing had been."""
+    SAFE = "safe"
+    """It is seen, named, and the rig made safe."""
+    EITHER = "either"
+    """It is harmless: going on is as good as stopping, for a stated reason."""
+
+
+class Place(NamedTuple):
+    """Where a fault happens.
+
+    Parameters
+    ----------
+    target : str
+        Device, bus or ``plant``; what the world is told.
+    where : str
+        What a reader is told: ``regulators agonist``.
+    names : tuple of str
+        Words of which one at least must be in what the operator is told.
+    number : float, optional
+        The channel or axis where the target wants a number.
+    axis : str
+        The axis of a device that has several; empty if it has not.
+    """
+
+    target: str
+    where: str
+    names: tuple[str, ...]
+    number: float | None = None
+    axis: str = ""
+
+
+class Magnitudes(NamedTuple):
+    """The range that a magnitude is drawn from, every decade as likely as another.
+
+    Parameters
+    ----------
+    low, high : float
+        Both positive, SI.
+    unit : str
+        Of both.
+    signed : bool
+        Whether either sign is as likely.
+    """
+
+    low: float
+    high: float
+    unit: str
+    signed: bool = False
+
+    def draw(self, chance: random.Random) -> float:
+        """Return one."""
+        size = math.exp(chance.uniform(math.log(self.low), math.log(self.high)))
+        return -size if self.signed and chance.random() < 0.5 else size
+
+
+class Sizes(NamedTuple):
+    """The drawn size of one fault: how much, and for how long (s; infinite for good)."""
+
+    magnitude: float | None
+    lasts: float
+
+
+Expect = Callable[[Sizes, Subject], Must]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FaultKind:
+    """One row of the reaction table.
+
+    Parameters
+    ----------
+    name : str
+        ``wire_cut``.
+    what : str
+        What breaks, one sentence.
+    places : callable
+        Where it may happen on a rig; nowhere if the rig has nothing of the kind.
+    apply : callable
+        Makes it happen; returns what ends it, if anything does.
+    must : callable
+        What must come of it while the rig runs, from its size.
+    within : float
+        How soon it must be seen, s, where it must.
+    why : str
+        Why it is harmless where it need not be seen, or what limits its being seen.
+    magnitude : Magnitudes, optional
+        How much of it there may be.
+    lasts : Magnitudes, optional
+        How long it may last; for good without.
+    forgives : frozenset of str
+        Hazards that no controller could prevent, and that the mechanism must bear.
+    """
+
+    name: str
+    what: str
+    places: Callable[[Subject], Sequence[Place]]
+    apply: Callable[[Stage, Place, Sizes], Callable[[], None] | None]
+    must: Expect
+    within: float = 0.1
+    why: str = ""
+    magnitude: Magnitudes | None = None
+    lasts: Magnitudes | None = None
+    forgives: frozenset[str] = frozenset()
+
+
+def ride(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that the run goes on."""
+    return Must.RIDE
+
+
+def safe(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that the fault is seen."""
+    return Must.SAFE
+
+
+def either(sizes: Sizes, subject: Subject) -> Must:
+    """Expect nothing but that no harm is done."""
+    return Must.EITHER

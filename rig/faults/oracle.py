@@ -1,0 +1,100 @@
+"""What judges a rig: the truth of its plant against the hazards of its profile, nothing else."""
+
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rig.hal.hazards import Hazard
+
+Samples = NDArray[np.float64]
+
+
+class Violation(NamedTuple):
+    """A hazard that became true.
+
+    Parameters
+    ----------
+    hazard, column : str
+        Which, and of what.
+    t : float
+        When first, s.
+    worst, bound : float
+        The farthest value, and the bound that it broke.
+    unit : str
+        Of both.
+    """
+
+    hazard: str
+    column: str
+    t: float
+    worst: float
+    bound: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.hazard} of {self.column}: {self.worst:.4g} {self.unit} beyond "
+            f"{self.bound:.4g} {self.unit}, first at {self.t:.3f} s"
+        )
+
+
+def judge(
+    hazards: Sequence[Hazard],
+    columns: Sequence[str],
+    times: Samples,
+    rows: Samples,
+    *,
+    safe_from: float,
+    forgiven: Collection[str] = (),
+) -> list[Violation]:
+    """Return every hazard that was true at some time, the worst column of each.
+
+    Parameters
+    ----------
+    hazards : sequence of Hazard
+        Of the profile.
+    columns : sequence of str
+        Of the plant's truth.
+    times : ndarray, shape (n,)
+        s, ascending.
+    rows : ndarray, shape (n, len(columns))
+        What was true then.
+    safe_from : float
+        From when on the rig was said to be safe, or had to be, s.
+    forgiven : collection of str
+        Names of hazards that this fault brings with it.
+    """
+    found: dict[str, Violation] = {}
+    for hazard in hazards:
+        if hazard.name in forgiven:
+            continue
+        for column in hazard.columns:
+            violation = _worst(hazard, column, times, rows[:, columns.index(column)], safe_from)
+            if violation is not None and _excess(violation) > _excess(found.get(hazard.name)):
+                found[hazard.name] = violation
+    return list(found.values())
+
+
+def _worst(
+    hazard: Hazard, column: str, times: Samples, truth: Samples, safe_from: float
+) -> Violation | None:
+    values = np.array([hazard.of(float(value)) for value in truth])
+    if hazard.is_rate:
+        values = np.gradient(values, times)
+    if hazard.only_safe:
+        kept = times >= safe_from
+        times, values = times[kept], values[kept]
+    excess = np.maximum(values - hazard.high, hazard.low - values)
+    broken = np.flatnonzero(excess > 0.0)
+    if not broken.size:
+        return None
+    worst = int(np.argmax(excess))
+    bound = hazard.high if values[worst] > hazard.high else hazard.low
+    first = float(times[broken[0]])
+    return Violation(hazard.name, column, first, float(values[worst]), bound, hazard.unit)
+
+
+def _excess(violation: Violation | None) -> float:
+    return -1.0 if violation is None else abs(violation.worst - violation.bound)

@@ -1,0 +1,122 @@
+"""The stage of a case: a simulated world whose truth is watched and in which faults happen."""
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from rig.hal.world import BreakableWorld
+
+SAMPLE = 1e-3
+"""Between two looks at the truth, s."""
+
+Row = tuple[float, ...]
+
+
+class PausableClock(Protocol):
+    """The clock of a simulation, which a host's stall makes late."""
+
+    world: BreakableWorld
+
+    def now(self) -> float:
+        """Return the virtual time, s."""
+        ...
+
+    def pause(self, duration: float) -> None:
+        """Have the sleep that goes on now take longer, s."""
+        ...
+
+    def sleep_until(self, t: float) -> None:
+        """Let the world go on until `t`, s."""
+        ...
+
+
+class Cue(NamedTuple):
+    """Something that is to happen on the stage.
+
+    Parameters
+    ----------
+    at : float
+        World time, s.
+    act : callable
+        Makes it happen.
+    """
+
+    at: float
+    act: Callable[[], None]
+
+
+class Truth(NamedTuple):
+    """What was true and when: times (s) and a row of the plant's columns for each."""
+
+    times: list[float]
+    rows: list[Row]
+
+
+class Stage:
+    """Stands between the program's clock and the world, and has both fail on cue.
+
+    Parameters
+    ----------
+    clock : PausableClock
+        Of a rig that has been built and not yet opened; its world is replaced by this stage.
+    program : Program
+        The program's own failures.
+    """
+
+    def __init__(self, clock: PausableClock, program: "Program") -> None:
+        self.clock = clock
+        self.program = program
+        self.world = clock.world
+        self.truth = Truth([], [])
+        self._cues: list[Cue] = []
+        self._next_look = 0.0
+
+    def cue(self, at: float, act: Callable[[], None]) -> None:
+        """Have something happen at a world time, s; at once if that has passed."""
+        self._cues.append(Cue(at, act))
+        self._cues.sort(key=lambda cue: cue.at)
+
+    def advance(self, t: float) -> None:
+        """Let the world go on until `t` (s), with a halt at every cue and every look."""
+        now = self.world.time
+        while now < t:
+            due = self._cues[0].at if self._cues else t
+            now = min(t, max(due, now), self._next_look)
+            self.world.advance(now)
+            if now >= self._next_look:
+                self._look(now)
+            while self._cues and self._cues[0].at <= now:
+                self._cues.pop(0).act()
+
+    def watch_on(self, duration: float) -> None:
+        """Go on watching for `duration` (s) when the program has ended or is dead."""
+        self._cues.clear()
+        self.advance(self.world.time + duration)
+
+    def interrupt(self) -> None:
+        """Ask the program to stop, as Ctrl-C does."""
+        signal.raise_signal(signal.SIGINT)
+
+    def _look(self, now: float) -> None:
+        self.truth.times.append(now)
+        self.truth.rows.append(self.world.plant.truth())
+        self._next_look = now + SAMPLE
+
+
+class Program:
+    """The failures of the program itself, in the process that a case has for its own.
+
+    Attributes
+    ----------
+    spoils : callable or None
+        What becomes of each command of the controller from now on, see `spoil`.
+    dies : callable
+        Ends this process without another word of the program.
+    """
+
+    def __init__(self, dies: Callable[[], None]) -> None:
+        self.spoils: Callable[[object], object] | None = None
+        self.dies = dies
+        self.log: Path | None = None
+        """Path of the run's log, once there is one."""

@@ -1,0 +1,55 @@
+"""The rig that is broken: what it has that may break, and how it runs when nothing does."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from rig.hal.hazards import Hazard
+from rig.hal.world import BreakableWorld, Frames
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """A rig under test, as it was seen in a run without faults.
+
+    Parameters
+    ----------
+    rig : str
+        The profile's name.
+    experiments : tuple of str
+        What it may be doing when something breaks.
+    period : float
+        Of its loop, s.
+    channels : mapping
+        Names of each device's channels or axes, and of the plant's.
+    knows : mapping
+        Faults that each device, each bus and the plant can suffer.
+    frames : mapping
+        The CAN identifiers of the devices that have some.
+    hazards : tuple of Hazard
+        What must never be true.
+    connecting : float
+        How long it takes until it is energised, s.
+    reading_age : float
+        Oldest reading that its loop goes on with, s.
+    """
+
+    rig: str
+    experiments: tuple[str, ...]
+    period: float
+    channels: Mapping[str, tuple[str, ...]]
+    knows: Mapping[str, tuple[str, ...]]
+    frames: Mapping[str, Frames]
+    hazards: tuple[Hazard, ...]
+    connecting: float
+    reading_age: float
+
+    @property
+    def buses(self) -> tuple[str, ...]:
+        """Names of what has frames."""
+        return tuple(dict.fromkeys(frames.bus for frames in self.frames.values()))
+
+
+def frames_in(world: BreakableWorld) -> dict[str, Frames]:
+    """Return the identifiers of every device that has CAN frames."""
+    found = {name: world.frames_of(name) for name in world.known_faults}
+    return {name: frames for name, frames in found.items() if frames is not None}

@@ -1,0 +1,90 @@
+"""What a rig has that may break, as a short run without faults shows it."""
+
+import signal
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import cast
+
+from rig.assembly import REGISTRY, Backend, Rig
+from rig.config import find_configs, list_files, load_experiment, load_profile
+from rig.experiment.plan import load_plan
+from rig.experiment.run import Watcher, run_experiment
+from rig.faults.stage import PausableClock
+from rig.faults.subject import Subject, frames_in
+from rig.hal import ConfigurationError
+from rig.runtime.states import RigState
+
+
+class _Look(Watcher):
+    """Looks at a rig when it is energised, and has the run end there."""
+
+    connecting = 0.0
+    rig: Rig
+
+    def built(self, rig: Rig) -> None:
+        """Take note of the rig."""
+        self.rig = rig
+
+    def moved(self, state: RigState) -> None:
+        """Take note of how long it took to connect, and of who sends what now."""
+        if state is RigState.RUNNING:
+            clock = cast("PausableClock", self.rig.clock)
+            self.connecting = clock.now()
+            self.knows = dict(clock.world.known_faults)
+            self.frames = frames_in(clock.world)
+            self.plant_channels = clock.world.plant.channel_names
+            for _ in range(2):
+                signal.raise_signal(signal.SIGINT)
+
+
+def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
+    """Return the experiments whose rig this is, by name.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none.
+    """
+    search = find_configs(configs)
+    names = list_files("experiments", search)
+    found = tuple(n for n in names if load_experiment(n, REGISTRY, [], search).rig == rig)
+    if not found:
+        raise ConfigurationError(f"no experiment runs on {rig}: nothing to break it in")
+    return found
+
+
+def survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subject:
+    """Return what a rig has that may break.
+
+    Raises
+    ------
+    ConfigurationError
+        Its plant says of no hazard when a rig is in danger, or it does not run at all.
+    """
+    profile = load_profile(rig, REGISTRY, [], find_configs(configs))
+    if profile.plant is None:
+        raise ConfigurationError(f"{rig} has no plant, so nothing can be broken without harm")
+    hazards = REGISTRY.hazards(profile.plant.model)
+    if hazards is None:
+        raise ConfigurationError(
+            f"{rig}: nobody says what is a hazard for the plant {profile.plant.model}; name it in "
+            "the mechanism's row (PlantModel.hazards)"
+        )
+    look = _Look()
+    with TemporaryDirectory() as out:
+        plan = load_plan(experiments[0], rig=rig, configs=configs)
+        result = run_experiment(plan, Backend.VIRTUAL, Path(out), watcher=look, report=False)
+    if not look.connecting:
+        raise ConfigurationError(f"{rig} does not run: {result.message}")
+    channels = {name: entry.settings.channel_names() for name, entry in profile.devices.items()}
+    return Subject(
+        rig=rig,
+        experiments=experiments,
+        period=profile.loop.period,
+        channels={**channels, "plant": tuple(look.plant_channels)},
+        knows=look.knows,
+        frames=look.frames,
+        hazards=hazards(profile.mechanism_settings),
+        connecting=look.connecting,
+        reading_age=profile.mechanism_settings.limits.reading_age,
+    )

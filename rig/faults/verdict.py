@@ -1,0 +1,150 @@
+"""What came of a case, and whether that is what had to come of it."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+
+from rig.faults.case import Case, Moment
+from rig.faults.kind import Must
+from rig.faults.oracle import Violation
+from rig.faults.subject import Subject
+
+OK, MISSED, REFUSED, FAULTED, OURS, INTERRUPTED = 0, 1, 3, 4, 70, 130
+"""Exit codes of a run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ending:
+    """How the program ended.
+
+    Parameters
+    ----------
+    code : int or None
+        Its exit code; None if it was killed.
+    message : str
+        What the operator was told.
+    broke_at : float or None
+        When the first fault happened, s; None if the run had ended before.
+    seen_at : float or None
+        When the program said that there is a fault, s.
+    violations : tuple of Violation
+        Hazards that became true.
+    """
+
+    code: int | None
+    message: str
+    broke_at: float | None
+    seen_at: float | None
+    violations: tuple[Violation, ...] = ()
+
+    @property
+    def reaction(self) -> float | None:
+        """From the fault to the first safe setpoint, s."""
+        if self.broke_at is None or self.seen_at is None:
+            return None
+        return max(0.0, self.seen_at - self.broke_at)
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """A case, how it ended, and what is wrong about that.
+
+    Parameters
+    ----------
+    case, ending
+        As run.
+    must : Must
+        What had to come of it.
+    hazard, unseen, misnamed, false_trip, late, crashed : bool
+        What is wrong; all False if nothing is. A case that gave no verdict of its own crashed.
+    folder : str
+        The run folder, where it was kept.
+    """
+
+    case: Case
+    ending: Ending
+    must: Must
+    hazard: bool = False
+    unseen: bool = False
+    misnamed: bool = False
+    false_trip: bool = False
+    late: bool = False
+    crashed: bool = False
+    folder: str = ""
+    period: float = 1e-3
+
+    def broken(self) -> "Verdict":
+        """Return this verdict as that of a case that did not work."""
+        return replace(self, crashed=True)
+
+    @property
+    def failed(self) -> bool:
+        """Whether anything is wrong."""
+        return any(True for _ in self.wrongs())
+
+    def wrongs(self) -> Iterator[str]:
+        """Yield what is wrong, a sentence each."""
+        if self.crashed:
+            yield self.ending.message
+        if self.hazard:
+            yield "hazard: " + "; ".join(map(str, self.ending.violations))
+        if self.unseen:
+            yield f"unseen: the run ended with {self.ending.code} as if nothing were wrong"
+        if self.false_trip:
+            yield f"false trip: {self.ending.message}"
+        if self.misnamed:
+            yield f"misnamed: {self.ending.message}"
+        if self.late:
+            reaction = self.ending.reaction or 0.0
+            wanted = self.case.first.row.within
+            yield f"late: seen after {1e3 * reaction:.0f} ms, {1e3 * wanted:.0f} ms wanted"
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as plain data, with what is wrong in words."""
+        return asdict(self) | {
+            "case": self.case.as_json(),
+            "wrongs": list(self.wrongs()),
+            "again": self.case.command,
+        }
+
+
+def give_verdict(case: Case, ending: Ending, subject: Subject) -> Verdict:
+    """Compare what came of a case with what had to."""
+    must = what_must_come(case, subject)
+    tripped = ending.code in (REFUSED, FAULTED, OURS)
+    seen = tripped or ending.code is None
+    happened = ending.broke_at is not None
+    named = not happened or _is_named(case, ending, subject)
+    reaction = ending.reaction
+    late = (
+        must is Must.SAFE
+        and reaction is not None
+        and case.moment in (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
+        and reaction > case.first.row.within
+    )
+    return Verdict(
+        case,
+        ending,
+        must,
+        hazard=bool(ending.violations),
+        unseen=happened and must is Must.SAFE and not seen,
+        misnamed=tripped and must is not Must.RIDE and not named,
+        false_trip=tripped and (must is Must.RIDE or not happened),
+        late=late,
+        period=subject.period,
+    )
+
+
+def what_must_come(case: Case, subject: Subject) -> Must:
+    """Return what must come of a case's first fault in its phase; a second one excuses none."""
+    musts = [item.row.must(item.sizes, subject) for item in case.breaks]
+    while_running = case.moment in (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
+    if Must.SAFE in musts:
+        # While it connects or is made safe anyway, what breaks need not be told apart.
+        return Must.SAFE if while_running else Must.EITHER
+    return Must.EITHER if Must.EITHER in musts else Must.RIDE
+
+
+def _is_named(case: Case, ending: Ending, subject: Subject) -> bool:
+    said = ending.message.lower()
+    words = [name for item in case.breaks for name in item.place(subject).names]
+    return any(word.lower() in said for word in words)

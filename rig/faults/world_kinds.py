@@ -1,0 +1,208 @@
+"""What may break in the world: plants, regulators, encoders, servos, cameras and interfaces.
+
+The simulation says what each of its parts can suffer; a rig gets the rows of the parts that it
+has. A row says what must come of it while the rig runs.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+
+from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride, safe
+from rig.faults.stage import Stage
+from rig.faults.subject import Subject
+
+_PLANT = "plant"
+_ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension"})
+"""What a cut wire does before anybody can act: the mechanical stop bears it."""
+
+
+def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
+    name = f"{place.axis}.{fault}" if place.axis else fault
+    lasts = None if sizes.lasts == float("inf") else sizes.lasts
+    value = next((x for x in (place.number, sizes.magnitude, lasts) if x is not None), None)
+    stage.world.inject(place.target, name, value)
+
+
+def _channels(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
+    """Return a place for each channel of whatever takes a channel's number."""
+    return [
+        Place(target, f"{target} {channel}", (channel, *words), number=float(number))
+        for target, known in subject.knows.items()
+        if fault in known
+        for number, channel in enumerate(subject.channels.get(target, ()))
+    ]
+
+
+def _devices(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
+    """Return a place for each device, or for each of its axes."""
+    places = []
+    for target, known in subject.knows.items():
+        axes = [name.partition(".")[0] for name in known if name.endswith(f".{fault}")]
+        if axes:
+            places += [
+                Place(target, f"{target} {axis}", (axis, target, *words), axis=axis)
+                for axis in axes
+            ]
+        elif fault in known and "." not in target:
+            places.append(Place(target, target, (target, *words)))
+    return places
+
+
+def _whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
+    """Return the plant as a whole, or the buses."""
+    return [
+        Place(target, target, (target, *words))
+        for target, known in subject.knows.items()
+        if fault in known
+    ]
+
+
+def _is_felt(least: float) -> Expect:
+    """Expect that what is at least so large is seen, and that less does no harm."""
+    return lambda sizes, subject: Must.SAFE if abs(sizes.magnitude or 0.0) >= least else Must.EITHER
+
+
+def _outlasts_readings(sizes: Sizes, subject: Subject) -> Must:
+    """Expect what leaves readings too old to be seen, and what is shorter to be bridged."""
+    return Must.SAFE if sizes.lasts > 3.0 * subject.reading_age else Must.EITHER
+
+
+def _kind(
+    name: str,
+    what: str,
+    places: partial[list[Place]],
+    must: Expect = safe,
+    within: float = 0.1,
+    *,
+    fault: str | None = None,
+    why: str = "",
+    magnitude: Magnitudes | None = None,
+    lasts: Magnitudes | None = None,
+    forgives: frozenset[str] = frozenset(),
+) -> FaultKind:
+    return FaultKind(
+        name=name, what=what, places=places, apply=partial(_inject, fault or name), must=must,
+        within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
+    )  # fmt: skip
+
+
+def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
+              words: Sequence[str] = (), *, why: str = "",
+              forgives: frozenset[str] = frozenset()) -> FaultKind:  # fmt: skip
+    places = partial(_channels, name, words)
+    return _kind(name, what, places, must, within, why=why, forgives=forgives)
+
+
+def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
+               words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
+               magnitude: Magnitudes | None = None,
+               lasts: Magnitudes | None = None) -> FaultKind:  # fmt: skip
+    places = partial(_devices, fault or name, words)
+    return _kind(
+        name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts
+    )
+
+
+_MOMENT = Magnitudes(1e-3, 1.0, "s")
+
+PNEUMATIC = (
+    _of_plant("regulator_stuck", "A regulator holds the pressure that it has.", either, 1.0,
+              why="at that pressure the rig may go on for as long as it is wanted"),
+    _of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2),
+    _of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
+              why="a shut chamber is a spring, and holds where it is"),
+    _of_plant("leak", "The tube of a chamber is off.", safe, 0.3),
+    _of_plant("wire_cut", "A wire breaks.", safe, 0.1, ("wire",), forgives=_ON_A_WIRE),
+    _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
+              forgives=_ON_A_WIRE),
+    _of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",)),
+    _kind("supply_lost", "The supply falls to another pressure.",
+          partial(_whole, "supply_lost", ("supply", "regulator")), _is_felt(0.0), 0.3,
+          magnitude=Magnitudes(1e3, 100e3, "Pa")),
+    _of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
+              ("regulator",), why="as a regulator that holds its pressure"),
+    _of_plant("wire_break", "The wire of a pressure monitor breaks.", safe, 0.05, ("monitor",)),
+    _of_device("emergency_stop", "The emergency stop is pressed.", safe, 0.02,
+               ("emergency stop",)),
+)  # fmt: skip
+
+SENSORS = (
+    _of_device("encoder_frozen", "An encoder repeats its position.", either, 0.5,
+               fault="frozen", why="at rest nobody can tell", lasts=_MOMENT),
+    _of_device("encoder_offset", "An encoder jumps and stays off.", _is_felt(4e-3), 0.1,
+               ("rod", "wire"), fault="jump",
+               magnitude=Magnitudes(0.1e-3, 20e-3, "m", signed=True)),
+    _of_device("encoder_alarm", "An encoder raises its alarm bit.", safe, 0.1, fault="alarm"),
+)  # fmt: skip
+
+NODES = (
+    _of_device(
+        "silent",
+        "A device falls off the bus.",
+        _outlasts_readings,
+        0.1,
+        lasts=_MOMENT,
+        why="a gap within the age that a reading may have is bridged",
+    ),
+    _of_device(
+        "silent_for_good", "A device falls off the bus and stays off.", safe, 0.1, fault="silent"
+    ),
+    _of_device("reboot", "A device loses its power for a moment.", safe, 0.1),
+    _of_device("rebooted", "A servo loses its power for a moment.", safe, 0.1),
+    _of_device("wrong_state", "A device leaves its state unasked.", safe, 0.1),
+    _of_device("heartbeat_silent", "A device works but sends no heartbeat.", safe, 0.3),
+    _of_device("emergency", "A device reports an emergency.", safe, 0.05),
+    _of_device("sdo_silent", "A device answers no SDO.", ride),
+)
+
+SERVOS = (
+    _of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1),
+    _of_device("drive_stuck", "A drive does not follow any more.", either, 1.0, fault="stuck",
+               why="an axis that is not asked to move does not show it"),
+    _of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
+               fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True)),
+    _of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
+    _of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
+    _of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
+    _of_device("disarm", "An axis goes idle unasked.", safe, 0.1),
+    _of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
+    _of_device("corrupted", "A servo's answers come with a wrong bit.", _outlasts_readings, 0.2,
+               lasts=_MOMENT, why="as a gap"),
+    _of_device("truncated", "A servo's answers break off.", _outlasts_readings, 0.2,
+               lasts=_MOMENT, why="as a gap"),
+    _of_device("doubled", "A servo answers twice.", either, 0.2, lasts=_MOMENT,
+               why="the second answer is not asked for"),
+    _of_device("same_id", "Two servos have one id.", safe, 0.5),
+    _of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
+    _of_device("warm", "A servo is warm.", ride),
+    _of_device("undervoltage", "A servo lacks voltage.", safe, 0.5),
+    _of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5),
+    _of_device("shock", "A servo reports an electrical shock.", safe, 0.5),
+    _of_device("overloaded", "A servo is overloaded.", safe, 0.5),
+    _of_plant("blocked", "Something is in an axis' way.", either, 1.0,
+              why="an axis that is not asked to move does not show it"),
+    _of_plant("brake_released", "A brake does not hold.", ride),
+    _kind("payload", "A load hangs on the hand.", partial(_whole, "payload", ()), either,
+          magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
+)  # fmt: skip
+
+INTERFACES = (
+    _kind("frame_loss", "Frames are lost at random.", partial(_whole, "frame_loss", ()), either,
+          magnitude=Magnitudes(1e-3, 0.5, "1"),
+          why="a few in a row are bridged; whether there are more is chance"),
+    _kind("foreign_frame", "Somebody else sends a frame.",
+          partial(_whole, "foreign_frame", ()), ride),
+    _kind("flood", "Somebody else fills the bus.", partial(_whole, "flood", ()), either,
+          magnitude=Magnitudes(8.0, 4000.0, "1"), why="frames that nobody wants cost time only"),
+    _kind("no_buffers", "Nothing can be sent any more.", partial(_whole, "no_buffers", ())),
+    _kind("bus_off", "The CAN controller leaves the bus.", partial(_whole, "bus_off", ())),
+    _kind("error_passive", "The CAN controller counts errors.",
+          partial(_whole, "error_passive", ()), either, why="frames still pass"),
+    _kind("link_down", "The interface is taken down.", partial(_whole, "link_down", ())),
+    _kind("unplugged", "The serial adapter is pulled out.", partial(_whole, "unplugged", ())),
+    _kind("noise", "A serial line brings bytes that mean nothing.",
+          partial(_whole, "noise", ()), either, magnitude=Magnitudes(1.0, 300.0, "1"),
+          why="an answer that is spoilt is a gap"),
+)  # fmt: skip
+
+KINDS = (*PNEUMATIC, *SENSORS, *NODES, *SERVOS, *INTERFACES)
