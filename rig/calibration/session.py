@@ -14,7 +14,8 @@ from rig.calibration.procedure import AnyProcedure, Data, Excitation, Finding, P
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
 from rig.experiment.plan import Plan
-from rig.experiment.run import Result, Watcher, run_experiment
+from rig.experiment.run import Result, run_experiment
+from rig.experiment.watcher import Watcher
 from rig.run_folder import FIGURES, RunStatus
 
 

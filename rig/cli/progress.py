@@ -7,7 +7,7 @@ from pathlib import Path
 from time import monotonic
 from types import TracebackType
 
-from rig.experiment.run import Watcher
+from rig.experiment.watcher import Watcher
 from rig.runtime.loop import Progress
 from rig.runtime.phases import Phase
 

@@ -15,11 +15,12 @@ from rig.config.calibration_state import calibration_states
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
-from rig.hal import Clock, Controller, DeviceError, RigError
+from rig.experiment.watcher import Watcher
+from rig.hal import Clock, DeviceError, RigError
 from rig.run_folder import EVALUATION, RunFolder, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import read_log
-from rig.runtime.loop import Loop, Outcome, Progress
+from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import LogRecorder
@@ -51,29 +52,6 @@ class Result(NamedTuple):
     exit_code: int
     message: str | None
     metrics: tuple[Metric, ...]
-
-
-class Watcher:
-    """Hears what happens during a run; every method may be overridden."""
-
-    def built(self, rig: Rig) -> None:
-        """Take note of the rig before anything of it is opened."""
-
-    def moved(self, state: RigState) -> None:
-        """Take note that the rig is in another state now."""
-
-    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
-        """Return the controller that the loop is to run: this one."""
-        return controller
-
-    def started(self, path: Path) -> None:
-        """Take note that the run folder exists."""
-
-    def said(self, sentence: str) -> None:
-        """Pass one sentence to the operator."""
-
-    def progressed(self, progress: Progress) -> None:
-        """Take note that some cycles went by."""
 
 
 def run_experiment(
@@ -260,7 +238,7 @@ def _run(
     def on_change(old: RigState, new: RigState) -> None:
         t = None if loop is None else loop.t
         events(t, "state", f"{old} -> {new}", {"old": old, "new": new})
-        watcher.moved(new)
+        watcher.moved(new, t)
 
     states = StateMachine(on_change)
     energised = False
@@ -402,4 +380,4 @@ class _Events:
             self._folder.record_event(t, kind, message, **data)
 
 
-__all__ = ["Phase", "Result", "Watcher", "run_experiment"]
+__all__ = ["Phase", "Result", "run_experiment"]

@@ -12,7 +12,7 @@ from rig.faults.subject import Subject
 
 
 class Must(StrEnum):
-    """What must come of a fault."""
+    """The outcome that a fault must have."""
 
     RIDE = "ride"
     """The run goes on as if nothing had been."""
@@ -23,7 +23,7 @@ class Must(StrEnum):
 
 
 class Place(NamedTuple):
-    """Where a fault happens.
+    """A part of a rig in which a fault happens.
 
     Parameters
     ----------

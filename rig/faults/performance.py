@@ -2,6 +2,7 @@
 
 import json
 import os
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn, cast
@@ -10,8 +11,9 @@ import numpy as np
 
 from rig.assembly import Backend, Rig
 from rig.experiment.plan import Plan, load_plan
-from rig.experiment.run import Result, Watcher, run_experiment
-from rig.faults.case import Break, Case, Moment
+from rig.experiment.run import Result, run_experiment
+from rig.experiment.watcher import Watcher
+from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.oracle import judge
 from rig.faults.stage import PausableClock, Program, Stage
 from rig.faults.subject import Subject
@@ -90,7 +92,7 @@ class Performance(Watcher):
         self.folder = path
         self._program.log = path / LOG
 
-    def moved(self, state: RigState) -> None:
+    def moved(self, state: RigState, t: float | None) -> None:
         """Set the cues of the phase that begins."""
         now, after = self.stage.clock.now(), self.case.after
         match state, self.case.moment:
@@ -100,16 +102,18 @@ class Performance(Watcher):
             case RigState.STOPPING, Moment.RELEASE:
                 self.stage.cue(now + after, self._break_first)
             case RigState.FAULT, _ if self.seen_at is None:
-                self.seen_at = now
+                start = self._running_from
+                self.seen_at = now if t is None or start is None else start + t
 
     def _cue_run(self, now: float) -> None:
         after, stage = self.case.after, self.stage
         starts = {Moment.ENERGISE: 0.0, Moment.APPROACH: 1.0, Moment.RUN: 3.0}
         match self.case.moment:
             case Moment.RELEASE:
-                stage.cue(now + 3.0 + 2.0 * self.case.seed % 1.0, stage.interrupt)
+                share = random.Random(self.case.seed).uniform(0.0, RUN_SHARE)
+                stage.cue(now + 3.0 + share, stage.interrupt)
             case Moment.STOP:
-                at = now + 3.5
+                at = now + 3.0 + random.Random(self.case.seed).uniform(0.0, RUN_SHARE)
                 stage.cue(at, stage.interrupt)
                 stage.cue(at, stage.interrupt)
                 stage.cue(at + after, self._break_first)

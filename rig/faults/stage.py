@@ -47,7 +47,7 @@ class Cue(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """What was true and when: times (s) and a row of the plant's columns for each."""
+    """The truth over time: times (s) and a row of the plant's columns for each."""
 
     times: list[float]
     rows: list[Row]

@@ -8,7 +8,8 @@ from typing import cast
 from rig.assembly import REGISTRY, Backend, Rig
 from rig.config import find_configs, list_files, load_experiment, load_profile
 from rig.experiment.plan import load_plan
-from rig.experiment.run import Watcher, run_experiment
+from rig.experiment.run import run_experiment
+from rig.experiment.watcher import Watcher
 from rig.faults.stage import PausableClock
 from rig.faults.subject import Subject, frames_in
 from rig.hal import ConfigurationError
@@ -25,7 +26,7 @@ class _Look(Watcher):
         """Take note of the rig."""
         self.rig = rig
 
-    def moved(self, state: RigState) -> None:
+    def moved(self, state: RigState, t: float | None) -> None:
         """Take note of how long it took to connect, and of who sends what now."""
         if state is RigState.RUNNING:
             clock = cast("PausableClock", self.rig.clock)

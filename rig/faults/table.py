@@ -10,7 +10,7 @@ from rig.faults.verdict import Verdict
 
 
 class Row(NamedTuple):
-    """What came of one fault on one rig.
+    """The outcomes of one fault on one rig.
 
     Parameters
     ----------

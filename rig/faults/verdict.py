@@ -14,7 +14,7 @@ OK, MISSED, REFUSED, FAULTED, OURS, INTERRUPTED = 0, 1, 3, 4, 70, 130
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How the program ended.
+    """The end of the program, as it was told and as it was.
 
     Parameters
     ----------

@@ -15,7 +15,8 @@ import pytest
 from rig.assembly import Backend
 from rig.cli import invoke
 from rig.experiment.plan import load_plan
-from rig.experiment.run import Watcher, run_experiment
+from rig.experiment.run import run_experiment
+from rig.experiment.watcher import Watcher
 from rig.report.regenerate import write_report
 from rig.run_folder import RunFolder
 from rig.runtime.log import read_log

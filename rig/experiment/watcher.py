@@ -1,0 +1,40 @@
+"""Who watches a run: told of everything that happens, while it happens."""
+
+from pathlib import Path
+from typing import Any
+
+from rig.assembly import Rig
+from rig.hal import Controller
+from rig.runtime.loop import Progress
+from rig.runtime.states import RigState
+
+
+class Watcher:
+    """Hears what happens during a run; every method may be overridden."""
+
+    def built(self, rig: Rig) -> None:
+        """Take note of the rig before anything of it is opened."""
+
+    def moved(self, state: RigState, t: float | None) -> None:
+        """Take note that the rig is in another state now.
+
+        Parameters
+        ----------
+        state : RigState
+            The new one.
+        t : float or None
+            When the loop began the cycle that led to it, s; None before there is a loop.
+        """
+
+    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
+        """Return the controller that the loop is to run: this one."""
+        return controller
+
+    def started(self, path: Path) -> None:
+        """Take note that the run folder exists."""
+
+    def said(self, sentence: str) -> None:
+        """Pass one sentence to the operator."""
+
+    def progressed(self, progress: Progress) -> None:
+        """Take note that some cycles went by."""
