@@ -1,6 +1,5 @@
 """One case: a fault, or two, at a drawn place, size and moment of an experiment."""
 
-import hashlib
 import random
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -9,6 +8,7 @@ from math import inf
 from rig.faults.catalogue import KINDS
 from rig.faults.kind import FaultKind, Place, Sizes
 from rig.faults.subject import Subject
+from rig.runtime.phases import Timings
 
 
 class Moment(StrEnum):
@@ -30,6 +30,8 @@ WEIGHTS = {
 
 RUN_SHARE = 2.5
 """Longest time into the run at which a fault is drawn, s: a campaign has to end."""
+UNIT = 1000
+"""So many seeds share a simulated unit and an experiment."""
 SECOND_WITHIN = 0.2
 """Longest time from a fault to the one after it, s."""
 
@@ -123,19 +125,21 @@ class Case:
         return (self.first,) if self.then is None else (self.first, self.then)
 
     @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of what breaks, in its order."""
+        return tuple(item.kind for item in self.breaks)
+
+    @property
     def command(self) -> str:
         """The command that runs this case again."""
-        return (
-            f"rig faults run {self.rig} --only {'+'.join(item.kind for item in self.breaks)} "
-            f"--seed {self.drawn_with}"
-        )
+        return f"rig faults run {self.rig} --only {'+'.join(self.kinds)} --seed {self.drawn_with}"
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data."""
         return asdict(self)
 
 
-def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int, *, energised: bool) -> Case:
+def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int) -> Case:
     """Draw where, when and how much of one fault, or of two.
 
     Parameters
@@ -145,22 +149,24 @@ def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int, *, energised:
     kinds : tuple of str
         One or two names.
     seed : int
-        The same seed gives the same case.
-    energised : bool
-        Whether only moments are drawn at which it is energised.
+        The same seed gives the same case. Seeds of the same thousand share experiment and unit,
+        so that they can share a run.
     """
+    unit = random.Random(f"{subject.rig} unit {seed // UNIT}")
+    experiment, unit_seed = unit.choice(subject.experiments), unit.randrange(1_000_000)
     chance = random.Random(f"{subject.rig} {'+'.join(kinds)} {seed}")
-    weights = {m: w for m, w in WEIGHTS.items() if not (energised and m is Moment.CONNECT)}
-    moment = chance.choices(list(weights), list(weights.values()))[0]
+    moment = chance.choices(list(WEIGHTS), list(WEIGHTS.values()))[0]
+    timings = Timings()
     lengths = {
-        Moment.CONNECT: subject.connecting, Moment.ENERGISE: 1.0, Moment.APPROACH: 2.0,
-        Moment.RUN: RUN_SHARE, Moment.RELEASE: 0.5, Moment.STOP: 0.05,
+        Moment.CONNECT: subject.connecting, Moment.ENERGISE: timings.energise,
+        Moment.APPROACH: timings.approach, Moment.RUN: RUN_SHARE,
+        Moment.RELEASE: timings.release, Moment.STOP: 0.05,
     }  # fmt: skip
     breaks = [_draw_break(subject, name, chance) for name in kinds]
     return Case(
         subject.rig,
-        chance.choice(subject.experiments),
-        chance.randrange(1_000_000),
+        experiment,
+        unit_seed,
         moment,
         chance.uniform(0.0, lengths[moment]),
         breaks[0],
@@ -179,9 +185,3 @@ def _draw_break(subject: Subject, name: str, chance: random.Random) -> Break:
         None if kind.magnitude is None else kind.magnitude.draw(chance),
         inf if kind.lasts is None else kind.lasts.draw(chance),
     )
-
-
-def seed_of(*parts: object) -> int:
-    """Return a seed that the same parts give on every machine."""
-    digest = hashlib.sha256(" ".join(map(str, parts)).encode()).digest()
-    return int.from_bytes(digest[:4], "big") % 10_000_000

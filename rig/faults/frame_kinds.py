@@ -25,20 +25,17 @@ def _ids(frames: Frames, way: Way) -> tuple[int, ...]:
 
 def _places(way: Way, subject: Subject) -> list[Place]:
     if way == "sync":
+        synchronised = {f.bus for f in subject.frames.values() if _is_canopen(f)}
         return [
-            Place(bus, bus, (bus, "SYNC", *_on(subject, bus)))
-            for bus in subject.buses
-            if any(_is_canopen(frames) for frames in subject.frames.values() if frames.bus == bus)
+            Place(bus, bus, ("SYNC", *subject.words_of(bus)))
+            for bus in subject.on_bus
+            if bus in synchronised
         ]
     return [
         Place(device, device, (device, *subject.channels.get(device, ()), frames.bus))
         for device, frames in subject.frames.items()
         if _ids(frames, way) and "." not in device
     ]
-
-
-def _on(subject: Subject, bus: str) -> list[str]:
-    return [name for name, frames in subject.frames.items() if frames.bus == bus]
 
 
 def _is_canopen(frames: Frames) -> bool:

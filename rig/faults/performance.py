@@ -1,25 +1,24 @@
-"""One case performed in a process of its own: the program as it is, on a stage that breaks."""
+"""A run that is broken on cue, in one of many ways: the program as it is, on a stage."""
 
 import json
-import os
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn, cast
+from typing import Any, cast
 
 import numpy as np
 
-from rig.assembly import Backend, Rig
-from rig.experiment.plan import Plan, load_plan
-from rig.experiment.run import Result, run_experiment
+from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.oracle import judge
 from rig.faults.stage import PausableClock, Program, Stage
 from rig.faults.subject import Subject
-from rig.faults.verdict import OURS, Ending, Verdict, give_verdict
+from rig.faults.verdict import Ending, Verdict, give_verdict
 from rig.hal import Controller
 from rig.run_folder import EVENTS, LOG
+from rig.runtime.phases import Timings
 from rig.runtime.states import RigState
 
 AFTERMATH = 1.5
@@ -48,40 +47,55 @@ class _Spoilt(Controller[Any, Any, Any]):
 
 
 class Performance(Watcher):
-    """A run that is watched and broken on cue.
+    """A run that goes on undisturbed until the moment of one of its cases comes.
 
     Parameters
     ----------
-    case : Case
-        What is to happen.
+    cases : sequence of Case
+        Of one experiment and one seed.
     subject : Subject
         The rig.
-    on_death : callable
-        Called when the program is killed, with the ending; does not return.
+    branch : callable
+        Called at the moment of a case; returns whether this is the process that performs it.
+    over : callable
+        Called when no case is left; does not return.
+    dies : callable
+        Called when the program is killed; does not return.
     """
 
     def __init__(
-        self, case: Case, subject: Subject, on_death: Callable[["Performance"], NoReturn]
+        self,
+        cases: Sequence[Case],
+        subject: Subject,
+        *,
+        branch: Callable[[Case], bool],
+        over: Callable[[], None],
+        dies: Callable[[], None],
     ) -> None:
-        self.case = case
         self.subject = subject
         self.folder: Path | None = None
-        self.broke_at: float | None = None
-        self.seen_at: float | None = None
-        self._program = Program(lambda: on_death(self))
+        self.waiting = list(cases)
+        """Cases whose moment has not come."""
+        self._case: Case | None = None
+        self._branch = branch
+        self._over = over
+        self._program = Program(dies)
+        self._broke_at: float | None = None
+        self._seen_at: float | None = None
         self._running_from: float | None = None
         self._ended = False
-        self.stage: Stage
+        self._stage: Stage
 
     # What the run tells ------------------------------------------------------------------
 
     def built(self, rig: Rig) -> None:
         """Put the world on the stage."""
         clock = cast("PausableClock", rig.clock)
-        self.stage = clock.world = Stage(clock, self._program)  # type: ignore[assignment]
+        self._stage = clock.world = Stage(clock, self._program)  # type: ignore[assignment]
         self._columns = [column.name.removeprefix("truth.") for column in rig.truth_columns]
-        if self.case.moment is Moment.CONNECT:
-            self.stage.cue(self.case.after, self._break_first)
+        for case in self.waiting:
+            if case.moment is Moment.CONNECT:
+                self._stage.cue(case.after, partial(self._come, case))
 
     def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
         """Have the loop run a controller that can be spoilt."""
@@ -94,52 +108,57 @@ class Performance(Watcher):
 
     def moved(self, state: RigState, t: float | None) -> None:
         """Set the cues of the phase that begins."""
-        now, after = self.stage.clock.now(), self.case.after
-        match state, self.case.moment:
-            case RigState.RUNNING, _:
-                self._running_from = now
-                self._cue_run(now)
-            case RigState.STOPPING, Moment.RELEASE:
-                self.stage.cue(now + after, self._break_first)
-            case RigState.FAULT, _ if self.seen_at is None:
-                start = self._running_from
-                self.seen_at = now if t is None or start is None else start + t
-
-    def _cue_run(self, now: float) -> None:
-        after, stage = self.case.after, self.stage
-        starts = {Moment.ENERGISE: 0.0, Moment.APPROACH: 1.0, Moment.RUN: 3.0}
-        match self.case.moment:
-            case Moment.RELEASE:
-                share = random.Random(self.case.seed).uniform(0.0, RUN_SHARE)
-                stage.cue(now + 3.0 + share, stage.interrupt)
-            case Moment.STOP:
-                at = now + 3.0 + random.Random(self.case.seed).uniform(0.0, RUN_SHARE)
-                stage.cue(at, stage.interrupt)
-                stage.cue(at, stage.interrupt)
-                stage.cue(at + after, self._break_first)
-            case Moment.CONNECT:
-                stage.cue(now + 3.0 + HORIZON, stage.interrupt)
-            case moment:
-                stage.cue(now + starts[moment] + after, self._break_first)
+        now, start = self._stage.clock.now(), self._running_from
+        if state is RigState.RUNNING:
+            self._running_from = now
+            for case in self.waiting:
+                if case.moment is not Moment.CONNECT:
+                    self._stage.cue(now + _comes_at(case), partial(self._come, case))
+        elif state is RigState.STOPPING and self._case is not None:
+            if self._case.moment is Moment.RELEASE:
+                self._stage.cue(now + self._case.after, self._break_first)
+        elif state is RigState.FAULT and self._seen_at is None:
+            self._seen_at = now if t is None or start is None else start + t
 
     # What happens ------------------------------------------------------------------------
 
-    def _break_first(self) -> None:
-        if self._ended:
+    def _come(self, case: Case) -> None:
+        """Go two ways: here the case begins, and in the other process it has been."""
+        self.waiting.remove(case)
+        if not self._branch(case):
+            if not self.waiting:
+                self._over()
             return
-        self.broke_at = self.stage.world.time
-        if self.case.then is not None:
-            self.stage.cue(self.broke_at + self.case.then_after, self._break_second)
-        if self.case.moment is not Moment.CONNECT:
-            self.stage.cue(self.broke_at + self.case.then_after + HORIZON, self.stage.interrupt)
-        self._make(self.case.first)
+        self._case = case
+        self.waiting.clear()  # the others are the other process's
+        stage, now = self._stage, self._stage.world.time
+        stage.forget_cues()
+        if case.moment is Moment.RELEASE:
+            stage.interrupt()
+        elif case.moment is Moment.STOP:
+            stage.interrupt()
+            stage.interrupt()
+            stage.cue(now + case.after, self._break_first)
+        else:
+            self._break_first()
+
+    def _break_first(self) -> None:
+        case = self._case
+        if self._ended or case is None:
+            return
+        now = self._broke_at = self._stage.world.time
+        if case.then is not None:
+            self._stage.cue(now + case.then_after, self._break_second)
+        lead_in = _lead_in() if case.moment is Moment.CONNECT else 0.0
+        self._stage.cue(now + lead_in + case.then_after + HORIZON, self._stage.interrupt)
+        self._make(case.first)
 
     def _break_second(self) -> None:
-        if self.case.then is not None and not self._ended:
-            self._make(self.case.then)
+        if self._case is not None and self._case.then is not None and not self._ended:
+            self._make(self._case.then)
 
     def _make(self, item: Break) -> None:
-        stage = self.stage
+        stage = self._stage
         self._note(item)
         end = item.row.apply(stage, item.place(self.subject), item.sizes)
         if end is not None and item.lasts < float("inf"):
@@ -150,7 +169,7 @@ class Performance(Watcher):
         if self.folder is None:
             return
         start = self._running_from
-        t = None if start is None else self.stage.world.time - start
+        t = None if start is None else self._stage.world.time - start
         data = {"fault": item.kind, "where": item.where, "magnitude": item.magnitude}
         if item.lasts < float("inf"):
             data["lasts"] = item.lasts
@@ -161,56 +180,46 @@ class Performance(Watcher):
     # What came of it ---------------------------------------------------------------------
 
     def end(self, code: int | None, message: str) -> Verdict:
-        """Watch the world on, and judge."""
+        """Watch the world on, and judge.
+
+        Parameters
+        ----------
+        code : int or None
+            Of the program; None if it was killed.
+        message : str
+            What the operator was told.
+        """
+        assert self._case is not None
         self._ended = True
-        ended_at = self.stage.world.time
-        self.stage.watch_on(AFTERMATH)
+        ended_at = self._stage.world.time
+        self._stage.watch_on(AFTERMATH)
         # A dead program says nothing; what its devices do of themselves has to be done by then.
         safe_from = ended_at if code is not None else ended_at + AFTERMATH - 0.1
-        times, rows = (np.array(values) for values in self.stage.truth)
-        forgiven = {name for item in self.case.breaks for name in item.row.forgives}
+        times, rows = (np.array(values) for values in self._stage.truth)
+        forgiven = {name for item in self._case.breaks for name in item.row.forgives}
         violations = judge(
             self.subject.hazards, self._columns, times, rows,
             safe_from=safe_from, forgiven=forgiven,
         )  # fmt: skip
-        ending = Ending(code, message, self.broke_at, self.seen_at, tuple(violations))
-        verdict = give_verdict(self.case, ending, self.subject)
+        ending = Ending(code, message, self._broke_at, self._seen_at, tuple(violations))
+        verdict = give_verdict(self._case, ending, self.subject)
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
         return verdict
 
 
-def load_case_plan(case: Case, configs: Path | None) -> Plan:
-    """Load what a case runs."""
-    seed = f"simulation.seed={case.seed}"
-    return load_plan(case.experiment, [seed], rig=case.rig, configs=configs)
+def _lead_in() -> float:
+    timings = Timings()
+    return timings.energise + timings.approach
 
 
-def perform(
-    case: Case, subject: Subject, out: Path, configs: Path | None, tell: Callable[[Verdict], None]
-) -> None:
-    """Run a case to its end, or to that of this process, and tell the verdict.
-
-    Parameters
-    ----------
-    case, subject
-        What happens to what.
-    out : Path
-        Where the run folder goes.
-    configs : Path, optional
-        The folder of the configurations.
-    tell : callable
-        Takes the verdict; called once.
-    """
-
-    def die(performance: Performance) -> NoReturn:
-        tell(performance.end(None, "killed"))
-        os._exit(0)
-
-    plan = load_case_plan(case, configs)
-    performance = Performance(case, subject, die)
-    try:
-        result = run_experiment(plan, Backend.VIRTUAL, out, watcher=performance, report=False)
-    except Exception as error:  # a bug, or one that was injected: the command line's exit 70
-        result = Result(out, None, OURS, f"{type(error).__name__}: {error}", ())  # type: ignore[arg-type]
-    tell(performance.end(result.exit_code, result.message or ""))
+def _comes_at(case: Case) -> float:
+    """Return when the case's own way begins, s after the loop did."""
+    timings = Timings()
+    if case.moment is Moment.ENERGISE:
+        return case.after
+    if case.moment is Moment.APPROACH:
+        return timings.energise + case.after
+    if case.moment is Moment.RUN:
+        return _lead_in() + case.after
+    return _lead_in() + random.Random(case.seed).uniform(0.0, RUN_SHARE)

@@ -77,6 +77,10 @@ class Stage:
         self._cues.append(Cue(at, act))
         self._cues.sort(key=lambda cue: cue.at)
 
+    def forget_cues(self) -> None:
+        """Have nothing happen that was to."""
+        self._cues.clear()
+
     def advance(self, t: float) -> None:
         """Let the world go on until `t` (s), with a halt at every cue and every look."""
         now = self.world.time

@@ -25,6 +25,8 @@ class Subject:
         Faults that each device, each bus and the plant can suffer.
     frames : mapping
         The CAN identifiers of the devices that have some.
+    on_bus : mapping
+        Names of the devices on each bus.
     hazards : tuple of Hazard
         What must never be true.
     connecting : float
@@ -39,14 +41,16 @@ class Subject:
     channels: Mapping[str, tuple[str, ...]]
     knows: Mapping[str, tuple[str, ...]]
     frames: Mapping[str, Frames]
+    on_bus: Mapping[str, tuple[str, ...]]
     hazards: tuple[Hazard, ...]
     connecting: float
     reading_age: float
 
-    @property
-    def buses(self) -> tuple[str, ...]:
-        """Names of what has frames."""
-        return tuple(dict.fromkeys(frames.bus for frames in self.frames.values()))
+    def words_of(self, bus: str) -> tuple[str, ...]:
+        """Return names that stand for a bus: its own, and those of all that is on it."""
+        devices = self.on_bus.get(bus, ())
+        axes = [axis for device in devices for axis in self.channels.get(device, ())]
+        return (bus, *devices, *axes)
 
 
 def frames_in(world: BreakableWorld) -> dict[str, Frames]:

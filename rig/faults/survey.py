@@ -85,6 +85,10 @@ def survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subj
         channels={**channels, "plant": tuple(look.plant_channels)},
         knows=look.knows,
         frames=look.frames,
+        on_bus={
+            bus: tuple(name for name, entry in profile.devices.items() if entry.bus == bus)
+            for bus in profile.buses
+        },
         hazards=hazards(profile.mechanism_settings),
         connecting=look.connecting,
         reading_age=profile.mechanism_settings.limits.reading_age,

@@ -51,7 +51,7 @@ def _devices(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
 def _whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
     """Return the plant as a whole, or the buses."""
     return [
-        Place(target, target, (target, *words))
+        Place(target, target, (*subject.words_of(target), *words))
         for target, known in subject.knows.items()
         if fault in known
     ]
@@ -174,7 +174,7 @@ SERVOS = (
                why="the second answer is not asked for"),
     _of_device("same_id", "Two servos have one id.", safe, 0.5),
     _of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
-    _of_device("warm", "A servo is warm.", ride),
+    _of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),
     _of_device("undervoltage", "A servo lacks voltage.", safe, 0.5),
     _of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5),
     _of_device("shock", "A servo reports an electrical shock.", safe, 0.5),

@@ -1,0 +1,125 @@
+"""The cases of one experiment and one seed, performed one after the other in copies of a run."""
+
+import os
+import pickle
+import select
+import shutil
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from rig.assembly import Backend
+from rig.experiment.plan import load_plan
+from rig.experiment.run import run_experiment
+from rig.faults.branch import Home, make_home
+from rig.faults.case import Case
+from rig.faults.performance import Performance
+from rig.faults.subject import Subject
+from rig.faults.verdict import OURS, Ending, Verdict, give_verdict
+
+DEADLINE = 120.0
+"""How long a case may take by the wall's clock, s: it hangs."""
+
+Tell = Callable[[Verdict], None]
+
+
+def perform_unit(
+    cases: Sequence[Case], subject: Subject, out: Path, configs: Path | None, tell: Tell
+) -> None:
+    """Run an experiment once, and every case as a copy of it from its moment on; does not return.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Of the same rig, experiment and seed.
+    subject : Subject
+        The rig.
+    out : Path
+        Where the folders go; those of cases in which nothing is wrong are removed.
+    configs : Path, optional
+        The folder of the configurations.
+    tell : callable
+        Takes each verdict.
+    """
+    first = cases[0]
+    shared = out / f"{first.rig}-{first.drawn_with}"
+    shutil.rmtree(shared, ignore_errors=True)
+    home = make_home(shared)
+    branch = _Branch(home, out, subject, tell)
+
+    def over() -> None:
+        shutil.rmtree(shared, ignore_errors=True)
+        os._exit(0)
+
+    performance = Performance(
+        cases, subject, branch=branch.go, over=over, dies=lambda: branch.tell_end(None, "killed")
+    )
+    branch.performance = performance
+    plan = load_plan(
+        first.experiment, [f"simulation.seed={first.seed}"], rig=first.rig, configs=configs
+    )
+    try:
+        result = run_experiment(plan, Backend.VIRTUAL, home.path, watcher=performance, report=False)
+    except Exception as error:  # a bug, or one that was injected: the command line's exit 70
+        branch.tell_end(OURS, f"{type(error).__name__}: {error}")
+    else:
+        branch.tell_end(result.exit_code, result.message or "")
+
+
+class _Branch:
+    """The fork of a run at a case's moment, and the way back of its verdict."""
+
+    def __init__(self, home: Home, out: Path, subject: Subject, tell: Tell) -> None:
+        self.performance: Performance
+        self._home = home
+        self._out = out
+        self._subject = subject
+        self._tell = tell
+        self._sender: int | None = None
+        self._folder: Path
+
+    def go(self, case: Case) -> bool:
+        """Copy this process; return True in the copy, and False here when the copy has ended."""
+        reader, writer = os.pipe()
+        self._folder = self._out / f"{case.rig}-{case.drawn_with}-{'+'.join(case.kinds)}"
+        shutil.rmtree(self._folder, ignore_errors=True)
+        child = os.fork()
+        if child == 0:
+            os.close(reader)
+            self._sender = writer
+            self._home.move(self._folder)
+            return True
+        os.close(writer)
+        self._tell(
+            _receive(reader, child) or _no_verdict(case, self._subject, "it gave no verdict")
+        )
+        return False
+
+    def tell_end(self, code: int | None, message: str) -> None:
+        """Tell the verdict of this process's case, and end it; nothing of the program is left."""
+        if self._sender is not None:
+            verdict = self.performance.end(code, message)
+            if not verdict.failed:
+                shutil.rmtree(self._folder, ignore_errors=True)
+            with os.fdopen(self._sender, "wb") as pipe:
+                pickle.dump(verdict, pipe)
+        else:  # without any fault it should not have ended before them
+            for case in self.performance.waiting:
+                self._tell(_no_verdict(case, self._subject, f"the run ended before it: {message}"))
+        os._exit(0)
+
+
+def _receive(reader: int, child: int) -> Verdict | None:
+    """Return what a copy tells, or None if it says nothing or hangs."""
+    with os.fdopen(reader, "rb") as pipe:
+        ready, _, _ = select.select([pipe], [], [], DEADLINE)
+        content = pipe.read() if ready else b""
+    if not ready:
+        os.kill(child, 9)
+    os.waitpid(child, 0)
+    return pickle.loads(content) if content else None
+
+
+def _no_verdict(case: Case, subject: Subject, why: str) -> Verdict:
+    """Return the verdict of a case that gave none: never taken for a pass."""
+    ending = Ending(None, why, None, None)
+    return give_verdict(case, ending, subject).broken()
