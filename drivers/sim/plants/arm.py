@@ -168,12 +168,6 @@ class ArmPlant:
         x, y, z = self._data.site_xpos[self._hand].tolist()
         return x, y, z
 
-    def hand_rotation(self) -> tuple[tuple[float, ...], ...]:
-        """Return the rows of the tool's rotation, base from tool."""
-        mujoco.mj_kinematics(self._model, self._data)
-        rows = self._data.site_xmat[self._hand].reshape(3, 3).tolist()
-        return tuple(tuple(row) for row in rows)
-
     def truth(self) -> tuple[float, ...]:
         """Return what `truth_columns` names."""
         hand = self.hand_position()
