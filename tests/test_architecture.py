@@ -165,12 +165,13 @@ def calls(tree: ast.AST, *names: str):
 
 
 def contract_names() -> set[str]:
-    """Return every public member of the protocols in rig.hal."""
+    """Return every public member of what rig.hal has others inherit."""
     found = set()
     for path in (ROOT / "rig" / "hal").glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ClassDef) and any(
-                "Protocol" in ast.unparse(base) for base in node.bases
+            if isinstance(node, ast.ClassDef) and (
+                node.name == "DriverSettings"
+                or any("Protocol" in ast.unparse(base) for base in node.bases)
             ):
                 for item in node.body:
                     if isinstance(item, ast.FunctionDef):
