@@ -12,7 +12,7 @@ from rig.hal import Reading, ServoBus, Vector
 Drive = TypeVar("Drive", bound=AxisDrive[FollowingAxisSettings])
 
 
-class ChainSettings(Protocol):
+class ServoChainSettings(Protocol):
     """The part of the settings of a chain that is the same for all drives."""
 
     @property
@@ -46,7 +46,7 @@ class ServoChain(ServoBus, Generic[Drive]):
     ----------
     name : str
         The device's name in the profile.
-    settings : ChainSettings
+    settings : ServoChainSettings
         Of the device.
     drives : sequence
         One per joint, in the same order.
@@ -66,7 +66,7 @@ class ServoChain(ServoBus, Generic[Drive]):
     def __init__(
         self,
         name: str,
-        settings: ChainSettings,
+        settings: ServoChainSettings,
         drives: Sequence[Drive],
         *,
         period: float,

@@ -18,7 +18,7 @@ from rig.hal.columns import Column
 from rig.mechanisms.joint.calibration.camera import ROSETTE
 from rig.mechanisms.joint.calibration.parameters import priors_of
 from rig.mechanisms.joint.calibration.rosette import Rosette
-from rig.mechanisms.joint.calibration.sighting_model import Wires, axes_seen
+from rig.mechanisms.joint.calibration.sighting_model import WireEnds, axes_seen
 from rig.mechanisms.joint.calibration.sightings import limits_of, senses_of, track_of
 from rig.runtime.log import Log
 
@@ -87,7 +87,7 @@ def test_wires_are_those_of_the_controllers():
     values |= {f"anchor_angle_{k}": angle for k, angle in enumerate(TRUE.anchor_angles, 1)}
     for part in ("turned", "raised", "shift_x", "shift_y", "shift_z"):
         values |= {f"{part}_{k}": 0.0 for k in (1, 2, 3, 4)}
-    wires = Wires.of(values)
+    wires = WireEnds.of(values)
     for tilt in (0.0, 0.3, 0.9):
         for azimuth in (0.1, 2.0, 4.4):
             axis = axis_from_tilt(tilt, azimuth)

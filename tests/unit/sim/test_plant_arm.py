@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from drivers.sim.plants.arm import ArmPlant
-from drivers.sim.plants.arm_model import Deviations, build_model
+from drivers.sim.plants.arm_model import ArmDeviations, build_model
 from drivers.sim.plants.arm_settings import ArmDriveSettings, ArmLinkSettings, ArmPlantSettings
 
 PERIOD = 5e-3
@@ -113,7 +113,7 @@ def test_the_hand_of_the_truth_belongs_to_its_angles():
 
 def test_energy_is_kept_without_friction_and_falls_with_it():
     def energies(drives):
-        model = build_model(Dimensions(), replace(EXACT, drives=drives), Deviations())
+        model = build_model(Dimensions(), replace(EXACT, drives=drives), ArmDeviations())
         model.opt.enableflags |= mujoco.mjtEnableBit.mjENBL_ENERGY
         model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
         data = mujoco.MjData(model)
