@@ -165,12 +165,13 @@ def calls(tree: ast.AST, *names: str):
 
 
 def contract_names() -> set[str]:
-    """Return every public member of the protocols in rig.hal."""
+    """Return every public member of what rig.hal has others inherit."""
     found = set()
     for path in (ROOT / "rig" / "hal").glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ClassDef) and any(
-                "Protocol" in ast.unparse(base) for base in node.bases
+            if isinstance(node, ast.ClassDef) and (
+                node.name == "DriverSettings"
+                or any("Protocol" in ast.unparse(base) for base in node.bases)
             ):
                 for item in node.body:
                     if isinstance(item, ast.FunctionDef):
@@ -273,6 +274,35 @@ def test_every_mechanism_has_the_same_files():
         if f"rig.mechanisms.{mechanism}.{name}" not in MODULES
     ]
     assert not missing
+
+
+# Words ----------------------------------------------------------------------------------
+
+TWINS = {
+    # Emulated nodes are of their own making, so that a mistake in a driver shows against them.
+    "Emergency": ("drivers.canopen", "drivers.sim.nodes"),
+    "HeartbeatProducer": ("drivers.canopen", "drivers.sim.nodes"),
+    "NmtState": ("drivers.canopen", "drivers.sim.nodes"),
+    # What is true of a plant is not what its controllers believe.
+    "PneumaticSettings": ("drivers.sim.plants", "rig.mechanisms.pneumatic"),
+    "SealFriction": ("drivers.sim.plants", "rig.mechanisms.pneumatic"),
+    # Controllers import nothing of rig: their base fulfils its protocol from outside.
+    "Law": ("controllers.base", "rig.hal"),
+}
+"""Class names for two things, and where each may stand: a ratchet, which never grows."""
+
+
+def test_a_class_name_means_one_thing():
+    homes: dict[str, list[str]] = {}
+    for module, path in MODULES.items():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                homes.setdefault(node.name, []).append(module)
+    twins = {name: sorted(found) for name, found in homes.items() if len(found) > 1}
+    assert twins.keys() == TWINS.keys()
+    for name, found in twins.items():
+        assert len(found) == 2
+        assert all(belongs(m, home) for m, home in zip(found, TWINS[name], strict=True)), name
 
 
 # Sizes ----------------------------------------------------------------------------------

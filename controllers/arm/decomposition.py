@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from controllers.arm.kinematics import Dimensions, tool_axis_in_forearm
 from controllers.arm.types import Joints, Vector
-from controllers.singularity.two_link import Frame, two_link_frame, two_link_parts
+from controllers.singularity.two_link import TipFrame, two_link_frame, two_link_parts
 
 
 class Scale(NamedTuple):
@@ -31,7 +31,7 @@ class Scale(NamedTuple):
     per_elbow: float
 
 
-def elbow_frame(arm: Dimensions, q2: float, q3: float) -> Frame:
+def elbow_frame(arm: Dimensions, q2: float, q3: float) -> TipFrame:
     """Return the arm's radial direction and what moving along it costs; see `two_link_frame`.
 
     References

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.phase_curve import PhaseCurve
-from controllers.gait.phases import Phase
+from controllers.gait.phases import GaitPhase
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Arcs(NamedTuple):
         return float(np.sum(self.path_pieces))
 
 
-def measure(geometry: LegGeometry, phase: Phase) -> Arcs:
+def measure(geometry: LegGeometry, phase: GaitPhase) -> Arcs:
     """Measure a phase by the closed-form inverse.
 
     The pieces get shorter towards both ends as ``sin²``: where the path meets a straight knee,
@@ -61,7 +61,7 @@ def measure(geometry: LegGeometry, phase: Phase) -> Arcs:
 
 
 @lru_cache(maxsize=256)
-def _measure(geometry: LegGeometry, phase: Phase) -> Arcs:
+def _measure(geometry: LegGeometry, phase: GaitPhase) -> Arcs:
     curve = PhaseCurve(geometry, phase, 1.0)
     xi = np.sin(np.linspace(0.0, 0.5 * math.pi, _SAMPLES + 1)) ** 2
     joints = np.array([curve.joints_at(x) for x in xi.tolist()])

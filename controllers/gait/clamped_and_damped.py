@@ -68,7 +68,7 @@ class ClampedLaw(RivalLaw[NoSettings]):
 
 
 @dataclass(frozen=True, slots=True)
-class DampedSettings:
+class DampedGaitSettings:
     """Of damped least squares.
 
     Parameters
@@ -80,7 +80,7 @@ class DampedSettings:
     damping: Annotated[float, Gt(0)] = 0.05
 
 
-class DampedLaw(RivalLaw[DampedSettings]):
+class DampedLaw(RivalLaw[DampedGaitSettings]):
     """Damped least squares towards the path, each leg on its own.
 
     References
@@ -89,7 +89,7 @@ class DampedLaw(RivalLaw[DampedSettings]):
     manipulator control", J. Dyn. Sys., Meas., Control 108(3), 1986.
     """
 
-    Settings = DampedSettings
+    Settings = DampedGaitSettings
     name = "dls"
 
     def _next(self, curve: PhaseCurve) -> Joints:
@@ -116,7 +116,7 @@ class DampedLaw(RivalLaw[DampedSettings]):
         return moved
 
 
-RIVALS: tuple[type[RivalLaw[NoSettings]] | type[RivalLaw[DampedSettings]], ...] = (
+RIVALS: tuple[type[RivalLaw[NoSettings]] | type[RivalLaw[DampedGaitSettings]], ...] = (
     ClampedLaw,
     DampedLaw,
 )

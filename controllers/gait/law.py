@@ -17,9 +17,9 @@ from controllers.gait.fastest import fastest
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import LegsMotion, WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
-from controllers.gait.phases import Phase
+from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
-from controllers.gait.time_laws import Pace
+from controllers.gait.time_laws import TimeLaw
 from controllers.gait.types import (
     GaitModel,
     Joints,
@@ -39,7 +39,7 @@ class TimedPhase(NamedTuple):
 
     Parameters
     ----------
-    phase : Phase
+    phase : GaitPhase
         The path.
     arcs : Arcs
         Its lengths.
@@ -47,7 +47,7 @@ class TimedPhase(NamedTuple):
         Cycles of its start and end.
     """
 
-    phase: Phase
+    phase: GaitPhase
     arcs: Arcs
     first: int
     last: int
@@ -60,11 +60,11 @@ class TimedPhase(NamedTuple):
 
 class _Stretch(NamedTuple):
     curve: PhaseCurve
-    pace: Pace
+    pace: TimeLaw
     cycles: int
 
 
-PaceMaker = Callable[[TimedPhase], Pace]
+PaceMaker = Callable[[TimedPhase], TimeLaw]
 """Gives each phase its time law; raises `InfeasibleMotion` with the reason."""
 
 
@@ -172,7 +172,7 @@ class GaitLaw(
         self._cycle += 1
         return True
 
-    def _sample(self, timed: Sequence[TimedPhase], paces: Sequence[Pace]) -> GaitPlan:
+    def _sample(self, timed: Sequence[TimedPhase], paces: Sequence[TimeLaw]) -> GaitPlan:
         self._restart()
         joints, numbers, path = [self._schedule[0].curve.joints], [0], [0.0]
         while self._advance():
@@ -244,7 +244,7 @@ class GaitLaw(
 
 
 def _on_grid(
-    geometry: LegGeometry, phases: Sequence[Phase], period: float
+    geometry: LegGeometry, phases: Sequence[GaitPhase], period: float
 ) -> tuple[TimedPhase, ...]:
     """Put the phases on the grid of periods; each begins at the cycle nearest to its time."""
     timed = []
@@ -261,7 +261,7 @@ def _on_grid(
     return tuple(timed)
 
 
-def _make_pace(make: PaceMaker, entry: TimedPhase) -> Pace:
+def _make_pace(make: PaceMaker, entry: TimedPhase) -> TimeLaw:
     try:
         return make(entry)
     except InfeasibleMotion as error:

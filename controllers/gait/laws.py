@@ -14,7 +14,7 @@ from controllers.gait.time_laws import (
     ConstantPathPace,
     LimitedNormPace,
     MinimumJerkPace,
-    Pace,
+    TimeLaw,
     TrapezoidNormPace,
 )
 
@@ -85,7 +85,7 @@ class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
         # No joint may pass its own limit either, wherever on the curve it has its greatest share.
         most = self.model.geometry.max_rate
 
-        def make(entry: TimedPhase) -> Pace:
+        def make(entry: TimedPhase) -> TimeLaw:
             rate = min(bound, most / entry.arcs.steepest)
             return LimitedNormPace(entry.arcs, entry.cycles, self.period, rate)
 
@@ -124,7 +124,7 @@ class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
         ramp = self.settings.ramp / speed
         most = self.model.geometry.max_rate
 
-        def make(entry: TimedPhase) -> Pace:
+        def make(entry: TimedPhase) -> TimeLaw:
             limit = most / entry.arcs.steepest
             return TrapezoidNormPace(entry.arcs, entry.cycles, self.period, ramp, limit)
 

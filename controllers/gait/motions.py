@@ -8,7 +8,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
 from controllers.gait.geometry import LEGS, LegGeometry
-from controllers.gait.phases import Phase
+from controllers.gait.phases import GaitPhase
 from controllers.motion import InfeasibleMotion
 
 Duration = Annotated[float, Unit("s"), Gt(0)]
@@ -37,7 +37,7 @@ class GaitRequest(ABC):
         return self
 
     @abstractmethod
-    def phases(self, geometry: LegGeometry) -> tuple[Phase, ...]:
+    def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
         """Return the phases of the motion, in their order."""
 
 
@@ -139,7 +139,7 @@ class WalkSettings(GaitRequest):
         """Return the same walk with the hip at constant height."""
         return replace(self, bob=None)
 
-    def phases(self, geometry: LegGeometry) -> tuple[Phase, ...]:
+    def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
         """Return the phases of the walk, in their order."""
         hip, spacing = self.hip_height(geometry), geometry.hip_half_spacing
         height = hip + geometry.ankle_height
@@ -165,7 +165,7 @@ class WalkSettings(GaitRequest):
             time = self.shift_time if number else self.first_shift_time
             both = (feet[0], feet[1])
             phases.append(
-                Phase(f"shift {number}", time / self.speed, (True, True), waist, travel, both)
+                GaitPhase(f"shift {number}", time / self.speed, (True, True), waist, travel, both)
             )
             waist = target
             if number == self.landings:
@@ -173,7 +173,7 @@ class WalkSettings(GaitRequest):
             swing = 1 - support
             step = self.step if number == 0 else 2.0 * self.step
             phases.append(
-                Phase(
+                GaitPhase(
                     f"swing {LEGS[swing]} {number + 1}",
                     self.swing_time / self.speed,
                     (support == 0, support == 1),
@@ -216,7 +216,7 @@ class SquatSettings(GaitRequest):
     repeats: Annotated[int, Interval(ge=1, le=100)] = 2
     speed: Annotated[float, Gt(0), Le(100)] = 1.0
 
-    def phases(self, geometry: LegGeometry) -> tuple[Phase, ...]:
+    def phases(self, geometry: LegGeometry) -> tuple[GaitPhase, ...]:
         """Return the ways down and up, in their order."""
         spacing = geometry.hip_half_spacing
         top = geometry.distance(self.knee_min) + geometry.ankle_height
@@ -225,8 +225,8 @@ class SquatSettings(GaitRequest):
         phases = []
         for number in range(1, self.repeats + 1):
             down, up = (0.0, 0.0, top), (0.0, 0.0, top - depth)
-            phases.append(Phase(f"down {number}", time, both, down, (0.0, 0.0, -depth), feet))
-            phases.append(Phase(f"up {number}", time, both, up, (0.0, 0.0, depth), feet))
+            phases.append(GaitPhase(f"down {number}", time, both, down, (0.0, 0.0, -depth), feet))
+            phases.append(GaitPhase(f"up {number}", time, both, up, (0.0, 0.0, depth), feet))
         return tuple(phases)
 
 

@@ -13,7 +13,7 @@ from controllers.gait import phase_curve_kernel
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.kinematics import inverse
 from controllers.gait.phase_curve_kernel import PhaseNumbers
-from controllers.gait.phases import LegPath, Phase
+from controllers.gait.phases import GaitPhase, LegPath
 from controllers.gait.types import Joints
 from controllers.motion import InfeasibleMotion
 
@@ -27,7 +27,7 @@ class PhaseCurve:
     ----------
     geometry : LegGeometry
         The legs.
-    phase : Phase
+    phase : GaitPhase
         The path.
     period : float
         Of one step, for the velocities, s.
@@ -57,7 +57,7 @@ class PhaseCurve:
     The step is the classical Runge-Kutta rule: Euler's would leave the path by 30 µm in a phase.
     """
 
-    def __init__(self, geometry: LegGeometry, phase: Phase, period: float) -> None:
+    def __init__(self, geometry: LegGeometry, phase: GaitPhase, period: float) -> None:
         self.phase = phase
         self._period = period
         self._geometry = geometry

@@ -26,7 +26,7 @@ _LONGEST_PIECE, _MOST_PIECES = 2e-3, 100
 200 Hz, the legs come to disagree by 44 nm on where the waist is; at 2 mrad by 0.04 nm."""
 
 
-class Step(NamedTuple):
+class CurveStep(NamedTuple):
     """The end of a step along the curve.
 
     Parameters
@@ -207,7 +207,7 @@ def _pieces(phase: PhaseNumbers, y: Angles, length: float, by_path: bool) -> int
 @inlined
 def follow(
     phase: PhaseNumbers, joints: Joints, xi: float, length: float, by_path: bool, period: float
-) -> Step:
+) -> CurveStep:
     """Go on along the ray by the classical Runge-Kutta rule, in pieces that are short enough.
 
     Parameters
@@ -240,7 +240,7 @@ def follow(
     p = 1.0 / period
     a, b, c = p * (z[0] - y[0]), p * (z[1] - y[1]), p * (z[2] - y[2])
     d, e, f = p * (z[3] - y[3]), p * (z[4] - y[4]), p * (z[5] - y[5])
-    return Step(
+    return CurveStep(
         (0.0, -z[2], -z[0] - z[1], z[0], z[1], z[2], 0.0, -z[5], -z[3] - z[4], z[3], z[4], z[5]),
         (0.0, -c, -a - b, a, b, c, 0.0, -f, -d - e, d, e, f),
         z[6],

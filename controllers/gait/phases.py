@@ -52,7 +52,7 @@ class LegPath(PlainNumbers):
         return (x, y, z)
 
 
-class Phase(NamedTuple):
+class GaitPhase(NamedTuple):
     """The motion of waist and feet, in the ground's frame: x ahead, y to the left.
 
     Parameters

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.leg_postures import leg_posture, mismatch, quantised, waist_from_foot
-from controllers.gait.phases import Phase
+from controllers.gait.phases import GaitPhase
 from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import BalanceSettings, LegsReference
 
@@ -33,7 +33,7 @@ class PlannedPhase(NamedTuple):
 
     Parameters
     ----------
-    phase : Phase
+    phase : GaitPhase
         As it was asked for.
     first, last : int
         Samples of its start and end.
@@ -45,7 +45,7 @@ class PlannedPhase(NamedTuple):
         What the law has decided.
     """
 
-    phase: Phase
+    phase: GaitPhase
     first: int
     last: int
     path_length: float

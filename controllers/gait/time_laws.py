@@ -35,7 +35,7 @@ class PaceSummary(NamedTuple):
     reach_unraised: float = 1.0
 
 
-class Pace(Protocol):
+class TimeLaw(Protocol):
     """The time law of one phase."""
 
     summary: PaceSummary

@@ -22,7 +22,7 @@ from typing import NamedTuple
 from controllers.compiled import inlined
 
 
-class Frame(NamedTuple):
+class TipFrame(NamedTuple):
     """The place of the tip, and what moving it along its radius costs.
 
     Parameters
@@ -43,7 +43,7 @@ class Frame(NamedTuple):
 
 
 @inlined
-def two_link_frame(first: float, second: float, lean: float, bend: float) -> Frame:
+def two_link_frame(first: float, second: float, lean: float, bend: float) -> TipFrame:
     """Return the frame of the tip.
 
     Parameters
@@ -56,18 +56,18 @@ def two_link_frame(first: float, second: float, lean: float, bend: float) -> Fra
     half = 0.5 * bend
     c = math.cos(half)
     if first == second:  # exact where the tip passes through the base
-        return Frame(math.sin(lean + half), math.cos(lean + half), 2.0 * second * c, second * c)
+        return TipFrame(math.sin(lean + half), math.cos(lean + half), 2.0 * second * c, second * c)
     x = first * math.sin(lean) + second * math.sin(lean + bend)
     z = first * math.cos(lean) + second * math.cos(lean + bend)
     short = first - second
     radius = math.sqrt(short * short + 4.0 * first * second * c * c)
     lever = second * (first * (2.0 * c * c - 1.0) + second) / radius
-    return Frame(x / radius, z / radius, radius, lever)
+    return TipFrame(x / radius, z / radius, radius, lever)
 
 
 @inlined
 def two_link_parts(
-    first: float, second: float, frame: Frame, x: float, z: float
+    first: float, second: float, frame: TipFrame, x: float, z: float
 ) -> tuple[float, float, float]:
     """Return ``swing``, ``stretch`` and ``fold`` of the rates that carry the tip along (x, z).
 
@@ -75,7 +75,7 @@ def two_link_parts(
     ----------
     first, second : float
         Lengths, m.
-    frame : Frame
+    frame : TipFrame
         Of the tip.
     x, z : float
         Velocity of the tip, horizontal and up, m/s.

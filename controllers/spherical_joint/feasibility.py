@@ -1,6 +1,6 @@
 """What a joint cannot or must not do, found before it moves.
 
-Each check gives a `Finding` with the number, its bound and the pose; `refuse` raises the first.
+Each check gives a `Refusal` with the number, its bound and the pose; `refuse` raises the first.
 """
 
 import math
@@ -30,7 +30,7 @@ class InfeasiblePose(ValueError):
     """The joint cannot take a pose; the message says why, with the number and the pose."""
 
 
-class Finding(NamedTuple):
+class Refusal(NamedTuple):
     """One reason why a pose is refused.
 
     Parameters
@@ -169,7 +169,7 @@ class FeasibilityCheck:
         self._antipode = antipode_tilt(geometry)
         self._leaves = free_wire_tilt(geometry)
 
-    def check_geometry(self) -> list[Finding]:
+    def check_geometry(self) -> list[Refusal]:
         """Check that the greatest tilt is within reach of the wires' geometry."""
         limit, most = self._antipode, self._bounds.max_tilt
         if most < limit:
@@ -183,7 +183,7 @@ class FeasibilityCheck:
                     f"{math.degrees(angle):.2f} deg and must be above 45 deg."
                 )
         return [
-            Finding(
+            Refusal(
                 "geometry",
                 most,
                 limit,
@@ -195,7 +195,7 @@ class FeasibilityCheck:
             )
         ]
 
-    def check_pose(self, axis: Vector) -> list[Finding]:
+    def check_pose(self, axis: Vector) -> list[Refusal]:
         """Return everything that speaks against a pose; empty if nothing does."""
         bounds = self._bounds
         tilt = tilt_of(axis)
@@ -232,7 +232,7 @@ class FeasibilityCheck:
                     )
         return findings + self._check_tension(axis)
 
-    def _check_stroke(self, axis: Vector) -> list[Finding]:
+    def _check_stroke(self, axis: Vector) -> list[Refusal]:
         bounds = self._bounds
         lower, upper = bounds.extension
         try:
@@ -252,7 +252,7 @@ class FeasibilityCheck:
             if not lower <= (extension := bounds.home_extension - shortening) <= upper
         ]
 
-    def _check_tension(self, axis: Vector) -> list[Finding]:
+    def _check_tension(self, axis: Vector) -> list[Refusal]:
         bounds = self._bounds
         # Whatever convention the lengths follow: nothing keeps the ring from spinning to where
         # the wires hold it, and no four taut wires hold it in a spun pose off the axes.
@@ -301,7 +301,7 @@ class FeasibilityCheck:
         return findings
 
 
-def refuse(findings: Sequence[Finding]) -> None:
+def refuse(findings: Sequence[Refusal]) -> None:
     """Raise the first of some findings.
 
     Raises
@@ -315,7 +315,7 @@ def refuse(findings: Sequence[Finding]) -> None:
 
 def _finding(
     check: Check, value: float, bound: float, axis: Vector, message: str, unit: str = "rad"
-) -> Finding:
+) -> Refusal:
     """Word a finding: angles in degrees and lengths in millimetres, as people think of them."""
 
     def word(number: float) -> str:
@@ -330,4 +330,4 @@ def _finding(
         f"{math.degrees(azimuth_of(axis)):.1f} deg"
     )
     text = message.format(value=word(value), bound=word(bound))
-    return Finding(check, value, bound, unit, axis, f"{pose}: {text}")
+    return Refusal(check, value, bound, unit, axis, f"{pose}: {text}")

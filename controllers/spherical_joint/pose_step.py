@@ -26,7 +26,7 @@ from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.wires import InverseKinematics
 
 
-class Step(NamedTuple):
+class PoseInputs(NamedTuple):
     """A cycle's inputs to the laws and to the estimate of the marker.
 
     Parameters
@@ -106,7 +106,7 @@ class PoseStep:
         base: float,
         anew: bool,
         starts: bool,
-    ) -> Step:
+    ) -> PoseInputs:
         """Return what a cycle is about.
 
         Parameters
@@ -128,7 +128,7 @@ class PoseStep:
             No pose explains the wires, or no tensions hold the reference.
         """
         how, step = self._before(axis, velocity, acceleration, rods, pressures, base, anew, starts)
-        found: Step = new_tuple(Step, step)
+        found: PoseInputs = new_tuple(PoseInputs, step)
         if how != kernel.FOUND:
             self._refuse(how, found, axis, (velocity, acceleration))
         return found
@@ -156,7 +156,9 @@ class PoseStep:
         """What tensions do in the pose that was worked out last."""
         return PoseTensions(*self._remembered()[:3])
 
-    def _refuse(self, how: int, step: Step, axis: Vector, motion: tuple[Vector, Vector]) -> None:
+    def _refuse(
+        self, how: int, step: PoseInputs, axis: Vector, motion: tuple[Vector, Vector]
+    ) -> None:
         """Raise what a step was not possible for."""
         if how == kernel.NO_POSE:
             raise unexplained(step.residuals)

@@ -87,15 +87,6 @@ def twist_of(rotation: Rotation) -> float:
     return math.atan2(across, along)
 
 
-def twisted(rotation: Rotation, twist: float) -> Rotation:
-    """Return a rotation spun by `twist` (rad) about its own axis."""
-    cos, sin = math.cos(twist), math.sin(twist)
-    first, second, third = (
-        (row[0] * cos + row[1] * sin, row[1] * cos - row[0] * sin, row[2]) for row in rotation
-    )
-    return first, second, third
-
-
 @inlined
 def move_axis(axis: Vector, velocity: Vector, acceleration: Vector, dt: float) -> Vector:
     """Return where an axis is after `dt` (s) at constant acceleration, as a unit vector."""

@@ -8,8 +8,9 @@ deterministic.
 import errno
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
 
+from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.errors import BusErrors
 from drivers.can.fast_path import Drain, Send
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
@@ -20,20 +21,6 @@ Handler = Callable[[bytes, float], None]
 
 _PUMP_PERIOD: Final = 0.5e-3  # how often configuration looks for an answer, s
 _STILL_WAITING: Final = OSError(errno.ENOBUFS, "the frames of the last cycle still wait")
-
-
-class BusSettings(Protocol):
-    """The settings of a bus that every protocol has."""
-
-    @property
-    def receive_limit(self) -> int:
-        """Most frames taken in one cycle."""
-        ...
-
-    @property
-    def max_refused(self) -> int:
-        """Cycles in a row in which a frame may be refused."""
-        ...
 
 
 class CyclicFrame:
@@ -72,7 +59,7 @@ class CyclicCanBus(ABC):
     ----------
     name : str
         The bus's name in the profile.
-    settings : BusSettings
+    settings : CanInterfaceSettings
         See there.
     open_bus : callable
         Opens the interface: ``lambda: drivers.can.open_bus(settings)``, or what a test wants.
@@ -88,7 +75,7 @@ class CyclicCanBus(ABC):
     def __init__(
         self,
         name: str,
-        settings: BusSettings,
+        settings: CanInterfaceSettings,
         open_bus: Callable[[], FastCanBus],
         clock: Clock,
         period: float | None = None,

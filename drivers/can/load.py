@@ -9,34 +9,10 @@ interframe space: 135 bits for 8 bytes, 55 for an empty frame.
 
 from collections.abc import Iterable, Sequence
 from math import inf
-from typing import Protocol
 
+from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
 from rig.hal import BusLoad, ConfigurationError, DriverSettings, FrameLoad
-
-
-class BusTraffic(Protocol):
-    """The part of a bus's settings that its load depends on."""
-
-    @property
-    def bitrate(self) -> int:
-        """Of the bus, bit/s."""
-        ...
-
-    @property
-    def heartbeat(self) -> float:
-        """Period of all heartbeats, s; infinite if the master sends none."""
-        ...
-
-    @property
-    def sync(self) -> bool:
-        """Whether the master sends SYNC."""
-        ...
-
-    @property
-    def max_load(self) -> float:
-        """The greatest permitted load, 0 … 1."""
-        ...
 
 
 def compute_frame_bits(size: int) -> int:
@@ -52,13 +28,13 @@ def compute_frame_bits(size: int) -> int:
 
 
 def compute_bus_load(
-    bus: BusTraffic, devices: Iterable[tuple[str, DriverSettings]], rate: float
+    bus: CanInterfaceSettings, devices: Iterable[tuple[str, DriverSettings]], rate: float
 ) -> BusLoad:
     """Compute the worst-case load of a bus.
 
     Parameters
     ----------
-    bus : BusTraffic
+    bus : CanInterfaceSettings
         Settings of the bus.
     devices : iterable of (str, DriverSettings)
         Name and settings of each device on it.
@@ -91,16 +67,9 @@ def compute_bus_load(
 
 
 def check_bus_load(
-    name: str, bus: BusTraffic, devices: Sequence[tuple[str, DriverSettings]], rate: float
+    name: str, bus: CanInterfaceSettings, devices: Sequence[tuple[str, DriverSettings]], rate: float
 ) -> BusLoad:
-    """Compute the load of a bus and refuse it if it is too high.
-
-    Parameters
-    ----------
-    name : str
-        The bus's name in the profile.
-    bus, devices, rate
-        See `compute_bus_load`.
+    """Return what `compute_bus_load` does for the bus called `name`; refuse too much.
 
     Raises
     ------

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Final, Protocol
 
-from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, STANDARD_MASK
+from drivers.can.frame import STANDARD_MASK, decode_error_frame
 from drivers.canopen.described import DescribedNode, Quantity
 from drivers.canopen.device_settings import nodes_of
 from drivers.canopen.eds import read_eds
@@ -142,18 +142,10 @@ class CanopenDecoder:
                     self._pdos[can_id] = self._pdo(node, f"{kind}{number + 1}", layout)
 
     def decode(self, can_id: int, data: bytes) -> Decoded:
-        """Return what a frame says; `UNKNOWN` if nothing here explains it.
-
-        Parameters
-        ----------
-        can_id : int
-            With the flags of `drivers.can.frame`.
-        data : bytes
-            Its content.
-        """
-        if can_id & ERROR_FLAG:
-            kind = can_id & EXTENDED_MASK & ~ERROR_FLAG
-            return Decoded("", "error frame", text=f"class 0x{kind:X}, {data.hex(' ').upper()}")
+        """Return what a frame says; see `rig.hal.frames.Decoder`."""
+        error = decode_error_frame(can_id, data)
+        if error is not None:
+            return error
         if can_id > STANDARD_MASK:
             return UNKNOWN
         pdo = self._pdos.get(can_id)

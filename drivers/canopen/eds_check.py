@@ -23,7 +23,7 @@ _IDENTIFIER: Final = 0x7FF
 _ON_EVERY_SYNC: Final = 1
 
 
-class Finding(NamedTuple):
+class Shortfall(NamedTuple):
     """Something that a device cannot do.
 
     Attributes
@@ -79,14 +79,14 @@ class EdsFile(DeviceFile):
             known[("remap",)] = False
         return known
 
-    def findings(self, device: str, settings: DriverSettings) -> list[Finding]:
+    def findings(self, device: str, settings: DriverSettings) -> list[Shortfall]:
         """Return everything that the device cannot do, each once."""
         nodes = self._nodes(device, settings)
         return list(dict.fromkeys(finding for node in nodes for finding in self._compare(node)))
 
     # Inside ---------------------------------------------------------------------------
 
-    def _compare(self, node: DescribedNode) -> Iterator[Finding]:
+    def _compare(self, node: DescribedNode) -> Iterator[Shortfall]:
         for word, base, layouts, access in (
             ("RPDO", 0x1400, node.receive, _CAN_BE_RECEIVED),
             ("TPDO", 0x1800, node.transmit, _CAN_BE_SENT),
@@ -101,32 +101,32 @@ class EdsFile(DeviceFile):
 
     def _check_parameters(
         self, node: DescribedNode, name: str, index: int, layout: Layout, default: int
-    ) -> Iterator[Finding]:
+    ) -> Iterator[Shortfall]:
         """Check that the PDO is there, and may be set up as the driver needs it."""
         eds = self.eds
         last = node.origins.get(layout[-1], ())
         identifier, kind = eds.find(index, 1), eds.find(index, 2)
         if identifier is None or kind is None:
-            yield Finding(last, f"{eds.path} has no {name} (0x{index:04X})")
+            yield Shortfall(last, f"{eds.path} has no {name} (0x{index:04X})")
             return
         found = eds.default_of(identifier, node.node)
         wrong = found is not None and (found & _NOT_VALID or found & _IDENTIFIER != default)
         if wrong and identifier.access not in _SETTABLE:
             text = f"{name} has the identifier 0x{found:08X}, which cannot be changed"
-            yield Finding(last, f"{text}, and 0x{default:03X} is needed {self._at(identifier)}")
+            yield Shortfall(last, f"{text}, and 0x{default:03X} is needed {self._at(identifier)}")
         found = eds.default_of(kind, node.node)
         if kind.access not in _SETTABLE and found not in (None, _ON_EVERY_SYNC):
             text = f"{name} has transmission type {found}, which cannot be changed"
-            yield Finding(last, f"{text}, and {_ON_EVERY_SYNC} is needed {self._at(kind)}")
+            yield Shortfall(last, f"{text}, and {_ON_EVERY_SYNC} is needed {self._at(kind)}")
         yield from self._check_mapping(node, name, index + _MAPPING_OFFSET, layout)
 
     def _check_mapping(
         self, node: DescribedNode, name: str, mapping: int, layout: Layout
-    ) -> Iterator[Finding]:
+    ) -> Iterator[Shortfall]:
         last = node.origins.get(layout[-1], ())
         count = self.eds.find(mapping, 0)
         if count is None:
-            yield Finding(last, f"{self.eds.path} has no mapping of {name} (0x{mapping:04X})")
+            yield Shortfall(last, f"{self.eds.path} has no mapping of {name} (0x{mapping:04X})")
             return
         slots = self._slots(mapping)
         if self._is_fixed(mapping):
@@ -134,35 +134,37 @@ class EdsFile(DeviceFile):
             if have is not None and have != want:
                 text = f"the mapping of {name} cannot be changed: it is {_codes(have)}"
                 message = f"{text}, and {_codes(want)} is needed {self._at(count)}"
-                yield Finding(last, message)
+                yield Shortfall(last, message)
             elif node.remap:
                 message = f"the mapping of {name} cannot be written {self._at(count)}"
-                yield Finding(("remap",), message)
+                yield Shortfall(("remap",), message)
         elif len(layout) > len(slots):
             extra = node.origins.get(layout[len(slots)], ())
             what = f"{name} can map {len(slots)} objects at most, not {len(layout)}"
-            yield Finding(extra, f"{what} {self._at(count)}")
+            yield Shortfall(extra, f"{what} {self._at(count)}")
 
     def _check_entry(
         self, entry: Entry, name: str, access: tuple[str, ...], origin: Keys
-    ) -> Iterator[Finding]:
+    ) -> Iterator[Shortfall]:
         found = self.eds.find(entry.object, entry.sub)
         if found is None:
-            yield Finding(origin, f"{self.eds.path} has no object {entry}, which {name} needs")
+            yield Shortfall(origin, f"{self.eds.path} has no object {entry}, which {name} needs")
             return
         where = self._at(found)
         if not found.mappable:
-            yield Finding(origin, f"object {entry} cannot be mapped into a PDO {where}")
+            yield Shortfall(origin, f"object {entry} cannot be mapped into a PDO {where}")
         elif found.access not in access:
             done = f"{'sent' if access is _CAN_BE_SENT else 'received'} in {name}"
-            yield Finding(origin, f"object {entry} is {found.access} and cannot be {done} {where}")
+            yield Shortfall(
+                origin, f"object {entry} is {found.access} and cannot be {done} {where}"
+            )
         if found.type != entry.type:
             message = f"object {entry} is {found.type}, not {entry.type} {where}"
-            yield Finding((*origin, "type"), message)
+            yield Shortfall((*origin, "type"), message)
         bits, step = 8 * SIZES[entry.type], self.eds.device_number("Granularity", 8)
         if step and bits % step:
             text = f"object {entry} has {bits} bits, but the device maps in steps of {step}"
-            yield Finding(origin, f"{text} {where}")
+            yield Shortfall(origin, f"{text} {where}")
 
     def _is_fixed(self, mapping: int) -> bool | None:
         """Return whether a mapping cannot be written; None if there is none."""

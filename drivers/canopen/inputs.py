@@ -42,6 +42,11 @@ class CyclicInputs:
         has them, and its time, s.
     hold_after, fault_after : int
         Samples missed in a row that are counted as held, and that are a fault.
+
+    Attributes
+    ----------
+    held : int
+        Cycles in which the last sample was held for want of a new one.
     """
 
     def __init__(
@@ -69,11 +74,7 @@ class CyclicInputs:
         self._taken_sync = 0
         self._wrong_in_a_row = 0
         self._wrong: tuple[int, int, int] = (0, 0, 0)
-        self.samples = 0
-        self.missed = 0
         self.held = 0
-        self.extra = 0
-        self.wrong_length = 0
         single = len(layouts) == 1
         for number, layout in enumerate(layouts):
             handler = self._single(layout) if single else self._part(number, layout)
@@ -120,7 +121,6 @@ class CyclicInputs:
         missed = self._bus.sync_count - self._taken_sync
         if not missed:
             return
-        self.missed += 1
         if missed >= self._hold_after:
             self.held += 1
         if self._wrong_in_a_row >= self._fault_after:
@@ -144,16 +144,6 @@ class CyclicInputs:
                 bound=f"fewer than {self._fault_after}",
             )
 
-    def statistics(self) -> dict[str, float]:
-        """Return the counters."""
-        return {
-            "samples": self.samples,
-            "missed": self.missed,
-            "held": self.held,
-            "extra": self.extra,
-            "wrong_length": self.wrong_length,
-        }
-
     def _identifiers(self) -> str:
         return " or ".join(f"PDO 0x{can_id:03X}" for can_id in self.can_ids)
 
@@ -165,12 +155,8 @@ class CyclicInputs:
             if len(data) != size:
                 self._count_wrong(can_id, len(data), size)
                 return
-            sync = bus.sync_count
-            if self._taken_sync == sync:
-                self.extra += 1
-            self._taken_sync = sync
+            self._taken_sync = bus.sync_count
             self._wrong_in_a_row = 0
-            self.samples += 1
             take(unpack(data), bus.sync_time)
 
         return receive
@@ -186,19 +172,15 @@ class CyclicInputs:
             bus = self._bus
             if self._seen_sync != bus.sync_count:
                 self._seen_sync, self._seen = bus.sync_count, 0
-            if self._seen & bit:
-                self.extra += 1
             self._parts[number] = unpack(data)
             self._seen |= bit
             if self._seen == self._complete:
                 self._taken_sync = bus.sync_count
                 self._wrong_in_a_row = 0
-                self.samples += 1
                 self._take(tuple([v for part in self._parts for v in part]), bus.sync_time)
 
         return receive
 
     def _count_wrong(self, can_id: int, size: int, expected: int) -> None:
-        self.wrong_length += 1
         self._wrong_in_a_row += 1
         self._wrong = (can_id, size, expected)

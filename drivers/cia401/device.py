@@ -333,10 +333,6 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         for k, watch in enumerate(self._following):
             watch.check(setpoint[k], pressure[k], now)
 
-    def statistics(self) -> dict[str, float]:
-        """Return counters for the run's manifest."""
-        return self._inputs.statistics()
-
     def safe_pressure(self) -> Vector:
         """Return the setpoints of the safe state, Pa gauge, shape (n,); see `PressureRegulator`."""
         return tuple(

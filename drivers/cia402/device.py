@@ -47,23 +47,19 @@ class Cia402Servos(ServoChain[Cia402Drive]):
         if period is None:
             raise ValueError(f"{name}: the bus {bus.name} has no period, which drives must know.")
         encode_interpolation_period(period)
-        if serial is not None and len(settings.joints) > 1:
-            raise ValueError(f"{name}: give each joint its serial number, not the device.")
         super().__init__(
             name,
-            settings.joints,
+            settings,
             [
                 Cia402Drive(name, joint, drive, settings, bus, period)
                 for joint, drive in settings.joints.items()
             ],
             period=period,
             sends_velocity=settings.mode == "csv",
-            position_gain=settings.position_gain,
-            enable_time=settings.enable_time,
+            serial=serial,
         )
         self.settings = settings
         self._bus = bus
-        self._serial = serial
 
     def connect(self) -> None:
         """Find, identify and configure every drive; leave them without torque.
@@ -133,11 +129,3 @@ class Cia402Servos(ServoChain[Cia402Drive]):
         """
         for drive in self.drives:
             reset_fault(drive.node)
-
-    def statistics(self) -> dict[str, float]:
-        """Return counters for the run's manifest, of all drives together."""
-        total: dict[str, float] = {}
-        for drive in self.drives:
-            for name, count in drive.inputs.statistics().items():
-                total[name] = total.get(name, 0) + count
-        return total

@@ -1,7 +1,7 @@
 """One joint on one CiA 402 drive: its state machine, its codec and its faults."""
 
 from math import inf
-from typing import Any, Final
+from typing import Any
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
@@ -31,13 +31,11 @@ from drivers.cia402.states import (
     describe_status,
     next_control,
 )
-from drivers.servos.following_error import FollowingWatch
+from drivers.servos.axis_drive import AxisDrive
 from rig.hal import ConnectionFailed, DeviceFault
 
-_JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
 
-
-class Cia402Drive:
+class Cia402Drive(AxisDrive[DriveSettings]):
     """The master's side of one drive.
 
     Parameters
@@ -53,15 +51,13 @@ class Cia402Drive:
 
     Attributes
     ----------
-    position, velocity, torque : float
-        Of the joint, rad, rad/s, N m.
-    time : float
-        When they were sampled, s.
     state : DriveState or None
         Of the last status word.
     goal : Goal
         Where the state machine shall go, one transition a time.
     """
+
+    position_source = "0x6064:00"
 
     def __init__(
         self,
@@ -72,10 +68,10 @@ class Cia402Drive:
         bus: CanopenBus,
         period: float,
     ) -> None:
-        self.name = f"{device} joint {joint}"
-        self.settings = settings
-        self.position = self.velocity = self.torque = 0.0
-        self.time = -inf
+        follows_velocity = shared.mode == "csv"
+        # In csp the drive watches as well, and knows more: it speaks first.
+        patience = settings.following_time * (1.0 if follows_velocity else 2.0)
+        super().__init__(device, joint, settings, patience)
         self.status = 0
         self.error_code = 0
         self.state: DriveState | None = None
@@ -83,22 +79,17 @@ class Cia402Drive:
         self.node = CanopenNode(self.name, settings.node, bus)
         self._shared = shared
         self._period = period
-        self._follows_velocity = shared.mode == "csv"
-        # In csp the drive watches as well, and knows more: it speaks first.
-        patience = settings.following_time * (1.0 if self._follows_velocity else 2.0)
-        self.watch = FollowingWatch(settings.following_window, patience)
+        self._follows_velocity = follows_velocity
         codec = DriveCodec(settings)
         self._decode_position, self._encode_position = codec.decode_position, codec.encode_position
         self._decode_velocity, self._encode_velocity = codec.decode_velocity, codec.encode_velocity
         self._rounding = 2.0 * abs(codec.step)
         self._torque_unit = 0.0
-        self._reach = _JUMP * settings.max_speed
         self._mode = MODES[shared.mode]
         self._shown_mode = 0
         self._counts: int | None = None
         self._earlier = -inf
         self._target = 0
-        self._trouble: DeviceFault | None = None
         order = shared.feedback
         self._velocity_at, self._torque_at, self._code_at = (
             3 + order.index(what) if what in order else None
@@ -135,7 +126,7 @@ class Cia402Drive:
             since = then if t > then else self._earlier
             reach = self._reach * (t - since) + self._rounding
             if not -reach <= position - self.position <= reach:
-                self._latch_jump(position, reach)
+                self._latch_jump(f"the position jumped, {self.describe()}", position, reach)
                 return
         if t > then:
             self._earlier = then
@@ -223,15 +214,14 @@ class Cia402Drive:
                 node=self.node.node,
                 object="0x6041:00",
             )
-        low, high = self.settings.limits
-        if not low <= self.position <= high:
+        if self._is_outside():
             raise ConnectionFailed(
                 self.name,
                 "the joint stands outside its limits; move it back before it is enabled",
                 node=self.node.node,
-                object="0x6064:00",
+                object=self.position_source,
                 value=f"{self.position:.6g} rad",
-                bound=f"{low:g} … {high:g} rad",
+                bound=self._range(),
             )
 
     @property
@@ -274,7 +264,7 @@ class Cia402Drive:
             raise self._trouble
         # What it says of itself tells more than what follows from it.
         if self.state in FAULTY or self.node.emergency.active is not None:
-            raise self._fault(f"the drive reports a fault: {self.describe()}")
+            raise self.fault(f"the drive reports a fault: {self.describe()}")
         try:
             self.node.check(now)
             self.inputs.check(now)
@@ -297,46 +287,21 @@ class Cia402Drive:
             As `check`.
         """
         if self.state is not DriveState.OPERATION_ENABLED:
-            raise self._fault(f"the drive left OPERATION ENABLED by itself: {self.describe()}")
+            raise self.fault(f"the drive left OPERATION ENABLED by itself: {self.describe()}")
         if self._shown_mode != self._mode:
-            raise self._fault(
+            raise self.fault(
                 f"the drive left its mode of operation, {self.describe()}",
-                object="0x6061:00",
+                thing="0x6061:00",
                 value=f"mode {self._shown_mode}",
                 bound=f"mode {self._mode} ({self._shared.mode})",
             )
         if self.status & FOLLOWING_ERROR and not self._follows_velocity:
-            raise self._fault(f"the drive reports a following error: {self.describe()}")
-        low, high = self.settings.limits
-        margin = self.settings.following_window
-        if not low - margin <= self.position <= high + margin:
-            raise self._fault(
-                f"the joint left its limits: {self.describe()}",
-                object="0x6064:00",
-                value=f"{self.position:.6g} rad",
-                bound=f"{low:g} … {high:g} rad",
-            )
-        duration = self.watch.exceeds(self.position, now)
-        if duration:
-            raise self._fault(
-                f"the joint does not follow its reference: {self.describe()}",
-                object="0x6064:00",
-                value=f"{self.watch.error:+.4g} rad for {duration:.3g} s",
-                bound=f"{self.watch.window:g} rad for {self.watch.time:g} s",
-            )
-
-    def lag(self) -> DeviceFault:
-        """Return what would be the fault if the joint went on to be away from its reference."""
-        return self._fault(
-            f"the joint is not where its reference is: {self.describe()}",
-            object="0x6064:00",
-            value=f"{self.watch.error:+.4g} rad",
-            bound=f"{self.watch.window:g} rad",
-        )
+            raise self.fault(f"the drive reports a following error: {self.describe()}")
+        self._check_motion(now)
 
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of a drive that has not become enabled in `since` seconds."""
-        return self._fault(
+        return self.fault(
             f"the drive does not enable operation: {self.describe()}",
             value=f"{since:.3g} s",
             bound=f"{self._shared.enable_time:g} s",
@@ -356,23 +321,17 @@ class Cia402Drive:
 
     # Inside ---------------------------------------------------------------------------
 
-    def _latch_jump(self, position: float, reach: float) -> None:
-        if self._trouble is None:
-            self._trouble = self._fault(
-                f"the position jumped, {self.describe()}",
-                object="0x6064:00",
-                value=f"{position - self.position:+.6g} rad",
-                bound=f"{reach:.3g} rad",
-            )
+    def _say_outside(self) -> str:
+        return f"{super()._say_outside()}: {self.describe()}"
 
-    def _fault(
+    def fault(
         self,
         what: str,
-        *,
-        object: str = "0x6041:00",
+        thing: str = "0x6041:00",
         value: str | None = None,
         bound: str | None = None,
     ) -> DeviceFault:
+        """Return a fault of this drive that shows in an object, the status word unless said."""
         return DeviceFault(
-            self.name, what, node=self.node.node, object=object, value=value, bound=bound
+            self.name, what, node=self.node.node, object=thing, value=value, bound=bound
         )

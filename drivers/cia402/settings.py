@@ -137,6 +137,10 @@ class Cia402Settings(NodeSettings):
         """Return the joints' names, in order."""
         return tuple(self.joints)
 
+    def resolution(self, channel: str) -> float:
+        """Return the angle of one count of a joint, rad."""
+        return 1.0 / abs(self.joints[channel].counts_per_radian)
+
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the node of each joint's drive."""
         return tuple(

@@ -231,10 +231,6 @@ class Cia406Encoder(LinearEncoder):
                 f"{self._frozen_timeout:g} s",
             )
 
-    def statistics(self) -> dict[str, float]:
-        """Return counters for the run's manifest."""
-        return self._inputs.statistics()
-
     # Inside ---------------------------------------------------------------------------
 
     def _read_step(self) -> float:

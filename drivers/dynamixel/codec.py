@@ -32,9 +32,6 @@ class Instruction(IntEnum):
     PING = 0x01
     READ = 0x02
     WRITE = 0x03
-    REG_WRITE = 0x04
-    ACTION = 0x05
-    REBOOT = 0x08
     STATUS = 0x55
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
@@ -135,21 +132,6 @@ def encode_read(servo: int, address: int, size: int) -> bytes:
 def encode_write(servo: int, address: int, data: bytes) -> bytes:
     """Return the packet that writes into a servo's control table at once."""
     return encode_packet(servo, Instruction.WRITE, address.to_bytes(2, "little") + data)
-
-
-def encode_reg_write(servo: int, address: int, data: bytes) -> bytes:
-    """Return the packet that prepares a write, which `encode_action` has done."""
-    return encode_packet(servo, Instruction.REG_WRITE, address.to_bytes(2, "little") + data)
-
-
-def encode_action(servo: int) -> bytes:
-    """Return the packet that has prepared writes done."""
-    return encode_packet(servo, Instruction.ACTION)
-
-
-def encode_reboot(servo: int) -> bytes:
-    """Return the packet that restarts a servo, the only way out of a hardware error."""
-    return encode_packet(servo, Instruction.REBOOT)
 
 
 def encode_sync_read(address: int, size: int, servos: Sequence[int], *, fast: bool) -> bytes:

@@ -7,10 +7,10 @@ A byte on the wire is 10 bits: start, 8 data, stop. ROBOTIS e-Manual, "DYNAMIXEL
 """
 
 from collections.abc import Iterable, Sequence
-from typing import Final, Protocol
+from typing import Final
 
 from drivers.dynamixel.codec import compute_fast_length
-from drivers.dynamixel.settings import DynamixelSettings
+from drivers.dynamixel.settings import DynamixelSettings, SerialBusSettings
 from rig.hal import BusLoad, FrameLoad
 
 _BITS_PER_BYTE: Final = 10
@@ -19,32 +19,8 @@ _STATUS_OVERHEAD: Final = 11
 _GOAL_SIZE: Final = 4
 
 
-class SerialTraffic(Protocol):
-    """The part of a bus's settings that its load depends on."""
-
-    @property
-    def baudrate(self) -> int:
-        """Of the bus, bit/s."""
-        ...
-
-    @property
-    def fast_sync(self) -> bool:
-        """Whether all answer in one packet."""
-        ...
-
-    @property
-    def turnaround(self) -> float:
-        """What an answer costs beside its bytes, s."""
-        ...
-
-    @property
-    def max_load(self) -> float:
-        """The greatest permitted load, 0 … 1."""
-        ...
-
-
 def compute_serial_load(
-    bus: SerialTraffic, devices: Iterable[tuple[str, DynamixelSettings]], rate: float
+    bus: SerialBusSettings, devices: Iterable[tuple[str, DynamixelSettings]], rate: float
 ) -> BusLoad:
     """Compute the load of a serial bus.
 
@@ -52,7 +28,7 @@ def compute_serial_load(
 
     Parameters
     ----------
-    bus : SerialTraffic
+    bus : SerialBusSettings
         Settings of the bus.
     devices : iterable of (str, DynamixelSettings)
         Name and settings of each device on it.
@@ -81,16 +57,9 @@ def compute_serial_load(
 
 
 def check_serial_load(
-    name: str, bus: SerialTraffic, devices: Sequence[tuple[str, DynamixelSettings]], rate: float
+    name: str, bus: SerialBusSettings, devices: Sequence[tuple[str, DynamixelSettings]], rate: float
 ) -> BusLoad:
-    """Compute the load of a serial bus and refuse it if it is too high.
-
-    Parameters
-    ----------
-    name : str
-        The bus's name in the profile.
-    bus, devices, rate
-        See `compute_serial_load`.
+    """Return what `compute_serial_load` does for the bus called `name`; refuse too much.
 
     Raises
     ------

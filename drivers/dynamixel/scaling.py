@@ -66,11 +66,6 @@ def encode_position(scale: AxisScale, angle: float) -> int:
     return scale.first if counts < scale.first else min(counts, scale.last)
 
 
-def decode_position(scale: AxisScale, counts: int) -> float:
-    """Return the angle for counts, rad."""
-    return scale.step * (counts - scale.origin)
-
-
 def encode_velocity(scale: AxisScale, velocity: float) -> int:
     """Return the counts for a velocity, rad/s, rounded half to even."""
     return round(velocity / scale.velocity_step)

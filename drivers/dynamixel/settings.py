@@ -234,6 +234,10 @@ class DynamixelSettings(DriverSettings):
         """Return the joints' names, in order."""
         return tuple(self.joints)
 
+    def resolution(self, channel: str) -> float:
+        """Return the angle of one count of a joint, rad."""
+        return 1.0 / abs(self.joints[channel].counts_per_radian)
+
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return each joint's servo, which has no serial number."""
         return tuple(Address(f"{device}.{name}", its.id) for name, its in self.joints.items())

@@ -23,7 +23,7 @@ _ROWS: Final = 32
 """Every so many rows make the fingerprint that tells one image from the next."""
 
 
-class Outcome(NamedTuple):
+class SearchResult(NamedTuple):
     """The result of a search; see `Sighting`. `places` are the markers' centres, pixels."""
 
     sight: Sight
@@ -37,11 +37,11 @@ class Outcome(NamedTuple):
 class Search(Protocol):
     """A way to find markers of one kind."""
 
-    def look_at(self, image: Image, x0: int, y0: int) -> Outcome:
+    def look_at(self, image: Image, x0: int, y0: int) -> SearchResult:
         """Search a region whose top left pixel is (`x0`, `y0`) of the frame."""
         ...
 
-    def acquire(self, image: Image) -> tuple[Outcome, list[Point]]:
+    def acquire(self, image: Image) -> tuple[SearchResult, list[Point]]:
         """Search a whole frame coarsely: what to say if nothing is found, and where to look."""
         ...
 
@@ -65,28 +65,28 @@ class BlobSearch:
         # A disc keeps some eight pixels across in the thinned image of a search.
         self._stride = max(1, int(self._home_area**0.5 / 8.0))
 
-    def look_at(self, image: Image, x0: int, y0: int) -> Outcome:
+    def look_at(self, image: Image, x0: int, y0: int) -> SearchResult:
         """Search a region whose top left pixel is (`x0`, `y0`) of the frame."""
         settings = self._settings
         if not self._bright:
             image = cv2.bitwise_not(image).astype(np.uint8, copy=False)
         split = split_levels(compute_histogram(image))
         if split.contrast < settings.min_contrast:
-            return Outcome(Sight.LOST, split.contrast)
+            return SearchResult(Sight.LOST, split.contrast)
         blob = find_largest_blob(image, split.threshold)
         if blob is None or blob.cut:
-            return Outcome(Sight.LOST, split.contrast)
+            return SearchResult(Sight.LOST, split.contrast)
         place = (x0 + blob.x, y0 + blob.y)
         position = self._view.locate_disc(place, self._radius)
         if position is None:
-            return Outcome(Sight.OUTSIDE, place[0])
+            return SearchResult(Sight.OUTSIDE, place[0])
         expected = self._view.disc_area(position, self._radius)
         if abs(blob.area - expected) > settings.marker.area_tolerance * expected:
             diameter = settings.marker.diameter * (blob.area / max(expected, 1e-9)) ** 0.5
-            return Outcome(Sight.SWAPPED, diameter)
-        return Outcome(Sight.SEEN, nan, settings.marker.ids[:1], (position,), (nan,), (place,))
+            return SearchResult(Sight.SWAPPED, diameter)
+        return SearchResult(Sight.SEEN, nan, settings.marker.ids[:1], (position,), (nan,), (place,))
 
-    def acquire(self, image: Image) -> tuple[Outcome, list[Point]]:
+    def acquire(self, image: Image) -> tuple[SearchResult, list[Point]]:
         """Search a whole frame coarsely: what to say if nothing is found, and where to look.
 
         A disc is so small a part of a frame that Otsu's threshold may split the background
@@ -103,14 +103,14 @@ class BlobSearch:
         level = int(np.searchsorted(below, pixels - max(few, 1.0)))
         contrast = float(level - background)
         if contrast < self._settings.min_contrast:
-            return Outcome(Sight.LOST, contrast), []
+            return SearchResult(Sight.LOST, contrast), []
         mask = cv2.threshold(thin, (level + background) // 2, 255, cv2.THRESH_BINARY)[1]
         _, _, stats, centroids = cv2.connectedComponentsWithStats(mask, connectivity=8)
         largest = np.argsort(-stats[1:, cv2.CC_STAT_AREA], kind="stable")[:_CANDIDATES] + 1
         places = [
             (float(centroids[k, 0]) * stride, float(centroids[k, 1]) * stride) for k in largest
         ]
-        return Outcome(Sight.LOST, contrast), places
+        return SearchResult(Sight.LOST, contrast), places
 
 
 class ArucoSearch:
@@ -131,7 +131,7 @@ class ArucoSearch:
         # A marker keeps some forty pixels in the reduced image of a search, half of that tilted.
         self._scale = max(1, int(side / 40.0))
 
-    def look_at(self, image: Image, x0: int, y0: int) -> Outcome:
+    def look_at(self, image: Image, x0: int, y0: int) -> SearchResult:
         """Search a region whose top left pixel is (`x0`, `y0`) of the frame."""
         squares = self._finder.find(image)
         ids, positions, twists, places = [], [], [], []
@@ -141,21 +141,21 @@ class ArucoSearch:
             corners = [self._view.undistort((x0 + x, y0 + y)) for x, y in square.corners]
             position = self._view.meet_sphere(meet_diagonals(corners))
             if position is None:
-                return Outcome(Sight.OUTSIDE, x0 + square.corners[0][0])
+                return SearchResult(Sight.OUTSIDE, x0 + square.corners[0][0])
             twist = self._view.twist(position, corners)
             ids.append(square.number)
             positions.append(position)
             twists.append(nan if twist is None else twist)
             places.append(self._view.project(position))
         if ids:
-            return Outcome(
+            return SearchResult(
                 Sight.SEEN, nan, tuple(ids), tuple(positions), tuple(twists), tuple(places)
             )
         if squares:
-            return Outcome(Sight.SWAPPED, float(squares[0].number))
-        return Outcome(Sight.LOST, split_levels(compute_histogram(image)).contrast)
+            return SearchResult(Sight.SWAPPED, float(squares[0].number))
+        return SearchResult(Sight.LOST, split_levels(compute_histogram(image)).contrast)
 
-    def acquire(self, image: Image) -> tuple[Outcome, list[Point]]:
+    def acquire(self, image: Image) -> tuple[SearchResult, list[Point]]:
         """Search a whole frame coarsely: what to say if nothing is found, and where to look."""
         scale = self._scale
         if scale > 1:
@@ -167,12 +167,12 @@ class ArucoSearch:
         if not squares:
             mirrored = self._finder.find_mirrored(image)
             if mirrored:
-                return Outcome(Sight.MIRRORED, float(mirrored[0])), []
+                return SearchResult(Sight.MIRRORED, float(mirrored[0])), []
             contrast = split_levels(compute_histogram(image)).contrast
-            return Outcome(Sight.LOST, contrast), []
+            return SearchResult(Sight.LOST, contrast), []
         centres = [meet_diagonals(square.corners) for square in squares]
         places = [((x + 0.5) * scale - 0.5, (y + 0.5) * scale - 0.5) for x, y in centres]
-        return Outcome(Sight.SWAPPED, float(squares[0].number)), places
+        return SearchResult(Sight.SWAPPED, float(squares[0].number)), places
 
 
 class MarkerDetector:
@@ -238,7 +238,7 @@ class MarkerDetector:
             outcome.amount,
         )
 
-    def _look(self, image: Image, frame: int) -> Outcome:
+    def _look(self, image: Image, frame: int) -> SearchResult:
         if self._place is not None:
             frames = frame - self._frame
             x, y = self._place
@@ -249,7 +249,7 @@ class MarkerDetector:
         self.searches += 1
         mean = float(image.mean())
         if mean < self._settings.dark_level:
-            return Outcome(Sight.COVERED, mean)
+            return SearchResult(Sight.COVERED, mean)
         failed, places = self._search.acquire(image)
         seen = [self._look_round(image, place) for place in places]
         best = next((outcome for outcome in seen if outcome.sight is Sight.SEEN), None)
@@ -257,14 +257,14 @@ class MarkerDetector:
             return best
         return seen[0] if seen else failed
 
-    def _look_round(self, image: Image, place: Point) -> Outcome:
+    def _look_round(self, image: Image, place: Point) -> SearchResult:
         side = self._settings.roi
         height, width = image.shape
         x0 = min(max(round(place[0]) - side // 2, 0), max(width - side, 0))
         y0 = min(max(round(place[1]) - side // 2, 0), max(height - side, 0))
         return self._search.look_at(image[y0 : y0 + side, x0 : x0 + side], x0, y0)
 
-    def _follow(self, outcome: Outcome, frame: int) -> None:
+    def _follow(self, outcome: SearchResult, frame: int) -> None:
         if outcome.sight is not Sight.SEEN:
             self._place = None
             return

@@ -172,14 +172,6 @@ class MarkerCameraDriver(MarkerCamera):
         if age > settings.max_age:
             raise StaleReading(self.name, age, settings.max_age)
 
-    def statistics(self) -> dict[str, float]:
-        """Return counters for the run's manifest."""
-        return {
-            "frames": float(self._frames),
-            "frames_dropped": float(self._dropped),
-            "frames_without_marker": float(self._absent),
-        }
-
     # Inside ---------------------------------------------------------------------------
 
     def _forget(self) -> None:
@@ -187,7 +179,6 @@ class MarkerCameraDriver(MarkerCamera):
         self._failure: Failure | None = None
         self._newest: Sighting | None = None
         self._seen_at = -inf
-        self._frames = self._dropped = self._absent = 0
         self._markers: Reading[Markers] = Reading(_NOTHING, -inf)
         self._twists: Reading[tuple[float, ...]] = Reading((), -inf)
 
@@ -204,17 +195,12 @@ class MarkerCameraDriver(MarkerCamera):
             self._take_sighting(event)
 
     def _take_sighting(self, sighting: Sighting) -> None:
-        self._frames += 1
-        if self._newest is not None:
-            self._dropped += max(sighting.frame - self._newest.frame - 1, 0)
         self._newest = sighting
         twists = () if any(map(isnan, sighting.twists)) else sighting.twists
         self._markers = Reading(Markers(sighting.ids, sighting.positions, twists), sighting.t)
         self._twists = Reading(sighting.twists, sighting.t)
         if sighting.sight is Sight.SEEN:
             self._seen_at = sighting.t
-        else:
-            self._absent += 1
 
     def _wait_for(self, done: Callable[[], bool]) -> bool:
         """Take events until something is true; False if the time for it is over."""

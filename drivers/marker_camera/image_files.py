@@ -6,7 +6,13 @@ from typing import Final
 
 import cv2
 
-from drivers.marker_camera.image_source import Frame, Image, RecordingEnded, SourceFailure, to_grey
+from drivers.marker_camera.image_source import (
+    CameraImage,
+    Image,
+    RecordingEnded,
+    SourceFailure,
+    to_grey,
+)
 from drivers.marker_camera.settings import MarkerCameraSettings
 from rig.hal import Clock
 
@@ -71,7 +77,7 @@ class RecordingSource:
         self._number = -1
         self._start = self._clock.now()
 
-    def read(self) -> Frame:
+    def read(self) -> CameraImage:
         """Return the next image, when it is due.
 
         Raises
@@ -85,7 +91,7 @@ class RecordingSource:
         t = self._start + self._number / settings.frame_rate
         if settings.source.paced:
             self._clock.sleep_until(t + settings.latency)
-        return Frame(image, self._number, t)
+        return CameraImage(image, self._number, t)
 
     def close(self) -> None:
         """Release the file. Idempotent."""

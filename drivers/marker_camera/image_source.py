@@ -39,7 +39,7 @@ class RecordingEnded(SourceFailure):
     """A recording has no more frames."""
 
 
-class Frame(NamedTuple):
+class CameraImage(NamedTuple):
     """One image.
 
     Attributes
@@ -72,7 +72,7 @@ class FrameSource(Protocol):
         """
         ...
 
-    def read(self) -> Frame:
+    def read(self) -> CameraImage:
         """Wait for the next frame.
 
         Raises

@@ -6,7 +6,7 @@ from typing import Any, Final, Protocol
 
 import cv2
 
-from drivers.marker_camera.image_source import Frame, SourceFailure, to_grey
+from drivers.marker_camera.image_source import CameraImage, SourceFailure, to_grey
 from drivers.marker_camera.settings import MarkerCameraSettings
 from rig.hal import Clock
 
@@ -96,7 +96,7 @@ class UvcSource:
         self.serial = read_usb_serial(self._path)
         self._arrival = self._clock.now()
 
-    def read(self) -> Frame:
+    def read(self) -> CameraImage:
         """Wait for a frame; those that queued up meanwhile are dropped.
 
         Raises
@@ -119,7 +119,7 @@ class UvcSource:
         good, image = capture.retrieve()
         if not good or image is None:
             raise self._lost()
-        return Frame(to_grey(image), self._number, stamp - settings.latency)
+        return CameraImage(to_grey(image), self._number, stamp - settings.latency)
 
     def close(self) -> None:
         """Release the device. Idempotent."""

@@ -24,10 +24,9 @@ from drivers.odrive.codec import (
     encode_limits,
 )
 from drivers.odrive.settings import OdriveAxisSettings, OdriveSettings
-from drivers.servos.following_error import FollowingWatch
+from drivers.servos.axis_drive import AxisDrive
 from rig.hal import ConnectionFailed, DeviceFault
 
-_JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
 _COUNTED: Final = 8  # estimates over which their rate is measured
 _SLOWEST: Final = 1.5  # times the period that the profile says
 _STILL: Final = 0.01  # of the greatest speed
@@ -35,7 +34,7 @@ _REQUESTS: Final = 4  # of a state, before it is a fault
 _ANSWERS_IN: Final = 2.0  # heartbeats; what the first one says may be older than the request
 
 
-class OdriveAxis:
+class OdriveAxis(AxisDrive[OdriveAxisSettings]):
     """The master's side of one axis.
 
     Parameters
@@ -53,11 +52,11 @@ class OdriveAxis:
 
     Attributes
     ----------
-    position, velocity, torque : float
-        Of the joint, rad, rad/s; the torque is not known.
     time : float
-        When they were sent at the earliest, s.
+        When the readings were sent at the earliest, s.
     """
+
+    position_source = "Get_Encoder_Estimates"
 
     def __init__(
         self,
@@ -68,12 +67,8 @@ class OdriveAxis:
         bus: OdriveBus,
         period: float,
     ) -> None:
-        self.name = f"{device} joint {joint}"
-        self.settings = settings
-        self.position = self.velocity = self.torque = 0.0
-        self.time = -inf
+        super().__init__(device, joint, settings, settings.following_time)
         self.client = OdriveClient(self.name, settings.axis, bus)
-        self.watch = FollowingWatch(settings.following_window, settings.following_time)
         self._shared = shared
         self._bus = bus
         self._period = period
@@ -81,10 +76,8 @@ class OdriveAxis:
         self._radians = 1.0 / settings.turns_per_radian
         self._steps = shared.feedforward_scale * self._gain if shared.feedforward else 0.0
         self._follows_velocity = shared.mode == "velocity"
-        self._reach = _JUMP * settings.max_speed
         self.samples = 0
         self._has_position = False
-        self._trouble: DeviceFault | None = None
         self._wanted = False
         self._follows = False
         self._asks_again = -inf
@@ -99,7 +92,6 @@ class OdriveAxis:
     def _take(self, data: bytes, now: float) -> None:
         """Decode an estimate; one that cannot be true is not taken, and is a fault."""
         if len(data) != 8:
-            self.client.wrong_length += 1
             return
         turns, speed = decode_estimates(data)
         position = turns * self._radians + self.settings.offset
@@ -109,7 +101,7 @@ class OdriveAxis:
             # It was sampled anywhere between two receptions, and so was the one before.
             reach = self._reach * (now - self.time) + 2e-3
             if not -reach <= position - self.position <= reach:
-                self._latch_jump(position, reach)
+                self._latch_jump(f"the position jumped: {self.describe()}", position, reach)
                 return
         elif not isfinite(position):
             return
@@ -174,13 +166,12 @@ class OdriveAxis:
             lambda: self.samples > before, self._bus.settings.reply_timeout
         ):
             raise self.client.failed("no encoder estimates come", object="Get_Encoder_Estimates")
-        low, high = self.settings.limits
-        if not low <= self.position <= high:
+        if self._is_outside():
             raise self.client.failed(
                 "the joint stands outside its limits; move it back before it is enabled",
-                object="Get_Encoder_Estimates",
+                object=self.position_source,
                 value=f"{self.position:.6g} rad",
-                bound=f"{low:g} … {high:g} rad",
+                bound=self._range(),
             )
 
     def enable(self, enabled: bool) -> None:
@@ -270,16 +261,16 @@ class OdriveAxis:
         client, shared = self.client, self._shared
         # What it says of itself tells more than what follows from it.
         if client.errors and (self._follows or client.errors != WATCHDOG_TIMER_EXPIRED):
-            raise self._fault(f"the axis reports an error: {client.describe()}", "Heartbeat")
+            raise self.fault(f"the axis reports an error: {client.describe()}", "Heartbeat")
         if now - client.heard > (bound := self._patience(shared.heartbeat)):
-            raise self._fault(
+            raise self.fault(
                 f"the axis's heartbeat is lost; before that: {client.describe()}",
                 "Heartbeat",
                 f"{now - client.heard:.3f} s of silence",
                 f"{bound:g} s",
             )
         if now - self.time > (bound := self._patience(shared.encoder_period)):
-            raise self._fault(
+            raise self.fault(
                 f"the axis sends no encoder estimates any more: {client.describe()}",
                 "Get_Encoder_Estimates",
                 f"{now - self.time:.3f} s of silence",
@@ -295,40 +286,15 @@ class OdriveAxis:
             As `check`.
         """
         if self.client.state != AxisState.CLOSED_LOOP_CONTROL:
-            raise self._fault(
-                f"the axis left its closed loop by itself: {self.client.describe()}", "Heartbeat"
+            raise self.fault(
+                f"the axis left its closed loop by itself: {self.describe()}", "Heartbeat"
             )
-        low, high = self.settings.limits
-        margin = self.settings.following_window
-        if not low - margin <= self.position <= high + margin:
-            raise self._fault(
-                "the joint left its limits",
-                "Get_Encoder_Estimates",
-                f"{self.position:.6g} rad",
-                f"{low:g} … {high:g} rad",
-            )
-        duration = self.watch.exceeds(self.position, now)
-        if duration:
-            raise self._fault(
-                f"the joint does not follow its reference: {self.client.describe()}",
-                "Get_Encoder_Estimates",
-                f"{self.watch.error:+.4g} rad for {duration:.3g} s",
-                f"{self.watch.window:g} rad for {self.watch.time:g} s",
-            )
-
-    def lag(self) -> DeviceFault:
-        """Return what would be the fault if the joint went on to be away from its reference."""
-        return self._fault(
-            f"the joint is not where its reference is: {self.client.describe()}",
-            "Get_Encoder_Estimates",
-            f"{self.watch.error:+.4g} rad",
-            f"{self.watch.window:g} rad",
-        )
+        self._check_motion(now)
 
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of an axis that has not closed its loop in `since` seconds."""
-        return self._fault(
-            f"the axis does not close its loop: {self.client.describe()}",
+        return self.fault(
+            f"the axis does not close its loop: {self.describe()}",
             "Set_Axis_State",
             f"{since:.3g} s",
             f"{self._shared.enable_time:g} s",
@@ -382,18 +348,14 @@ class OdriveAxis:
     def _patience(self, period: float) -> float:
         return self._shared.fault_after * max(period, self._period)
 
-    def _latch_jump(self, position: float, reach: float) -> None:
-        if self._trouble is None:
-            self._trouble = self._fault(
-                f"the position jumped: {self.client.describe()}",
-                "Get_Encoder_Estimates",
-                f"{position - self.position:+.6g} rad",
-                f"{reach:.3g} rad",
-            )
+    def describe(self) -> str:
+        """Return the axis's errors and state in words."""
+        return self.client.describe()
 
-    def _fault(
+    def fault(
         self, what: str, thing: str, value: str | None = None, bound: str | None = None
     ) -> DeviceFault:
+        """Return a fault of this axis that shows in a frame."""
         return DeviceFault(
             self.name, what, node=self.settings.axis, object=thing, value=value, bound=bound
         )

@@ -55,8 +55,6 @@ class OdriveClient:
         When the last one came, s.
     serials : set of int
         Serial numbers of all that answered under this number.
-    wrong_length : int
-        Frames that were too short or too long.
     """
 
     def __init__(self, name: str, node: int, bus: OdriveBus) -> None:
@@ -66,7 +64,6 @@ class OdriveClient:
         self.heartbeats = 0
         self.heard = -inf
         self.serials: set[int] = set()
-        self.wrong_length = 0
         self._bus = bus
         self._answers: dict[Command, bytes] = {}
         bus.subscribe(can_id(node, Command.HEARTBEAT), self._on_heartbeat)
@@ -80,7 +77,6 @@ class OdriveClient:
 
     def _on_heartbeat(self, data: bytes, now: float) -> None:
         if not 7 <= len(data) <= 8:
-            self.wrong_length += 1
             return
         self.heartbeat = decode_heartbeat(data)
         self.heartbeats += 1
@@ -95,8 +91,6 @@ class OdriveClient:
         def keep(data: bytes, now: float) -> None:
             if least <= len(data) <= 8:
                 self._answers[command] = data
-            else:
-                self.wrong_length += 1
 
         return keep
 

@@ -11,7 +11,7 @@ from math import tau
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDARD_MASK
+from drivers.can.frame import REMOTE_FLAG, STANDARD_MASK, decode_error_frame
 from drivers.odrive.codec import (
     BROADCAST,
     decode_address,
@@ -109,18 +109,10 @@ class CansimpleDecoder:
         }
 
     def decode(self, can_id: int, data: bytes) -> Decoded:
-        """Return what a frame says; `rig.hal.frames.UNKNOWN` if nothing here explains it.
-
-        Parameters
-        ----------
-        can_id : int
-            With the flags of `drivers.can.frame`.
-        data : bytes
-            Its content.
-        """
-        if can_id & ERROR_FLAG:
-            kind = can_id & EXTENDED_MASK & ~ERROR_FLAG
-            return Decoded("", "error frame", text=f"class 0x{kind:X}, {data.hex(' ').upper()}")
+        """Return what a frame says; see `rig.hal.frames.Decoder`."""
+        error = decode_error_frame(can_id, data)
+        if error is not None:
+            return error
         asked = bool(can_id & REMOTE_FLAG)
         can_id &= ~REMOTE_FLAG
         if can_id > STANDARD_MASK:

@@ -58,23 +58,19 @@ class OdriveServos(ServoChain[OdriveAxis]):
                 f"{name}: encoder_period ({settings.encoder_period:g} s) is longer than the "
                 f"cycle's ({period:g} s); not every cycle would have a reading."
             )
-        if serial is not None and len(settings.joints) > 1:
-            raise ValueError(f"{name}: give each joint its serial number, not the device.")
         super().__init__(
             name,
-            settings.joints,
+            settings,
             [
                 OdriveAxis(name, joint, axis, settings, bus, period)
                 for joint, axis in settings.joints.items()
             ],
             period=period,
             sends_velocity=settings.mode == "velocity",
-            position_gain=settings.position_gain,
-            enable_time=settings.enable_time,
+            serial=serial,
         )
         self.settings = settings
         self._bus = bus
-        self._serial = serial
 
     def connect(self) -> None:
         """Find, identify and configure every axis; leave them idle.
@@ -143,11 +139,3 @@ class OdriveServos(ServoChain[OdriveAxis]):
         """
         for drive in self.drives:
             drive.client.clear_errors()
-
-    def statistics(self) -> dict[str, float]:
-        """Return counters for the run's manifest, of all axes together."""
-        return {
-            "heartbeats": sum(drive.client.heartbeats for drive in self.drives),
-            "samples": sum(drive.samples for drive in self.drives),
-            "wrong_length": sum(drive.client.wrong_length for drive in self.drives),
-        }

@@ -1,69 +1,31 @@
 """What a profile says of a CAN bus with ODrives on it, and of joints on them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import inf
+from dataclasses import dataclass
 from typing import Annotated, Final, Literal
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
 from drivers.servos.axis_settings import FollowingAxisSettings
-from rig.hal import Address, BusSettings, Endpoint
+from rig.hal import Address
 
 _FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
 _I16: Final = 0x7FFF
 
 
 @dataclass(frozen=True, slots=True)
-class OdriveBusSettings(BusSettings):
+class OdriveBusSettings(CanInterfaceSettings):
     """One CAN interface with nothing but CANSimple devices on it.
 
     Parameters
     ----------
-    interface : str
-        A python-can interface: ``socketcan``, ``virtual``, ``pcan``, ``kvaser``, ``slcan``, …
-    channel : str
-        What the interface calls the bus: ``can0``, ``PCAN_USBBUS1``, ``/dev/ttyACM0``, …
-    bitrate : int
-        Of the bus, bit/s. SocketCAN's is set with ``ip link``, outside the program.
-    options : dict of str to str, int, float or bool
-        More arguments for the interface's python-can class.
     reply_timeout : float
         How long the master waits for an answer while it configures, s.
-    boot_timeout : float
-        How long the master waits for an axis to appear or to change its state, s.
-    max_load : float
-        Highest share of the bus's time that everything may need, worst case.
-    receive_limit : int
-        Most frames taken in one cycle; what is beyond waits for the next one.
-    max_refused : int
-        Cycles in a row in which the interface may refuse a frame before this is a fault.
     """
 
-    interface: Annotated[str, MinLen(1)]
-    channel: Annotated[str, MinLen(1)]
-    bitrate: Annotated[int, Unit("bit/s"), Interval(ge=10_000, le=1_000_000)] = 1_000_000
-    options: dict[str, str | int | float | bool] = field(default_factory=dict)
     reply_timeout: Annotated[float, Unit("s"), Gt(0)] = 0.1
-    boot_timeout: Annotated[float, Unit("s"), Gt(0)] = 2.0
-    max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
-    receive_limit: Annotated[int, Ge(1)] = 256
-    max_refused: Annotated[int, Ge(0)] = 3
-
-    def endpoint(self) -> Endpoint:
-        """Return the interface."""
-        return Endpoint(self.interface, self.channel, self.bitrate)
-
-    @property
-    def sync(self) -> bool:
-        """Whether the master sends SYNC: there is none."""
-        return False
-
-    @property
-    def heartbeat(self) -> float:
-        """Period of the master's heartbeat, s: it sends none, setpoints feed the watchdogs."""
-        return inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

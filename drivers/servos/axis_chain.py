@@ -1,80 +1,34 @@
-"""Joints on drives, whatever the drives: what every servo driver does alike."""
+"""Joints on drives, whatever the drives: what every chain of them does alike."""
 
 from collections.abc import Mapping, Sequence
 from typing import Generic, Protocol, TypeVar
 
+from drivers.servos.axis_drive import AxisDrive
 from drivers.servos.axis_guard import AxisGuard
-from drivers.servos.axis_settings import AxisSettings
-from drivers.servos.following_error import FollowingWatch
+from drivers.servos.axis_settings import AxisSettings, FollowingAxisSettings
 from drivers.servos.velocity_reference import VelocityReference
-from rig.hal import DeviceFault, Reading, ServoBus, Vector
+from rig.hal import Reading, ServoBus, Vector
+
+Drive = TypeVar("Drive", bound=AxisDrive[FollowingAxisSettings])
 
 
-class AxisDrive(Protocol):
-    """One joint's drive, as a chain needs it."""
-
-    @property
-    def settings(self) -> AxisSettings:
-        """How the joint hangs on it."""
-        ...
+class ServoChainSettings(Protocol):
+    """The part of the settings of a chain that is the same for all drives."""
 
     @property
-    def watch(self) -> FollowingWatch:
-        """Where the joint should be."""
+    def joints(self) -> Mapping[str, AxisSettings]:
+        """The joints, in order."""
         ...
-
-    position: float
-    velocity: float
-    torque: float
-    time: float
 
     @property
-    def is_enabled(self) -> bool:
-        """Whether it says that it follows its setpoints."""
+    def position_gain(self) -> float:
+        """Velocity for an error in position where the drives follow velocities, 1/s."""
         ...
 
-    def enable(self, enabled: bool) -> None:
-        """Begin to energise the joint, or to slow it down and release it."""
+    @property
+    def enable_time(self) -> float:
+        """How long the drives may take to become enabled, s."""
         ...
-
-    def step(self) -> None:
-        """Take one step of that, while the joint is held or free; called once a cycle."""
-        ...
-
-    def begin_following(self, now: float) -> None:
-        """Take the setpoint that holds the joint for the first reference."""
-        ...
-
-    def command_position(self, position: float, velocity: float) -> None:
-        """Take a position setpoint (rad) that moves at a velocity (rad/s)."""
-        ...
-
-    def command_velocity(self, velocity: float) -> None:
-        """Take a velocity setpoint, rad/s."""
-        ...
-
-    def stop(self) -> None:
-        """Slow the joint down to a standstill. Never raises."""
-        ...
-
-    def check(self, now: float) -> None:
-        """Raise `DeviceFault` if the drive is not well."""
-        ...
-
-    def check_following(self, now: float) -> None:
-        """Raise `DeviceFault` if the enabled drive does not do what it was told."""
-        ...
-
-    def lag(self) -> DeviceFault:
-        """Return what would be the fault if the joint went on to be away from its reference."""
-        ...
-
-    def fail_to_enable(self, since: float) -> DeviceFault:
-        """Return the fault of a drive that has not become enabled in so many seconds."""
-        ...
-
-
-Drive = TypeVar("Drive", bound=AxisDrive)
 
 
 class ServoChain(ServoBus, Generic[Drive]):
@@ -92,40 +46,46 @@ class ServoChain(ServoBus, Generic[Drive]):
     ----------
     name : str
         The device's name in the profile.
-    joints : mapping of str to AxisSettings
-        In order.
+    settings : ServoChainSettings
+        Of the device.
     drives : sequence
         One per joint, in the same order.
     period : float
         Of the cycle, s.
     sends_velocity : bool
         The drives follow velocities.
-    position_gain : float
-        Velocity for an error in position where they do, 1/s.
-    enable_time : float
-        How long the drives may take to become enabled, s.
+    serial : int, optional
+        The serial number of the drive, where there is one only; else each joint has its own.
+
+    Raises
+    ------
+    ValueError
+        A serial number for several drives.
     """
 
     def __init__(
         self,
         name: str,
-        joints: Mapping[str, AxisSettings],
+        settings: ServoChainSettings,
         drives: Sequence[Drive],
         *,
         period: float,
         sends_velocity: bool,
-        position_gain: float,
-        enable_time: float,
+        serial: int | None = None,
     ) -> None:
+        joints = settings.joints
+        if serial is not None and len(joints) > 1:
+            raise ValueError(f"{name}: give each joint its serial number, not the device.")
         self.name = name
         self.axis_names = tuple(joints)
         self.drives = tuple(drives)
+        self._serial = serial
         self._period = period
         self._sends_velocity = sends_velocity
         self._velocities = VelocityReference(
-            position_gain, [joint.max_speed for joint in joints.values()], period
+            settings.position_gain, [joint.max_speed for joint in joints.values()], period
         )
-        self._enable_time = enable_time
+        self._enable_time = settings.enable_time
         self._guard = AxisGuard(name, joints, period)
         self._armed = False
         self._enabled = False

@@ -16,18 +16,11 @@ from drivers.sim.axis_faults import faults_by_joint
 from drivers.sim.emulated_bus import EmulatedBus
 from drivers.sim.faults import FaultSchedule, Faulty, ScheduledFault
 from drivers.sim.frame_faults import LASTING, FrameFault, FrameFaults, kind_of
+from rig.hal import Plant
 from rig.hal.world import Frames
 
 
-class Plant(Protocol):
-    """The physics, as the world needs it."""
-
-    def advance(self, t: float) -> None:
-        """Integrate up to time `t`, s."""
-        ...
-
-
-class Simulation(Protocol):
+class WorldSettings(Protocol):
     """Settings of the world."""
 
     @property
@@ -80,7 +73,7 @@ class EmulatedRig:
     buses : sequence of EmulatedBus
         With their nodes, which hold ports to the plant. Nodes named ``device.joint`` are
         targets of faults as one device too.
-    settings : Simulation
+    settings : WorldSettings
         Latency, losses, faults, seed.
     devices : mapping, optional
         More targets of faults by name, e.g. the plant.
@@ -97,7 +90,7 @@ class EmulatedRig:
         self,
         plant: Plant,
         buses: Sequence[EmulatedBus],
-        settings: Simulation,
+        settings: WorldSettings,
         devices: Mapping[str, Faulty] | None = None,
         cameras: Sequence[Timed] = (),
     ) -> None:

@@ -38,7 +38,7 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
         "controllers": list(profile.controllers),
         "plant": None
         if plant is None
-        else {"model": plant.model, "seals": getattr(plant.settings, "seals", None)},
+        else {"model": plant.model, "seals": plant.settings.variant()},
     }
 
 

@@ -72,6 +72,10 @@ class DriverSettings:
         """
         return ()
 
+    def resolution(self, channel: str) -> float:
+        """Return the smallest step of what a channel reads, SI; 0 where it is not known."""
+        return 0.0
+
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the nodes that should answer on the bus.
 

@@ -56,7 +56,15 @@ class Decoder(Protocol):
     """Reads the frames of one bus, in their order."""
 
     def decode(self, can_id: int, data: bytes) -> Decoded:
-        """Return what a frame says."""
+        """Return what a frame says; `UNKNOWN` if nothing in the profile explains it.
+
+        Parameters
+        ----------
+        can_id : int
+            With SocketCAN's flags for extended, remote and error frames.
+        data : bytes
+            Its content.
+        """
         ...
 
 

@@ -59,6 +59,10 @@ class MeasuredPlant:
 class PhysicsSettings(Protocol):
     """The settings of a plant. Inherit it: what has a default need not be written."""
 
+    def variant(self) -> str | None:
+        """Return which kind of this plant it is, for people; None: there is one kind only."""
+        return None
+
     def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
         """Return the settings of a rig that differs from its profile.
 

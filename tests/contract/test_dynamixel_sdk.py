@@ -18,6 +18,7 @@ from dynamixel_sdk import (
     PacketHandler,
     PortHandler,
 )
+from dynamixel_terminal import PseudoTerminal
 
 from drivers.dynamixel import codec as protocol
 from drivers.dynamixel.bus import SerialBus
@@ -26,7 +27,6 @@ from drivers.dynamixel.port import open_port
 from drivers.dynamixel.registers import describe_status_error
 from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings, SerialBusSettings
 from drivers.sim.dynamixel.chain import EmulatedChain
-from drivers.sim.dynamixel.terminal import PseudoTerminal
 from drivers.sim.dynamixel.wiring import emulate_dynamixel
 from drivers.sim.wiring import Installed
 from rig.hal import DeviceFault, MonotonicClock

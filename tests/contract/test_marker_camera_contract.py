@@ -201,14 +201,6 @@ def test_camera_of_another_rig_is_refused(bench, kind):
     assert caught.value.bound == "4712"
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_statistics_count_frames(bench, kind):
-    item = bench(kind).start()
-    statistics = item.camera.statistics()
-    assert statistics["frames"] >= 1
-    assert statistics["frames_dropped"] == 0
-
-
 # Readings -----------------------------------------------------------------------------
 
 
@@ -249,13 +241,10 @@ def test_equal_seeds_give_equal_readings(bench, kind):
 
 
 @pytest.mark.parametrize("kind", SIMULATED)
-def test_dropped_frames_are_counted(bench, kind):
+def test_dropped_frames_give_no_readings(bench, kind):
     item = bench(kind, optics=CameraSimulationSettings(drop_rate=0.3), seed=3).start()
     log = item.run(0.5)
-    statistics = item.camera.statistics()
-    assert statistics["frames_dropped"] > 3
-    assert statistics["frames"] + statistics["frames_dropped"] == pytest.approx(31, abs=2)
-    assert len(log) < 28
+    assert 15 < len(log) < 28  # of 31
 
 
 @pytest.mark.parametrize("kind", SIMULATED)
@@ -321,7 +310,6 @@ def test_marker_that_is_not_seen_is_absent_not_zero(bench, kind):
     item.inject("lost", 0.06)
     readings = [reading.value for _, reading, _ in item.run(0.2)]
     assert Markers((), ()) in readings
-    assert item.camera.statistics()["frames_without_marker"] in (3, 4)
 
 
 @pytest.mark.parametrize("kind", SIMULATED)

@@ -25,12 +25,6 @@ INSTRUCTIONS = {
         protocol.encode_write(1, 64, b"\x01"),
         "FF FF FD 00 01 06 00 03 40 00 01 DB 66",
     ),
-    "prepared goal velocity": (
-        protocol.encode_reg_write(1, 104, bytes.fromhex("C8000000")),
-        "FF FF FD 00 01 09 00 04 68 00 C8 00 00 00 AE 8E",
-    ),
-    "action": (protocol.encode_action(1), "FF FF FD 00 01 03 00 05 02 CE"),
-    "reboot": (protocol.encode_reboot(1), "FF FF FD 00 01 03 00 08 2F 4E"),
     "sync read": (
         protocol.encode_sync_read(132, 4, (1, 2), fast=False),
         "FF FF FD 00 FE 09 00 82 84 00 04 00 01 02 CE FA",

@@ -47,7 +47,6 @@ def test_answers_of_every_firmware_are_understood(size, confirms):
     bench.connect()
     assert bench.axis.endpoints[7] == b"\x01"
     assert bench.axis.endpoints[8] == struct.pack("<f", 0.05)
-    assert bench.driver.drives[0].client.wrong_length == 0
 
 
 def test_setpoints_feed_the_watchdog_before_the_loop_is_closed():

@@ -12,6 +12,7 @@ CiA 301 V4.2, section 7.2.2 (PDO) and objects 0x1400, 0x1600, 0x1800, 0x1A00.
 from collections.abc import Callable, Sequence
 from math import inf
 from struct import Struct
+from typing import ClassVar
 
 from drivers.sim.nodes.object_dictionary import (
     UNSIGNED8,
@@ -49,10 +50,8 @@ class Pdo:
     ----------
     dictionary : ObjectDictionary
         Gets the parameters and holds what is mapped.
-    communication, mapping : int
-        Indices of the two parameter records.
-    direction : str
-        ``"r"`` or ``"t"``: which objects may be mapped.
+    number : int
+        Of the PDO, from 0.
     cob_id : int
         Default COB-ID with the bits 30 and 31.
     entries : sequence of int
@@ -61,21 +60,27 @@ class Pdo:
         Called when validity or COB-ID have changed, so that the node routes anew.
     """
 
+    direction: ClassVar[str]
+    """``"r"`` or ``"t"``: which objects may be mapped."""
+
+    records: ClassVar[tuple[int, int]]
+    """Indices of the first PDO's communication and mapping parameters."""
+
     def __init__(
         self,
         dictionary: ObjectDictionary,
+        number: int,
         *,
-        communication: int,
-        mapping: int,
-        direction: str,
         cob_id: int,
         entries: Sequence[int],
         changed: Callable[[], None],
     ) -> None:
+        self.number = number
         self._dictionary = dictionary
-        self._direction = direction
         self._route = changed
         add = dictionary.add
+        communication, mapping = (record + number for record in self.records)
+        add(communication, 0, Variable(UNSIGNED8, 5, "const"))
         self._cob_id = add(
             communication,
             1,
@@ -120,11 +125,6 @@ class Pdo:
         self.layout = Struct(code)
         self._route()
 
-    @property
-    def mapped(self) -> int:
-        """How many entries are mapped."""
-        return self._count.integer
-
     def _check_cob_id(self, value: int) -> None:
         can_id = value & 0x7FF
         if value & 0x3FFFF800:  # bit 29: extended identifiers are not offered
@@ -157,20 +157,20 @@ class Pdo:
         """Return the length of a mapping entry in bits, or refuse it."""
         index, sub, bits = _split(entry)
         if index in _DUMMY_BYTES:
-            if self._direction == "r" and sub == 0 and bits == 8 * _DUMMY_BYTES[index]:
+            if self.direction == "r" and sub == 0 and bits == 8 * _DUMMY_BYTES[index]:
                 return bits
             raise SdoAbortError(Abort.NOT_MAPPABLE)
         variable = self._dictionary.find(index, sub)
-        if self._direction not in variable.mapping or bits != 8 * variable.data_type.size:
+        if self.direction not in variable.mapping or bits != 8 * variable.data_type.size:
             raise SdoAbortError(Abort.NOT_MAPPABLE)
         return bits
 
 
 class ReceivePdo(Pdo):
-    """A PDO that the node consumes, with deadline monitoring (sub-index 5).
+    """A PDO that the node consumes, with deadline monitoring (sub-index 5)."""
 
-    Parameters are those of `Pdo`; `number` counts from 0.
-    """
+    direction = "r"
+    records = (0x1400, 0x1600)
 
     def __init__(
         self,
@@ -181,21 +181,10 @@ class ReceivePdo(Pdo):
         entries: Sequence[int],
         changed: Callable[[], None],
     ) -> None:
-        communication = 0x1400 + number
-        dictionary.add(communication, 0, Variable(UNSIGNED8, 5, "const"))
-        super().__init__(
-            dictionary,
-            communication=communication,
-            mapping=0x1600 + number,
-            direction="r",
-            cob_id=cob_id,
-            entries=entries,
-            changed=changed,
-        )
+        super().__init__(dictionary, number, cob_id=cob_id, entries=entries, changed=changed)
         self._timer = dictionary.add(
-            communication, 5, Variable(UNSIGNED16, 0, changed=self.stop_watching)
+            self.records[0] + number, 5, Variable(UNSIGNED16, 0, changed=self.stop_watching)
         )
-        self.number = number
         self.due = inf
         self._waiting: bytes | None = None
 
@@ -238,8 +227,11 @@ class ReceivePdo(Pdo):
 class TransmitPdo(Pdo):
     """A PDO that the node produces: on SYNC, on change, by event timer, not too often.
 
-    Parameters are those of `Pdo`; `number` counts from 0, `send` takes CAN id and bytes.
+    Parameters are those of `Pdo`; `send` takes CAN id and bytes.
     """
+
+    direction = "t"
+    records = (0x1800, 0x1A00)
 
     def __init__(
         self,
@@ -251,17 +243,8 @@ class TransmitPdo(Pdo):
         changed: Callable[[], None],
         send: Callable[[int, bytes], None],
     ) -> None:
-        communication = 0x1800 + number
-        dictionary.add(communication, 0, Variable(UNSIGNED8, 5, "const"))
-        super().__init__(
-            dictionary,
-            communication=communication,
-            mapping=0x1A00 + number,
-            direction="t",
-            cob_id=cob_id,
-            entries=entries,
-            changed=changed,
-        )
+        super().__init__(dictionary, number, cob_id=cob_id, entries=entries, changed=changed)
+        communication = self.records[0] + number
         self._inhibit = dictionary.add(
             communication, 3, Variable(UNSIGNED16, 0, check=self._check_inhibit)
         )
@@ -269,7 +252,6 @@ class TransmitPdo(Pdo):
             communication, 5, Variable(UNSIGNED16, 0, changed=self.restart)
         )
         self._send = send
-        self.number = number
         self._syncs = 0
         self._changed = False
         self._next_event = inf

@@ -15,8 +15,8 @@ from drivers.sim.plants.arm_model import (
     JOINTS,
     LINKS,
     MARKER,
+    ArmDeviations,
     ArmDimensions,
-    Deviations,
     build_model,
 )
 from drivers.sim.plants.arm_settings import ArmPlantSettings
@@ -76,7 +76,7 @@ class ArmPlant:
         self._steps = 0
         self._asked = 0.0
         # The drives were tuned for the arm of the drawing, not for this unit.
-        nominal = build_model(geometry, settings, Deviations())
+        nominal = build_model(geometry, settings, ArmDeviations())
         self._drives = ArmDrives(settings.drives, _inertias_of(nominal), self._dt)
         self._model = build_model(geometry, settings, _draw_unit(settings, seed))
         self._data = mujoco.MjData(self._model)
@@ -168,12 +168,6 @@ class ArmPlant:
         x, y, z = self._data.site_xpos[self._hand].tolist()
         return x, y, z
 
-    def hand_rotation(self) -> tuple[tuple[float, ...], ...]:
-        """Return the rows of the tool's rotation, base from tool."""
-        mujoco.mj_kinematics(self._model, self._data)
-        rows = self._data.site_xmat[self._hand].reshape(3, 3).tolist()
-        return tuple(tuple(row) for row in rows)
-
     def truth(self) -> tuple[float, ...]:
         """Return what `truth_columns` names."""
         hand = self.hand_position()
@@ -245,9 +239,9 @@ def _inertias_of(model: mujoco.MjModel) -> list[float]:
     return diagonal
 
 
-def _draw_unit(settings: ArmPlantSettings, seed: int) -> Deviations:
+def _draw_unit(settings: ArmPlantSettings, seed: int) -> ArmDeviations:
     """Return how a unit differs from its drawing."""
     generator = np.random.default_rng(seed)
     masses = 1.0 + settings.mass_spread * generator.uniform(-1.0, 1.0, len(LINKS))
     frictions = 1.0 + settings.friction_spread * generator.uniform(-1.0, 1.0, len(JOINTS))
-    return Deviations(tuple(masses.tolist()), tuple(frictions.tolist()))
+    return ArmDeviations(tuple(masses.tolist()), tuple(frictions.tolist()))

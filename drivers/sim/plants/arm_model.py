@@ -36,7 +36,7 @@ class ArmDimensions(Protocol):
     position_max: tuple[float, ...]
 
 
-class Deviations(NamedTuple):
+class ArmDeviations(NamedTuple):
     """Differences of a unit from its drawing: factors.
 
     Parameters
@@ -52,7 +52,7 @@ class Deviations(NamedTuple):
 
 
 def build_model(
-    geometry: ArmDimensions, settings: ArmPlantSettings, deviations: Deviations
+    geometry: ArmDimensions, settings: ArmPlantSettings, deviations: ArmDeviations
 ) -> "mujoco.MjModel":
     """Return the arm as MuJoCo has it: six hinges with dry friction, driven by torques.
 
@@ -62,7 +62,7 @@ def build_model(
         Lengths and joint ranges.
     settings : ArmPlantSettings
         Masses, friction, motors.
-    deviations : Deviations
+    deviations : ArmDeviations
         Of this unit.
     """
     import mujoco
@@ -71,7 +71,7 @@ def build_model(
 
 
 def describe_model(
-    geometry: ArmDimensions, settings: ArmPlantSettings, deviations: Deviations
+    geometry: ArmDimensions, settings: ArmPlantSettings, deviations: ArmDeviations
 ) -> str:
     """Return the arm in MuJoCo's own language."""
     drives, links = settings.drives, settings.links

@@ -150,6 +150,9 @@ class ArmPlantSettings:
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.3
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=2e-3)] = 1e-3
 
+    def variant(self) -> None:
+        """Return nothing: there is one kind of arm only."""
+
     def perturbed(
         self, *, friction: float, stribeck: float, wire_offset: float
     ) -> "ArmPlantSettings":

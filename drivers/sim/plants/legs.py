@@ -8,7 +8,7 @@ import numpy as np
 from drivers.sim.plants.legs_model import (
     CHANNELS,
     JOINTS,
-    Deviations,
+    LegDeviations,
     LegDimensions,
     build_model,
     knee_at_height,
@@ -281,12 +281,12 @@ class LegsPlant:
         return loads[0], loads[1]
 
 
-def _draw(settings: LegsPlantSettings, seed: int) -> Deviations:
+def _draw(settings: LegsPlantSettings, seed: int) -> LegDeviations:
     """Draw a unit; the draws are always made, whatever the spreads are."""
     rng = np.random.default_rng(seed)
     masses, frictions = rng.uniform(-1.0, 1.0, 13), rng.uniform(-1.0, 1.0, 12)
     floor = float(rng.uniform(-1.0, 1.0))
-    return Deviations(
+    return LegDeviations(
         tuple((1.0 + settings.mass_spread * masses).tolist()),
         tuple((1.0 + settings.friction_spread * frictions).tolist()),
         1.0 + settings.friction_spread * floor,

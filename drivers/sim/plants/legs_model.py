@@ -68,7 +68,7 @@ class LegDimensions(Protocol):
         ...
 
 
-class Deviations(NamedTuple):
+class LegDeviations(NamedTuple):
     """Differences of a unit from its drawing.
 
     Parameters
@@ -86,7 +86,7 @@ class Deviations(NamedTuple):
     floor: float = 1.0
 
 
-NOMINAL = Deviations()
+NOMINAL = LegDeviations()
 
 JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll")
 CHANNELS = tuple(f"{leg}_{joint}" for leg in ("right", "left") for joint in JOINTS)
@@ -107,7 +107,7 @@ def build_model(
     *,
     floor_friction: float,
     timestep: float,
-    deviations: Deviations = NOMINAL,
+    deviations: LegDeviations = NOMINAL,
 ) -> "mujoco.MjModel":
     """Return the whole robot with its floor.
 
@@ -124,7 +124,7 @@ def build_model(
         Coefficient.
     timestep : float
         s.
-    deviations : Deviations
+    deviations : LegDeviations
         Of this unit.
     """
     import mujoco
@@ -139,7 +139,7 @@ def describe(
     servo: LegServoSettings,
     floor_friction: float,
     timestep: float,
-    deviations: Deviations = NOMINAL,
+    deviations: LegDeviations = NOMINAL,
 ) -> str:
     """Return the same as MJCF text; its form is the same in all of MuJoCo's versions."""
     root = Element("mujoco", model="legs")

@@ -68,6 +68,9 @@ class LegsPlantSettings:
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
 
+    def variant(self) -> None:
+        """Return nothing: there is one kind of pair of legs only."""
+
     def perturbed(
         self, *, friction: float, stribeck: float, wire_offset: float
     ) -> "LegsPlantSettings":

@@ -214,6 +214,10 @@ class PlantSettings:
                 f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
             )
 
+    def variant(self) -> str:
+        """Return which seals the cylinders have."""
+        return self.seals
+
     def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> "PlantSettings":
         """Return the settings of a pair that differs from its profile."""
         return replace(

@@ -140,6 +140,10 @@ class SphericalJointPlantSettings:
                 f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
             )
 
+    def variant(self) -> str:
+        """Return which seals the cylinders have."""
+        return self.seals
+
     def perturbed(
         self, *, friction: float, stribeck: float, wire_offset: float
     ) -> "SphericalJointPlantSettings":

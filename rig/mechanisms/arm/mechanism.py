@@ -16,13 +16,13 @@ from controllers.arm.kinematics import (
 from controllers.arm.plan import ArmPlan
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
-from controllers.base import PlanningLaw
 from rig.hal import Device
 from rig.hal.columns import Column
-from rig.hal.motion import Fact, Motion, Segment
+from rig.hal.motion import Motion, Segment
 from rig.mechanisms.arm.facts import INDICES, facts_of_plan
 from rig.mechanisms.arm.settings import ArmSettings
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
+from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
 
 SETTLING = 0.25
 """For how long the end of the motion is held before the run ends, s: the arm gets there later."""
@@ -34,33 +34,26 @@ _TWIST = (
 _NOTHING_PLANNED = (0.0,) * 30
 
 
-class PlannedArmMotion(Motion[ArmReference]):
+class PlannedArmMotion(PlannedMotion[ArmReference]):
     """A plan of a law as the loop follows it, with what is known of it beforehand."""
-
-    waits = True
-    """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
     def __init__(self, plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -> None:
         self.plan = plan
         arm = dimensions_of(geometry)
         points = [link_points(arm, tuple(q)) for q in plan.positions.tolist()]
-        self._rows: list[tuple[float, ...]] = [
-            tuple(row)
-            for row in np.column_stack(
-                [
-                    plan.hand,
-                    np.array([point[2] for point in points]),
-                    np.array([point[3] for point in points]),
-                    plan.twist,
-                    plan.command,
-                    plan.indices,
-                    plan.scale,
-                    plan.inside,
-                    plan.path,
-                ]
-            ).tolist()
+        columns = [
+            plan.hand,
+            np.array([point[2] for point in points]),
+            np.array([point[3] for point in points]),
+            plan.twist,
+            plan.command,
+            plan.indices,
+            plan.scale,
+            plan.inside,
+            plan.path,
         ]
-        self.facts: Mapping[str, Fact] = facts_of_plan(plan, geometry, path)
+        super().__init__(np.column_stack(columns).tolist())
+        self.facts = facts_of_plan(plan, geometry, path)
 
     @property
     def duration(self) -> float:
@@ -85,31 +78,13 @@ class PlannedArmMotion(Motion[ArmReference]):
             return plan.at(float(plan.t[-1]))._replace(velocities=(0.0,) * 6)
         return plan.at(t)
 
-    def sample(self, number: int) -> tuple[float, ...]:
-        """Return the plan's columns of a cycle."""
-        return self._rows[min(max(number, 0), len(self._rows) - 1)]
 
-
-class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
-    """The loop's view of the arm.
-
-    Parameters
-    ----------
-    settings : ArmSettings
-        Geometry and limits.
-    devices : mapping
-        The rig's devices by name.
-    period : float
-        The loop's period, s.
-
-    Raises
-    ------
-    ConfigurationError
-        The devices do not have each of the six joints exactly once.
-    """
+class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
+    """The loop's view of the arm; parameters are those of `PlannedAxes`."""
 
     Settings = ArmSettings
-    law = PlanningLaw
+    section = "arm"
+    kinds = Kinds(ArmState, ArmReference, ArmCommand)
 
     columns = (
         *servo_columns(AXIS_NAMES),
@@ -132,26 +107,17 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     )
 
     def __init__(self, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> None:
+        super().__init__(settings, devices, period)
         geometry = settings.geometry
-        super().__init__(
-            AxisLimits(
-                AXIS_NAMES, geometry.position_min, geometry.position_max, geometry.rate_limits
-            ),
-            settings.limits,
-            *self.pick("arm", settings, devices),
-            Kinds(ArmState, ArmReference, ArmCommand),
-            period,
-        )
-        self.settings = settings
         self.motion: PlannedArmMotion | None = None
         self._arm = dimensions_of(geometry)
-        self._followed = 0
         self.stopping_time = max(geometry.rate_limits) / settings.limits.acceleration + SETTLING
 
     @classmethod
-    def assemble(cls, settings: ArmSettings, devices: Mapping[str, Device], period: float) -> "Arm":
-        """Pick the devices that the settings name."""
-        return cls(settings, devices, period)
+    def axis_limits(cls, settings: ArmSettings) -> AxisLimits:
+        """Return the six joints and what they may do."""
+        its = settings.geometry
+        return AxisLimits(AXIS_NAMES, its.position_min, its.position_max, its.rate_limits)
 
     @classmethod
     def geometry_of(cls, settings: ArmSettings) -> ArmGeometry:
@@ -172,21 +138,9 @@ class Arm(ServoAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
             raise ValueError("the reference is not one for an arm")
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
 
-    @classmethod
-    def approach(
-        cls, start: ArmReference, end: ArmReference, duration: float, t: float
-    ) -> ArmReference:
-        """Return the minimum-jerk way between two postures at `t`."""
-        return cls.approach_joints(ArmReference, start, end, duration, t)
-
     def attach(self, controller: Any, motion: Motion[ArmReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedArmMotion) else None
-
-    def start_limiting(self, state: ArmState) -> None:
-        """See `ServoAxes.start_limiting`."""
-        super().start_limiting(state)
-        self._followed = 0
 
     def row(
         self, state: ArmState, reference: ArmReference, command: ArmCommand, applied: ArmCommand

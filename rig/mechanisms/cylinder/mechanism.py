@@ -33,7 +33,7 @@ _SPEED_WINDOW = 0.01
 """The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
 
 
-class EstimatingController(Controller[PairReference, PairState, PairCommand], Protocol):
+class EstimatingPairController(Controller[PairReference, PairState, PairCommand], Protocol):
     """A controller that shows what it believes: velocity (m/s) and disturbance (N)."""
 
     @property
@@ -65,7 +65,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     """
 
     Settings = CylinderSettings
-    law = EstimatingController
+    law = EstimatingPairController
 
     # The reference comes first, where the loop's own column of that group ends: a log whose groups
     # stand together already needs no rearranging.
@@ -106,7 +106,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
             (encoder_agonist, encoder_antagonist),
         )
         self.settings = settings
-        self.controller: EstimatingController | None = None
+        self.controller: EstimatingPairController | None = None
         self._regulators = regulators
         self._encoder_agonist = encoder_agonist
         self._encoder_antagonist = encoder_antagonist
@@ -208,7 +208,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         """Return the minimum-jerk motion between two positions at `t`."""
         return PairReference(*minimum_jerk(start.position, end.position, duration, t))
 
-    def attach(self, controller: EstimatingController, motion: Motion[PairReference]) -> None:
+    def attach(self, controller: EstimatingPairController, motion: Motion[PairReference]) -> None:
         """Take the controller whose estimate is logged."""
         self.controller = controller
 

@@ -41,7 +41,7 @@ _new = tuple.__new__  # makes a named tuple in half the time that its class take
 _ZERO = (0.0, 0.0, 0.0)
 
 
-class PoseController(Controller[JointReference, JointState, JointCommand], Protocol):
+class EstimatingPoseController(Controller[JointReference, JointState, JointCommand], Protocol):
     """A controller that shows what it believes of the joint."""
 
     @property
@@ -80,7 +80,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     """
 
     Settings = JointSettings
-    law = PoseController
+    law = EstimatingPoseController
 
     columns = JOINT_COLUMNS
 
@@ -100,7 +100,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         if camera is not None:
             check_camera(settings, camera)
         self.settings = settings
-        self.controller: PoseController | None = None
+        self.controller: EstimatingPoseController | None = None
         self.motion: PosedMotion | None = None
         self._regulators = regulators
         self._encoders = encoders
@@ -194,7 +194,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         """Return the shortest minimum-jerk way between two poses at `t`."""
         return great_circle(start.axis, end.axis, duration, t)
 
-    def attach(self, controller: PoseController, motion: Motion[JointReference]) -> None:
+    def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
         """Take the controller whose estimate is logged, and the motion if its poses are known."""
         self.controller = controller
         self.motion = motion if isinstance(motion, PosedMotion) else None

@@ -47,7 +47,7 @@ PARTS = MechanismParts(
         f"{_HERE}.calibration.procedures:encoders",
         f"{_HERE}.calibration.procedures:wires",
         f"{_HERE}.calibration.procedures:response",
-        f"{_HERE}.calibration.friction:JointFriction",
+        f"{_HERE}.calibration.friction:JointFrictionFit",
         f"{_HERE}.calibration.procedures:leak",
         f"{_HERE}.calibration.lens:Lens",
         f"{_HERE}.calibration.camera:Camera",

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from controllers.base import PlanningLaw
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
@@ -16,30 +15,19 @@ from rig.hal.motion import Motion, Segment
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.settings import LegsSettings
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
+from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
 
 _FINE = 1e-3
 """Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
 grows as the steps get finer."""
 
 
-class PlannedGait(Motion[LegsReference]):
+class PlannedGait(PlannedMotion[LegsReference]):
     """A plan of a law as the loop follows it, with what is known of it beforehand.
 
-    Parameters
-    ----------
-    plan : GaitPlan
-        At the loop's period.
-    fine : GaitPlan
-        The same at 1 kHz, for peak rates.
-    distance : float
-        How far the waist was to go, m.
-    flat : GaitPlan, optional
-        The same walk with the hip at constant height, if this one's is not.
+    Parameters are those of `plan_facts`.
     """
-
-    waits = True
-    """A late cycle holds the motion: what a law has not commanded must not be left out."""
 
     def __init__(
         self,
@@ -49,18 +37,17 @@ class PlannedGait(Motion[LegsReference]):
         flat: GaitPlan | None = None,
     ) -> None:
         self.plan = plan
-        self._rows: list[tuple[float, ...]] = np.column_stack(
-            [
-                plan.waist,
-                plan.feet.reshape(len(plan.t), 6),
-                plan.balance.centre[:, :2],
-                plan.balance.zero_moment,
-                plan.balance.static_margin,
-                plan.balance.margin,
-                plan.phase_number,
-                plan.path,
-            ]
-        ).tolist()
+        columns = [
+            plan.waist,
+            plan.feet.reshape(len(plan.t), 6),
+            plan.balance.centre[:, :2],
+            plan.balance.zero_moment,
+            plan.balance.static_margin,
+            plan.balance.margin,
+            plan.phase_number,
+            plan.path,
+        ]
+        super().__init__(np.column_stack(columns).tolist())
         self.facts = plan_facts(plan, fine, distance, flat)
 
     @property
@@ -80,31 +67,13 @@ class PlannedGait(Motion[LegsReference]):
         """Return what the legs should do at `t`."""
         return self.plan.at(t)
 
-    def sample(self, number: int) -> tuple[float, ...]:
-        """Return the plan's columns of a cycle."""
-        return tuple(self._rows[min(max(number, 0), len(self._rows) - 1)])
 
-
-class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
-    """The loop's view of two legs.
-
-    Parameters
-    ----------
-    settings : LegsSettings
-        Geometry and limits.
-    devices : mapping
-        The rig's devices by name.
-    period : float
-        The loop's period, s.
-
-    Raises
-    ------
-    ConfigurationError
-        The devices do not have each of the twelve joints exactly once.
-    """
+class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
+    """The loop's view of two legs; parameters are those of `PlannedAxes`."""
 
     Settings = LegsSettings
-    law = PlanningLaw
+    section = "legs"
+    kinds = Kinds(LegsState, LegsReference, LegsCommand)
 
     columns = (
         *servo_columns(AXIS_NAMES),
@@ -125,30 +94,20 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     def __init__(
         self, settings: LegsSettings, devices: Mapping[str, Device], period: float
     ) -> None:
-        limits = settings.geometry.limits
-        super().__init__(
-            AxisLimits(
-                AXIS_NAMES,
-                tuple([lower for lower, _ in limits]),
-                tuple([upper for _, upper in limits]),
-                (settings.geometry.max_rate,) * len(AXIS_NAMES),
-            ),
-            settings.limits,
-            *self.pick("legs", settings, devices),
-            Kinds(LegsState, LegsReference, LegsCommand),
-            period,
-        )
-        self.settings = settings
+        super().__init__(settings, devices, period)
         self.motion: PlannedGait | None = None
-        self._followed = 0
         self._halt: Halt | None = None
 
     @classmethod
-    def assemble(
-        cls, settings: LegsSettings, devices: Mapping[str, Device], period: float
-    ) -> "Legs":
-        """Pick the devices that the settings name."""
-        return cls(settings, devices, period)
+    def axis_limits(cls, settings: LegsSettings) -> AxisLimits:
+        """Return the twelve joints and what they may do."""
+        limits = settings.geometry.limits
+        return AxisLimits(
+            AXIS_NAMES,
+            tuple([lower for lower, _ in limits]),
+            tuple([upper for _, upper in limits]),
+            (settings.geometry.max_rate,) * len(AXIS_NAMES),
+        )
 
     @classmethod
     def geometry_of(cls, settings: LegsSettings) -> LegGeometry:
@@ -176,13 +135,6 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             )
         return PlannedGait(controller.prepare(reference), fine, reference.distance, flat)
 
-    @classmethod
-    def approach(
-        cls, start: LegsReference, end: LegsReference, duration: float, t: float
-    ) -> LegsReference:
-        """Return the minimum-jerk way between two postures at `t`."""
-        return cls.approach_joints(LegsReference, start, end, duration, t)
-
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedGait) else None
@@ -190,7 +142,6 @@ class Legs(ServoAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     def start_limiting(self, state: LegsState) -> None:
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
-        self._followed = 0
         self._halt = None
 
     def resting_command(self, state: LegsState) -> LegsCommand:

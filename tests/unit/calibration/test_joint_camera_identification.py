@@ -8,7 +8,7 @@ import pytest
 
 from controllers.spherical_joint.exact_wire import ExactWires
 from controllers.spherical_joint.geometry import SphericalJointGeometry
-from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation, twisted
+from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation
 from drivers.marker_camera.projection import View
 from rig.assembly import REGISTRY
 from rig.calibration.catalogue import procedures
@@ -18,7 +18,7 @@ from rig.hal.columns import Column
 from rig.mechanisms.joint.calibration.camera import ROSETTE
 from rig.mechanisms.joint.calibration.parameters import priors_of
 from rig.mechanisms.joint.calibration.rosette import Rosette
-from rig.mechanisms.joint.calibration.sighting_model import Wires, axes_seen
+from rig.mechanisms.joint.calibration.sighting_model import WireEnds, axes_seen
 from rig.mechanisms.joint.calibration.sightings import limits_of, senses_of, track_of
 from rig.runtime.log import Log
 
@@ -87,12 +87,14 @@ def test_wires_are_those_of_the_controllers():
     values |= {f"anchor_angle_{k}": angle for k, angle in enumerate(TRUE.anchor_angles, 1)}
     for part in ("turned", "raised", "shift_x", "shift_y", "shift_z"):
         values |= {f"{part}_{k}": 0.0 for k in (1, 2, 3, 4)}
-    wires = Wires.of(values)
+    wires = WireEnds.of(values)
     for tilt in (0.0, 0.3, 0.9):
         for azimuth in (0.1, 2.0, 4.4):
             axis = axis_from_tilt(tilt, azimuth)
             for twist in (0.0, 0.02):
-                expected = exact.lengths(twisted(natural_rotation(axis), twist))
+                spin = [[math.cos(twist), -math.sin(twist), 0.0]]
+                spin += [[math.sin(twist), math.cos(twist), 0.0], [0.0, 0.0, 1.0]]
+                expected = exact.lengths((np.array(natural_rotation(axis)) @ spin).tolist())
                 assert wires.lengths(np.array([axis]), twist)[0] == pytest.approx(
                     expected, abs=1e-12
                 )

@@ -18,7 +18,7 @@ from rig.calibration.estimates import Fit
 from rig.calibration.recording import CalibrationRefused, Stretch
 from rig.config import find_configs, load_profile
 from rig.mechanisms.joint.calibration.ball_friction import belief_of, friction_on_ball
-from rig.mechanisms.joint.calibration.breakaway import Breakaways, Case, cases_of, forces_of_tugs
+from rig.mechanisms.joint.calibration.breakaway import Breakaways, TugCase, cases_of, forces_of_tugs
 from rig.mechanisms.joint.calibration.leaning import Strokes
 from rig.mechanisms.joint.calibration.stroke_fit import StrokeFit, fit_strokes
 from rig.mechanisms.joint.calibration.tugs import BACK, OTHER, SAME, StrokesAndTugs, TugScript
@@ -257,7 +257,7 @@ def test_a_tug_takes_what_pushes_before_the_pair_is_fast_at_base_pressure(profil
     recording = {tug.name: of_a_tug(profile, tug, 22.0, seals, lost) for tug in tugs}
     grown = 4.0 * belief.ring + 2.0 * (belief.wound * belief.wire + belief.seals)
     grown *= lost * profile.mechanism_settings.area
-    found = forces_of_tugs([Case(profile, belief)], recording, tugs)
+    found = forces_of_tugs([TugCase(profile, belief)], recording, tugs)
     # The last bump without speed has its middle some 7 ms before the pair jumps.
     assert found == pytest.approx(np.full((1, len(tugs)), 22.0 - 0.14 + grown), abs=0.03)
 
@@ -268,7 +268,7 @@ def test_a_ring_that_leans_adds_nothing_to_what_a_tug_takes(profile):
     upright = {tug.name: of_a_tug(profile, tug, 22.0, 5.0, 0.0) for tug in tugs}
     stretched = {tug.name: of_a_tug(profile, tug, 22.0, 5.0, 0.0, lean=0.2e-3) for tug in tugs}
     one, other = (
-        forces_of_tugs([Case(profile, belief)], recording, tugs)[0]
+        forces_of_tugs([TugCase(profile, belief)], recording, tugs)[0]
         for recording in (upright, stretched)
     )
     # Rods that stand 0.2 mm off: all four tensions let the ring fall on by as much of them.
@@ -283,7 +283,7 @@ def test_a_ring_that_leans_adds_nothing_to_what_a_tug_takes(profile):
 def test_a_pair_that_never_moved_tells_nothing(profile):
     tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1)).tugs
     recording = {tug.name: of_a_tug(profile, tug, 99.0, 6.0, 0.0) for tug in tugs}
-    assert np.all(np.isnan(forces_of_tugs([Case(profile, belief_of(profile))], recording, tugs)))
+    assert np.all(np.isnan(forces_of_tugs([TugCase(profile, belief_of(profile))], recording, tugs)))
 
 
 def taken_in(tugs, scatter, swung=0.2):
@@ -297,7 +297,7 @@ def taken_in(tugs, scatter, swung=0.2):
 def test_what_tugs_leave_behind_counts_neither_in_the_mean_nor_as_scatter(profile):
     tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1)).tugs
     forces = taken_in(tugs, np.zeros(len(tugs)), swung=0.0)
-    breakaways, case = Breakaways(tugs, forces, (0, 1)), [Case(profile, belief_of(profile))]
+    breakaways, case = Breakaways(tugs, forces, (0, 1)), [TugCase(profile, belief_of(profile))]
     for pair, value in enumerate((19.0, 15.5)):
         found = breakaways.estimate(pair, "b", case, forces[None])
         assert (found.value, found.std) == pytest.approx((value, 0.0), abs=1e-9)
@@ -309,7 +309,7 @@ def test_the_interval_of_breakaway_holds_chance_and_what_may_be_true(profile):
     forces = taken_in(tugs, scatter)
     belief = belief_of(profile)
     breakaways = Breakaways(tugs, forces, (0, 1))
-    alone = breakaways.estimate(0, "b", [Case(profile, belief)], forces[None])
+    alone = breakaways.estimate(0, "b", [TugCase(profile, belief)], forces[None])
     mine = np.array([tug.pair == 0 for tug in tugs])
     assert alone.value == pytest.approx(19.0 + scatter[mine].mean())
     # What swings leave lies anywhere between what begins with a rise and with a fall.
@@ -317,7 +317,7 @@ def test_the_interval_of_breakaway_holds_chance_and_what_may_be_true(profile):
     assert alone.std == pytest.approx(math.hypot(chance, left), rel=0.1)
     # An even one: 95 % of it are within 1.65 standard deviations.
     assert alone.high - alone.value == pytest.approx(1.65 * alone.std, rel=0.02)
-    cases = [Case(profile, belief), Case(profile, belief, bound=True)]
+    cases = [TugCase(profile, belief), TugCase(profile, belief, bound=True)]
     both = breakaways.estimate(0, "b", cases, np.array([forces, forces - 0.3]))
     assert both.value == alone.value
     assert both.std == pytest.approx(math.hypot(alone.std, 0.3 / math.sqrt(3.0)))
@@ -327,7 +327,7 @@ def test_a_pair_with_too_few_tugs_leaves_the_other_one_its_own(profile):
     tugs = StrokesAndTugs(Strokes(10e-3, (0.05,), 0.1)).tugs
     forces = taken_in(tugs, np.random.default_rng(3).normal(0.0, 0.01, len(tugs)), swung=0.0)
     forces[[tug.pair == 0 for tug in tugs]] = np.nan
-    case = [Case(profile, belief_of(profile))]
+    case = [TugCase(profile, belief_of(profile))]
     found = Breakaways(tugs, forces, (1,)).estimate(1, "b", case, forces[None])
     assert found.value == pytest.approx(15.5, abs=0.02)
     assert 0.0 < found.std < 0.02

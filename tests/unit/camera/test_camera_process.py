@@ -99,7 +99,6 @@ def test_driver_gives_the_newest_markers_and_their_time(driver):
     assert 0.0 < CLOCK.now() - seen.t < PATIENCE
     assert camera.twists().t == seen.t
     wait_for(lambda: camera.markers().t > seen.t)
-    assert camera.statistics()["frames"] >= 2
 
 
 def test_end_of_a_recording_is_a_fault_of_the_device(driver):

@@ -1,5 +1,7 @@
 """Which joint of a chain of drives is doubted when the rig gets out of bounds."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from drivers.servos.axis_chain import ServoChain
@@ -69,9 +71,8 @@ class Chain(ServoChain):
 def chain_of(*windows):
     drives = [FakeDrive(f"q{k}", window) for k, window in enumerate(windows)]
     joints = {drive.name: drive.settings for drive in drives}
-    chain = Chain(
-        "arm", joints, drives, period=1.0, sends_velocity=False, position_gain=1.0, enable_time=1.0
-    )
+    settings = SimpleNamespace(joints=joints, position_gain=1.0, enable_time=1.0)
+    chain = Chain("arm", settings, drives, period=1.0, sends_velocity=False)
     chain.arm()
     chain.set_torque_enabled(True)
     chain.check(0.0)

@@ -7,10 +7,10 @@ from rig.mechanisms.pneumatic.calibration.encoders import Encoders
 from rig.mechanisms.pneumatic.calibration.leak import Leak
 from rig.mechanisms.pneumatic.calibration.regulators import Regulators
 from rig.mechanisms.pneumatic.calibration.response import Response
-from rig.mechanisms.pneumatic.calibration.wires import Wires
+from rig.mechanisms.pneumatic.calibration.wires import WireSweeps
 
 regulators = partial(Regulators, PairPneumatics)
 encoders = partial(Encoders, PairPneumatics)
-wires = partial(Wires, PairPneumatics)
+wires = partial(WireSweeps, PairPneumatics)
 response = partial(Response, PairPneumatics)
 leak = partial(Leak, PairPneumatics)

@@ -47,7 +47,7 @@ _BEFORE: Final = 0.1
 """The greatest force comes at most so long before that, s."""
 
 
-class Case(NamedTuple):
+class TugCase(NamedTuple):
     """One possibility for what no tug shows of a joint.
 
     Parameters
@@ -65,12 +65,12 @@ class Case(NamedTuple):
     bound: bool = False
 
 
-def forces_of_tugs(cases: Sequence[Case], recording: Recording, tugs: Sequence[Tug]) -> Array:
+def forces_of_tugs(cases: Sequence[TugCase], recording: Recording, tugs: Sequence[Tug]) -> Array:
     """Return each tug's breakaway force, N, shape (m, n); NaN where the pair did not move.
 
     Parameters
     ----------
-    cases : sequence of Case, length m
+    cases : sequence of TugCase, length m
         The possibilities that it is computed for.
     recording : Recording
         The tugs' stretches.
@@ -160,7 +160,7 @@ class Breakaways:
         weights: Array = kinds @ self._inverse[: len(kinds)]
         return weights
 
-    def estimate(self, pair: int, name: str, cases: Sequence[Case], forces: Array) -> Estimate:
+    def estimate(self, pair: int, name: str, cases: Sequence[TugCase], forces: Array) -> Estimate:
         """Return a pair's breakaway with its interval.
 
         Parameters
@@ -169,7 +169,7 @@ class Breakaways:
             Which one.
         name : str
             Of the estimate.
-        cases : sequence of Case, length m
+        cases : sequence of TugCase, length m
             What is believed, and what else may be true.
         forces : ndarray, shape (m, n)
             Breakaway forces in each case, N.
@@ -183,7 +183,7 @@ class Breakaways:
         return estimate_of_sum(name, value, "N", scatter, self._freedom, normal, even)
 
 
-def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
+def cases_of(profile: Profile, belief: Belief, growth: float) -> list[TugCase]:
     """Return what is believed, and each bound of it.
 
     Parameters
@@ -201,18 +201,18 @@ def cases_of(profile: Profile, belief: Belief, growth: float) -> list[Case]:
     # Any share of the ring's within its tolerance is as likely.
     share = profile.mechanism_settings.tolerance.friction
     return [
-        Case(profile, belief),
-        Case(profile, belief.with_ring(share), bound=True),
-        Case(
+        TugCase(profile, belief),
+        TugCase(profile, belief.with_ring(share), bound=True),
+        TugCase(
             profile,
             belief._replace(ring=ball * belief.ring, wire=ball * belief.wire, seals=0.0),
             bound=True,
         ),
-        Case(
+        TugCase(
             profile,
             belief._replace(
                 ring=more * belief.ring, wire=more * belief.wire, seals=more * belief.seals
             ),
         ),
-        Case(with_stiffer_wires(profile), belief),
+        TugCase(with_stiffer_wires(profile), belief),
     ]

@@ -59,7 +59,7 @@ _BOUND: Final = 1.5
 """rms of the residuals, N: a ring on its seat slides less evenly than a carriage."""
 
 
-class JointFriction(Procedure[Recording]):
+class JointFrictionFit(Procedure[Recording]):
     """Procedure for Coulomb, viscous and breakaway friction of a joint's pairs."""
 
     name = "friction"

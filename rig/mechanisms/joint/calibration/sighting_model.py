@@ -59,7 +59,7 @@ class Sightings(NamedTuple):
     late: float = 0.0
 
 
-class Wires(NamedTuple):
+class WireEnds(NamedTuple):
     """The ends of a joint's wires, and the ball that they are wound on; m.
 
     Parameters
@@ -75,7 +75,7 @@ class Wires(NamedTuple):
     ball: float
 
     @classmethod
-    def of(cls, values: Values) -> "Wires":
+    def of(cls, values: Values) -> "WireEnds":
         """Return the wires of a joint with these dimensions."""
         ball, ring = values["ball_radius"], values["ring_radius"]
         parts = np.array([[values[f"{part}_{k}"] for part in PARTS] for k in WIRES])
@@ -168,7 +168,7 @@ def axes_seen(values: Values, rays: Array, mounted: Array) -> Array:
 
 def extensions_seen(values: Values, seen: Sightings, mounted: Array) -> Array:
     """Return the extension that each rod's encoder shows at each frame, m, shape (n, 4)."""
-    wires = Wires.of(values)
+    wires = WireEnds.of(values)
     upright = wires.lengths(np.array([[0.0, 0.0, 1.0]]))
     friction = np.array([values[f"friction_{k}"] for k in WIRES])
     offset = np.array([values[f"offset_{k}"] for k in WIRES])
@@ -189,7 +189,7 @@ def rod_slopes(values: Values, seen: Sightings, mounted: Array) -> tuple[Array, 
     tuple of ndarray, shape (n, 4)
         Per radian, m.
     """
-    wires, axes = Wires.of(values), axes_seen(values, seen.rays, mounted)
+    wires, axes = WireEnds.of(values), axes_seen(values, seen.rays, mounted)
     aside = np.cross(axes, (0.0, 1.0, 0.0))
     aside /= np.linalg.norm(aside, axis=1)[:, None]
     slopes = [

@@ -31,7 +31,7 @@ from rig.config import Profile
 from rig.mechanisms.joint.calibration import sighting_model
 from rig.mechanisms.joint.calibration.parameters import ANGLES, LENGTHS, PARTS, WIRES, made_of
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
-from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, Wires, ends_of_sweeps
+from rig.mechanisms.pneumatic.calibration.wires import WireEstimates, WireSweeps, ends_of_sweeps
 
 INCLINOMETER_ACCURACY: Final = 2e-4
 """Standard uncertainty of a reading, rad: a digital one of 0.01 deg, turned round to lose its zero.
@@ -42,7 +42,7 @@ _MOST: Final = math.radians(10.0)
 """A ring that leans more does not stand upright."""
 
 
-class JointWires(Wires):
+class JointWires(WireSweeps):
     """Procedure for wire offsets, stiffness and pretension of a joint, each wire by itself."""
 
     def instruments(self, profile: Profile) -> Sequence[Instrument]:
@@ -199,7 +199,7 @@ def _believed(profile: Profile) -> dict[str, float]:
 
 def _shortened(values: Mapping[str, float], axes: Array) -> Array:
     """Return by how much shorter than upright each wire is for axes of shape (n, 3), m."""
-    wires = sighting_model.Wires.of(values)
+    wires = sighting_model.WireEnds.of(values)
     return np.asarray(wires.lengths(np.array([[0.0, 0.0, 1.0]])) - wires.lengths(axes))
 
 

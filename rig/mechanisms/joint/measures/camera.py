@@ -27,7 +27,7 @@ _FEWEST = 10
 """Fewer samples than these tell nothing."""
 
 
-class Samples(NamedTuple):
+class CameraSamples(NamedTuple):
     """The samples of a camera that arrived within a window.
 
     Parameters
@@ -45,7 +45,7 @@ class Samples(NamedTuple):
     marker: "Array"
 
 
-def camera_samples(window: Window) -> Samples:
+def camera_samples(window: Window) -> CameraSamples:
     """Return each sample of a window once.
 
     Raises
@@ -59,7 +59,7 @@ def camera_samples(window: Window) -> Samples:
     if len(fresh) < _FEWEST:
         raise ValueError(f"the camera gave only {len(fresh)} samples")
     marker = np.column_stack([window.column(f"reading.marker_{axis}")[fresh] for axis in "xyz"])
-    return Samples(stamps[fresh], age[fresh], marker)
+    return CameraSamples(stamps[fresh], age[fresh], marker)
 
 
 def stamp_error(windows: Windows, source: str) -> float:

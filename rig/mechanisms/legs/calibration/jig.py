@@ -139,8 +139,12 @@ def settings_of(profile: Profile) -> list[tuple[str, Any]]:
 
 def steps_of(profile: Profile) -> Array:
     """Return the steps of the encoders, rad; 0 where they are not known."""
-    counts = [getattr(joint, "counts_per_radian", math.inf) for _, joint in settings_of(profile)]
-    return np.array([1.0 / abs(count) for count in counts])
+    steps = {
+        joint: profile.devices[device].settings.resolution(joint)
+        for device in devices_of(profile)
+        for joint in profile.devices[device].settings.joints
+    }
+    return np.array([steps[joint] for joint in AXIS_NAMES])
 
 
 def findings(

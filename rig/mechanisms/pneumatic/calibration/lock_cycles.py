@@ -34,7 +34,7 @@ _REST: Final = 0.25
 """Time for the regulators to come to rest after that, s."""
 
 
-class Cycle(NamedTuple):
+class LockCycle(NamedTuple):
     """One cycle: pressurise, lock, wait, open.
 
     Parameters
@@ -88,7 +88,7 @@ class LockCycles(Motion[PairReference]):
     settle: Annotated[float, Unit("s"), Gt(0)] = 1.0
     move: Annotated[float, Unit("s"), Gt(0)] = 1.5
 
-    def cycles(self) -> Iterator[Cycle]:
+    def cycles(self) -> Iterator[LockCycle]:
         """Yield the cycles in their order."""
         t, last = 0.0, 0
         for name, place, wait in zip(self.names, self.places, self.times, strict=True):
@@ -98,7 +98,7 @@ class LockCycles(Motion[PairReference]):
                 last = place
             lock = t + self.settle
             end = lock + wait + _REST
-            yield Cycle(name, place, t, lock, lock + wait, end)
+            yield LockCycle(name, place, t, lock, lock + wait, end)
             t = end
 
     @property
@@ -121,7 +121,7 @@ class LockCycles(Motion[PairReference]):
 
     def at(self, t: float) -> PairReference:
         """Return the desired motion at `t`."""
-        before: Cycle | None = None
+        before: LockCycle | None = None
         for cycle in self.cycles():
             if t < cycle.end:
                 here = cycle.place * self.travel
@@ -221,7 +221,7 @@ class LockScript(GuidedScript[Reference, State, Command]):
                 yield locked
 
     def _halt(
-        self, cycle: Cycle, last: tuple[float, ...]
+        self, cycle: LockCycle, last: tuple[float, ...]
     ) -> Generator[Command, None, tuple[float, ...]]:
         """Give the chambers pressures that turn nothing; return the ones that they have then."""
         wanted = self.pressures[cycle.place]

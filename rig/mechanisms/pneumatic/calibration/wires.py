@@ -69,7 +69,7 @@ class WireEstimates(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-class Wires(PneumaticProcedure):
+class WireSweeps(PneumaticProcedure):
     """Procedure for wire offset, stiffness and pretension."""
 
     name = "wires"

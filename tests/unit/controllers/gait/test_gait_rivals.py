@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from controllers.gait.clamped_and_damped import ClampedLaw, DampedLaw, DampedSettings
+from controllers.gait.clamped_and_damped import ClampedLaw, DampedGaitSettings, DampedLaw
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import TrapezoidNormLaw
 from controllers.gait.mink_rival import MinkLaw, MinkSettings
@@ -25,7 +25,7 @@ def test_clamped_joints_tear_the_waist_between_the_feet():
 
 @pytest.mark.parametrize(("damping", "mismatch"), [(0.01, 0.005e-3), (0.05, 0.05e-3)])
 def test_damping_trades_rates_for_the_path(damping, mismatch):
-    law = DampedLaw(DampedSettings(damping), MODEL, 2e-3)
+    law = DampedLaw(DampedGaitSettings(damping), MODEL, 2e-3)
     made = law.prepare(FAST)
     plain = 19.0  # at this period
     assert 4.0 < made.peak_knee_rate < 0.8 * plain
@@ -42,7 +42,7 @@ def test_singularity_consistent_law_stays_on_the_path():
 
 
 def test_rivals_online_are_their_plans():
-    law = DampedLaw(DampedSettings(), MODEL, 5e-3)
+    law = DampedLaw(DampedGaitSettings(), MODEL, 5e-3)
     made = law.prepare(FAST)
     for sample in range(len(made.t)):
         command = law.update(None, made.at(0.0))

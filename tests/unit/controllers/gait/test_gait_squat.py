@@ -7,7 +7,7 @@ from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import LAWS
 from controllers.gait.motions import SquatSettings
 from controllers.gait.phase_curve import PhaseCurve
-from controllers.gait.phases import Phase
+from controllers.gait.phases import GaitPhase
 from controllers.gait.types import GaitModel
 from controllers.motion import InfeasibleMotion
 
@@ -65,7 +65,7 @@ def test_straight_leg_without_demand_does_not_stop_the_other():
     """The literal equation of both legs would multiply everything by its zero determinant."""
     geometry = LegGeometry()
     spacing = geometry.hip_half_spacing
-    phase = Phase(
+    phase = GaitPhase(
         name="swing right",
         duration=1.0,
         standing=(False, True),

@@ -39,3 +39,11 @@ def angular_velocity(convention, axis, velocity):
 def around(tilt, step=5):
     """Return the axes of a circle: tilt and step of the azimuth in degrees."""
     return [axis_from_tilt(math.radians(tilt), math.radians(k)) for k in range(0, 360, step)]
+
+
+def twisted(rotation, twist):
+    """Return a rotation spun by `twist` (rad) about its own axis."""
+    cos, sin = math.cos(twist), math.sin(twist)
+    return tuple(
+        (row[0] * cos + row[1] * sin, row[1] * cos - row[0] * sin, row[2]) for row in rotation
+    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from joint_axes import around, axes
+from joint_axes import around, axes, twisted
 
 from controllers.spherical_joint.exact_wire import ExactWires
 from controllers.spherical_joint.forward import ForwardKinematics
@@ -15,7 +15,6 @@ from controllers.spherical_joint.poses import (
     axis_from_tilt,
     natural_rotation,
     tilt_of,
-    twisted,
 )
 from controllers.spherical_joint.wires import InverseKinematics
 

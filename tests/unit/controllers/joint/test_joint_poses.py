@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from joint_axes import angular_velocity, around, axes, axis_from_paper_angles, spin_rate
+from joint_axes import angular_velocity, around, axes, axis_from_paper_angles, spin_rate, twisted
 
 from controllers.spherical_joint.poses import (
     ROTATIONS,
@@ -16,7 +16,6 @@ from controllers.spherical_joint.poses import (
     rotate,
     tilt_of,
     twist_of,
-    twisted,
 )
 
 both = pytest.mark.parametrize("convention", ["natural", "paper"])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from joint_axes import angular_velocity, around, axes
+from joint_axes import angular_velocity, around, axes, twisted
 from string_shortening import shortest_strings
 
 from controllers.spherical_joint.exact_wire import ExactWires
@@ -22,7 +22,6 @@ from controllers.spherical_joint.poses import (
     paper_rotation,
     rotate,
     twist_of,
-    twisted,
 )
 from controllers.spherical_joint.wires import InverseKinematics
 

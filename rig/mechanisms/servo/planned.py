@@ -1,0 +1,98 @@
+"""Servo axes whose laws plan the whole motion before it begins."""
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Self, TypeVar
+
+from controllers.base import PlanningLaw
+from rig.hal import Device
+from rig.hal.motion import Followed, Motion
+from rig.mechanisms.servo.axes import (
+    AxisLimits,
+    Command,
+    Kinds,
+    Reference,
+    ServoAxes,
+    State,
+)
+from rig.mechanisms.servo.settings import ServoSettings
+
+Planned = TypeVar("Planned", bound=ServoSettings)
+
+
+class PlannedMotion(Motion[Followed]):
+    """A law's plan as the loop follows it.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of float
+        The plan's columns of the log, cycle by cycle.
+    """
+
+    waits = True
+    """A late cycle holds the motion: what a law has not commanded must not be left out."""
+
+    def __init__(self, rows: Sequence[Sequence[float]]) -> None:
+        self._rows = [tuple(row) for row in rows]
+
+    def sample(self, number: int) -> tuple[float, ...]:
+        """Return the plan's columns of a cycle."""
+        return self._rows[min(max(number, 0), len(self._rows) - 1)]
+
+
+class PlannedAxes(ServoAxes[Planned, State, Reference, Command]):
+    """Servo axes that follow what a law has planned.
+
+    Parameters
+    ----------
+    settings : ServoSettings
+        Devices and limits.
+    devices : mapping
+        The rig's devices by name.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices do not have each axis exactly once.
+    """
+
+    law = PlanningLaw
+
+    section: ClassVar[str]
+    """The mechanism's section of the profile."""
+
+    kinds: ClassVar[Kinds[Any, Any, Any]]
+    """The types of its state, reference and command."""
+
+    def __init__(self, settings: Planned, devices: Mapping[str, Device], period: float) -> None:
+        super().__init__(
+            self.axis_limits(settings),
+            settings.limits,
+            *self.pick(self.section, settings, devices),
+            self.kinds,
+            period,
+        )
+        self.settings = settings
+        self._followed = 0
+
+    @classmethod
+    @abstractmethod
+    def axis_limits(cls, settings: Planned) -> AxisLimits:
+        """Return the axes and what they may do."""
+
+    @classmethod
+    def assemble(cls, settings: Planned, devices: Mapping[str, Device], period: float) -> Self:
+        """Pick the devices that the settings name."""
+        return cls(settings, devices, period)
+
+    @classmethod
+    def approach(cls, start: Reference, end: Reference, duration: float, t: float) -> Reference:
+        """Return the minimum-jerk way between two postures at `t`."""
+        return cls.approach_joints(cls.kinds.reference, start, end, duration, t)
+
+    def start_limiting(self, state: State) -> None:
+        """See `ServoAxes.start_limiting`."""
+        super().start_limiting(state)
+        self._followed = 0
