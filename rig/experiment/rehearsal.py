@@ -17,7 +17,7 @@ from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
 _CYCLES = 50
-_TIMINGS = Timings(energise=0.01, approach=60.0, release=0.0)
+_TIMINGS = Timings(energise=0.01, approach=60.0, release=0.0, brake=0.0, settle=0.0)
 """Control takes over at once and has not come to the motion when the rehearsal ends."""
 
 _LOG = logging.getLogger(__name__)

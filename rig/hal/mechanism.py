@@ -40,6 +40,9 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     stopping_time: float = 0.0
     """How long the rig takes to come to rest after a fault, s: for so long the log goes on."""
 
+    brakes_itself: bool = False
+    """Whether `balanced_command` brings a motion to rest, and control need not do it before."""
+
     @classmethod
     @abstractmethod
     def assemble(
@@ -115,6 +118,24 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
         ...
 
+    @classmethod
+    def slow_down(cls, reference: Reference, rate: float, change: float) -> Reference:
+        """Return a reference of a motion as it is when the motion is passed more slowly.
+
+        Default: at rest where the reference is. Override it if references have velocities, so
+        that the controller hears of no jump in them when an orderly stop begins.
+
+        Parameters
+        ----------
+        reference : object
+            As planned.
+        rate : float
+            Share of the planned speed, 1 … 0.
+        change : float
+            Of that share, 1/s.
+        """
+        return cls.approach(reference, reference, 1.0, 1.0)
+
     def attach(self, controller: Any, motion: Motion[Reference]) -> None:
         """Take the controller and the motion of the run that begins, for what is logged of them."""
         return
@@ -160,6 +181,13 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     def energised_command(self, state: State) -> Command:
         """Return the command that energises without moving; control starts from it."""
         ...
+
+    def balanced_command(self, state: State) -> Command:
+        """Return the command from which a stop releases the rig: nothing of it moves anything.
+
+        Default: what the devices hold now.
+        """
+        return self.resting_command(state)
 
     @abstractmethod
     def released_command(self) -> Command:

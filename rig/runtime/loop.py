@@ -129,7 +129,7 @@ class Loop(Generic[State, Reference, Command]):
         stop : StopRequests
             Read once a cycle.
         timings : Timings
-            Durations of energising, approach and release.
+            Durations of energising, approach, braking and release.
         progress : callable, optional
             Called about every `progress_every` seconds of rig time.
 

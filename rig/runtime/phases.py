@@ -7,6 +7,7 @@ from rig.hal import SafetyError
 from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Mechanism, Reference, State
 from rig.hal.motion import Motion
+from rig.runtime.braking import Braking
 from rig.runtime.states import RigState, StateMachine
 
 
@@ -31,12 +32,18 @@ class Timings(NamedTuple):
     approach : float
         From the measured state to the start of the reference.
     release : float
-        From the last command to the released rig, in an orderly stop.
+        From rest to the released rig, in an orderly stop.
+    brake : float
+        From the reference's speed to its rest, in an orderly stop under control.
+    settle : float
+        For how long control then holds the rig, which lags behind its reference.
     """
 
     energise: float = 1.0
     approach: float = 2.0
     release: float = 0.5
+    brake: float = 0.25
+    settle: float = 0.25
 
 
 class Phases(Generic[State, Reference, Command]):
@@ -85,6 +92,7 @@ class Phases(Generic[State, Reference, Command]):
         self._controlling = False
         self._resting: Command | None = None
         self._home: Reference | None = None
+        self._braking: Braking[Reference] | None = None
         self._stop_at = 0.0
         self._stopped_from: Command | None = None
 
@@ -95,17 +103,17 @@ class Phases(Generic[State, Reference, Command]):
             self._resting = mechanism.resting_command(state)
             self._home = mechanism.reference_of(state)
             mechanism.start_limiting(state)
-        energise, approach, _ = self._timings
+        energise, approach = self._timings[:2]
         # A motion that waits is held by a late cycle: nothing of it is left out.
         held = self.missed * self._period if self._waits else 0.0
         self.reference_time = reference_time = t - energise - approach - held
 
         if self.phase is not _STOP and (stops or reference_time >= self.duration):
-            self._begin_stop(t, state)
+            self._begin_stop(t)
         if stops > 1:  # at once: the loop makes safe right after this cycle
             self.finished = True
         if self.phase is _STOP:
-            return mechanism.reference_of(state), self._release(t)
+            return self._stop(t, state)
         if t < energise:
             share = t / energise
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
@@ -116,27 +124,54 @@ class Phases(Generic[State, Reference, Command]):
             self._controller.reset(state)
             self._controlling = True
         if reference_time < 0.0:
-            start = self._motion.at(0.0)
-            reference = mechanism.approach(self._home, start, approach, t - energise)
+            reference = self._approach(t - energise)
         else:
             self.phase = _RUN
             reference = self._motion.at(reference_time)
+        return reference, self._control(state, reference)
+
+    def _approach(self, t: float) -> Reference:
+        assert self._home is not None
+        start = self._motion.at(0.0)
+        return self._mechanism.approach(self._home, start, self._timings.approach, t)
+
+    def _control(self, state: State, reference: Reference) -> Command:
         try:
-            return reference, self._controller.update(state, reference)
+            return self._controller.update(state, reference)
         except ValueError as error:
             raise SafetyError(f"the controller cannot go on: {error}") from error
 
-    def _begin_stop(self, t: float, state: State) -> None:
+    def _begin_stop(self, t: float) -> None:
+        timings = self._timings
+        brakes = timings.brake + timings.settle > 0.0 and not self._mechanism.brakes_itself
+        if self._controlling and brakes:
+            path, at, end = self._motion.at, self.reference_time, self.duration
+            if self.phase is _APPROACH:
+                path, at, end = self._approach, t - timings.energise, timings.approach
+            self._braking = Braking(self._mechanism, path, at, end, timings.brake)
         self.phase = _STOP
         self._stop_at = t
-        # From what the rig has, not from the last command, which may lead it by far.
-        self._stopped_from = self._mechanism.resting_command(state)
         self._states.move(RigState.STOPPING)
 
-    def _release(self, t: float) -> Command:
+    def _stop(self, t: float, state: State) -> tuple[Reference, Command]:
+        """Return the reference and command of a cycle of the orderly stop."""
+        if self._braking is not None:
+            since = t - self._stop_at
+            if since < self._timings.brake + self._timings.settle:
+                reference = self._braking.at(since)
+                return reference, self._control(state, reference)
+            self._braking = None
+            self._stop_at = t
+        return self._mechanism.reference_of(state), self._release(t, state)
+
+    def _release(self, t: float, state: State) -> Command:
         mechanism = self._mechanism
-        assert self._stopped_from is not None
+        if self._stopped_from is None:
+            # From what the rig has, not from the last command, which may lead it by far.
+            self._stopped_from = mechanism.balanced_command(state)
         duration = self._timings.release
+        if duration > 0.0:  # what brakes by itself must have come to rest when it is over
+            duration = max(duration, mechanism.stopping_time)
         share = min((t - self._stop_at) / duration, 1.0) if duration > 0.0 else 1.0
         if share >= 1.0:
             self.finished = True

@@ -116,7 +116,7 @@ def rehearse(
     period = plan.profile.loop.period
     stop, states = StopRequests(), StateMachine()
     states.move(RigState.IDLE)
-    timings = Timings(approach=1.0, release=0.0)
+    timings = Timings(approach=1.0, release=0.0, brake=0.0, settle=0.0)
     rows = _Rows(stop, round((seconds + timings.energise) / period))
     with build_rig(plan.profile, Backend.SIM) as rig:
         mechanism: AnyMechanism = rig.mechanism

@@ -107,8 +107,8 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
     log = read_log(result.path / "log.mcap")
     assert log.column("phase")[-1] == 2.0
     released = log.t[-1] - log.t[log.column("phase") == 1.0][-1]
-    if len(signals) == 1:  # lowered over half a second, down to vented
-        assert released == pytest.approx(0.5, abs=0.01)
+    if len(signals) == 1:  # braked and held for half a second, then lowered in as much to vented
+        assert released == pytest.approx(1.0, abs=0.01)
         assert log.column("applied.agonist")[-1] == 0.0
         assert np.abs(np.diff(log.column("applied.agonist")[-400:])).max() < 5e3
     else:

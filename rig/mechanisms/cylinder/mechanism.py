@@ -208,6 +208,13 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         """Return the minimum-jerk motion between two positions at `t`."""
         return PairReference(*minimum_jerk(start.position, end.position, duration, t))
 
+    @classmethod
+    def slow_down(cls, reference: PairReference, rate: float, change: float) -> PairReference:
+        """Return the reference as it is passed more slowly; see `Mechanism.slow_down`."""
+        position, velocity, acceleration = reference
+        slowed = rate * rate * acceleration + change * velocity
+        return PairReference(position, rate * velocity, slowed)
+
     def attach(self, controller: EstimatingPairController, motion: Motion[PairReference]) -> None:
         """Take the controller whose estimate is logged."""
         self.controller = controller
@@ -288,6 +295,12 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     def energised_command(self, state: PairState) -> PairCommand:
         """Return the base pressure in both chambers: forces balance, nothing moves."""
         return PairCommand(self.settings.base_pressure, self.settings.base_pressure)
+
+    def balanced_command(self, state: PairState) -> PairCommand:
+        """Return the mean of the measured pressures in both chambers: their forces cancel."""
+        lower, upper = self._limits.pressure
+        mean = min(max(0.5 * (state.agonist + state.antagonist), lower), upper)
+        return PairCommand(mean, mean)
 
     def released_command(self) -> PairCommand:
         """Return both chambers vented but for one that the profile has hold its pressure."""

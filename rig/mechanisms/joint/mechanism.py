@@ -194,6 +194,21 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         """Return the shortest minimum-jerk way between two poses at `t`."""
         return great_circle(start.axis, end.axis, duration, t)
 
+    @classmethod
+    def slow_down(cls, reference: JointReference, rate: float, change: float) -> JointReference:
+        """Return the reference as it is passed more slowly; see `Mechanism.slow_down`."""
+        u, v, w = reference.velocity
+        a, b, c = reference.acceleration
+        squared = rate * rate
+        return reference._replace(
+            velocity=(rate * u, rate * v, rate * w),
+            acceleration=(
+                squared * a + change * u,
+                squared * b + change * v,
+                squared * c + change * w,
+            ),
+        )
+
     def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
         """Take the controller whose estimate is logged, and the motion if its poses are known."""
         self.controller = controller

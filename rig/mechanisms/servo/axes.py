@@ -99,6 +99,8 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         The devices do not have each joint exactly once.
     """
 
+    brakes_itself = True
+
     def __init__(
         self,
         joints: AxisLimits,

@@ -179,7 +179,7 @@ class Bench:
         self.buses, self.devices = [self.bus], [self.device]
         self.options = loop
 
-    def run(self, stop=None):
+    def run(self, stop=None, brake=0.0, settle=0.0):
         loop = Loop(
             clock=self.clock, period=PERIOD, buses=self.buses, devices=self.devices,
             mechanism=self.mechanism, controller=self.controller, states=self.states,
@@ -190,7 +190,7 @@ class Bench:
             recorder=self.recorder,
             events=lambda *event: self.events.append(event),
             stop=stop or StopRequests(),
-            timings=Timings(energise=0.05, approach=0.05, release=0.05),
+            timings=Timings(0.05, 0.05, release=0.05, brake=brake, settle=settle),
             progress_every=2 * PERIOD,
         )
 
@@ -306,6 +306,36 @@ def test_stop_asked_twice_ends_at_once():
     assert outcome.stopped == 2
     assert len(bench.recorder.rows) == 14
     assert bench.recorder.rows[-1][2][0] == float(Phase.STOP)
+    assert bench.device.safe >= SAFE_CYCLES
+
+
+@pytest.mark.parametrize("cycle", [7, 12, None])
+def test_orderly_stop_is_controlled_until_the_rig_rests_and_then_released_from_balance(cycle):
+    bench = Bench()
+    stop = StopRequests()
+    bench.mechanism.balanced_command = lambda state: 33.0
+    bench.recorder.busy = lambda: stop.request() if len(bench.recorder.rows) == cycle else None
+    bench.run(stop, brake=0.1, settle=0.05)
+    phases = [row[0] for _, _, row in bench.recorder.rows]
+    first = phases.index(float(Phase.STOP))
+    held = bench.mechanism.written[first : first + 15]
+    assert held[-5:] == pytest.approx([held[-1]] * 5)
+    assert all(value > 7.0 for value in held)
+    released = bench.mechanism.written.index(33.0) - first
+    assert released in (15, 16)  # by rounding of times
+    assert bench.mechanism.written[-1] == 0.0
+
+
+def test_fault_of_the_controller_during_an_orderly_stop_is_a_fault():
+    bench = Bench()
+
+    def refuse():
+        if bench.recorder.rows[-1][2][0] == float(Phase.STOP):
+            bench.controller.error = ValueError("no way on")
+
+    bench.recorder.busy = refuse
+    outcome = bench.run(brake=0.1, settle=0.05)
+    assert "the controller cannot go on: no way on" in str(outcome.fault)
     assert bench.device.safe >= SAFE_CYCLES
 
 
