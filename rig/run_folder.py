@@ -5,7 +5,7 @@ import fcntl
 import json
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
 from rig.runtime.log import is_locked
+from rig.spare_room import SpareRoom, append_line
 
 MANIFEST = "manifest.json"
 LOG = "log.mcap"
@@ -38,7 +39,7 @@ class RunStatus(StrEnum):
     """It was interrupted and made safe."""
     FAULTED = "faulted"
     CRASHED = "crashed"
-    """The process died; the log holds what had happened until then."""
+    """A bug ended it, or the process died; the log holds what had happened until then."""
 
 
 class Manifest(TypedDict, total=False):
@@ -111,6 +112,7 @@ class RunFolder:
         self.path = path
         self.manifest = manifest
         self._events_fd = events_fd
+        self._spare = SpareRoom(path)
 
     @classmethod
     def create(
@@ -173,6 +175,7 @@ class RunFolder:
                 "files": provenance.file_hashes(inputs),
             }
             _write_json(path / MANIFEST, manifest)
+            SpareRoom(path).take()
         except OSError as error:
             raise ConfigurationError(
                 f"cannot make a run folder in {out}: {error.strerror or error}; "
@@ -242,13 +245,9 @@ class RunFolder:
         if self._events_fd is None:
             raise RunFolderError(f"{self.path} is not open for writing")
         event = {"t": t, "kind": kind, "message": message, "data": data}
-        line = json.dumps(_plain(event), ensure_ascii=False) + "\n"
-        try:
-            os.write(self._events_fd, line.encode())
-        except OSError as error:
-            raise RunFolderError(
-                f"cannot write {self.path / EVENTS}: {error.strerror or error}"
-            ) from error
+        line = (json.dumps(_plain(event), ensure_ascii=False) + "\n").encode()
+        descriptor = self._events_fd
+        self._store(EVENTS, lambda: append_line(descriptor, line))
 
     def events(self) -> list[Event]:
         """Return the events; a torn last line is left out."""
@@ -272,12 +271,7 @@ class RunFolder:
         RunFolderError
             It cannot be written.
         """
-        try:
-            _write_json(self.path / name, content)
-        except OSError as error:
-            raise RunFolderError(
-                f"cannot write {self.path / name}: {error.strerror or error}"
-            ) from error
+        self._store(name, lambda: _write_json(self.path / name, content))
 
     def read_json(self, name: str) -> dict[str, object]:
         """Return the content of one of the folder's JSON files, ``{}`` if it is absent."""
@@ -334,11 +328,20 @@ class RunFolder:
         try:
             self.write_json(MANIFEST, self.manifest)
         finally:
+            self._spare.give_back()
             if self._events_fd is not None:
                 os.close(self._events_fd)
                 self._events_fd = None
 
+    def _store(self, name: str, write: Callable[[], None]) -> None:
+        try:
+            self._spare.helping(write)
+        except OSError as error:
+            reason = error.strerror or error
+            raise RunFolderError(f"cannot write {self.path / name}: {reason}") from error
+
     def _mark_crashed(self) -> None:
+        self._spare.give_back()
         last = self.log_path if self.log_path.exists() else self.path / EVENTS
         with contextlib.suppress(OSError):
             ended = datetime.fromtimestamp(last.stat().st_mtime, UTC)

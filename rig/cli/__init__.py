@@ -4,6 +4,7 @@ Its help is printed without click, whose import takes three times as long as all
 the same table of commands and the same introduction that click's group is made of.
 """
 
+import io
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from rig.cli.command_table import COMMANDS, INTRODUCTION
 
 if TYPE_CHECKING:
     import click
+    from _typeshed import ReadableBuffer
 
     group: click.Group
 
@@ -28,7 +30,32 @@ def main(arguments: list[str] | None = None) -> None:
     Exit codes: 0 ok, 1 an acceptance bound missed, 2 usage or configuration, 3 device or
     preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted.
     """
+    if sys.stderr is not None:
+        sys.stderr = _talk_to(sys.stderr.fileno())
     sys.exit(invoke(arguments))
+
+
+class _Unheard(io.FileIO):
+    """A file descriptor whose reader may go: what is written then is dropped.
+
+    Talk must not end a run, nor change its exit code: `rig run … 2>&1 | tee` goes on without tee.
+    """
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write, or drop what cannot be written."""
+        try:
+            return super().write(data)
+        except OSError:
+            return memoryview(data).nbytes
+
+
+def _talk_to(descriptor: int) -> io.TextIOWrapper:
+    """Return a stream for what is said to the operator."""
+    raw = _Unheard(descriptor, "w", closefd=False)
+    # FileIO is what a BufferedWriter wraps: nothing stays in it after a line's end.
+    return io.TextIOWrapper(
+        io.BufferedWriter(raw), encoding="utf-8", errors="backslashreplace", line_buffering=True
+    )
 
 
 def invoke(arguments: list[str] | None = None) -> int:

@@ -97,4 +97,5 @@ class ProgressLine(Watcher):
 
     def _tell(self, text: str) -> None:
         self._clear()
-        print(text, file=sys.stderr, flush=True)  # noqa: T201 - the operator's terminal
+        with contextlib.suppress(OSError):  # nobody reads it any more: no reason to stop a rig
+            print(text, file=sys.stderr, flush=True)  # noqa: T201 - the operator's terminal

@@ -72,8 +72,9 @@ def run(
     """
     from rig.assembly import Backend, backend_of
     from rig.cli.progress import ProgressLine
+    from rig.experiment.ending import EXIT_PREFLIGHT
     from rig.experiment.plan import load_plan
-    from rig.experiment.run import EXIT_PREFLIGHT, run_experiment
+    from rig.experiment.run import run_experiment
 
     options = list(overrides)
     if controller is not None:

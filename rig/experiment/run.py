@@ -5,29 +5,37 @@ import shlex
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
-from time import perf_counter
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
 from rig.config.calibration_state import calibration_states
+from rig.experiment.ending import (
+    EXIT_FAULT,
+    EXIT_INTERRUPTED,
+    EXIT_MISSED,
+    EXIT_OK,
+    EXIT_PREFLIGHT,
+    ClosedBooks,
+    Ending,
+    fault_of,
+)
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
+from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import Clock, DeviceError, RigError
-from rig.run_folder import EVALUATION, RunFolder, RunStatus
+from rig.hal import DeviceError, RigError
+from rig.run_folder import EVALUATION, RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
-from rig.runtime.log import read_log
+from rig.runtime.log import LogError, read_log
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Phase, Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import LogRecorder
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
-
-EXIT_OK, EXIT_MISSED, EXIT_PREFLIGHT, EXIT_FAULT, EXIT_INTERRUPTED = 0, 1, 3, 4, 130
 
 
 class Result(NamedTuple):
@@ -103,41 +111,59 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     doubts = _check_calibrations(plan, backend) if heed_calibrations else []
-    if not backend.is_simulated:
-        rehearse(plan)
-    frame_log = None if frames is None else make_frame_log(plan.profile, backend)
-    rig = build_rig(plan.profile, backend, on, frame_log)
-    try:
-        watcher.built(rig)
-        folder = _create_folder(plan, backend, on, out, overrides, frames)
-        if frame_log is not None:
-            frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
-    except BaseException:
-        rig.close()
-        raise
-    watcher.started(folder.path)
-    for sentence in doubts:
-        watcher.said(sentence)
-        _Events(folder)(None, "calibration", sentence, {})
-    stopwatch = _Stopwatch(rig.clock)
     with StopRequests() as stop:
-        status, code, message = _run(plan, rig, folder, watcher, stop, stopwatch)
-        stop.shield()  # what is left is bookkeeping; it is not to be torn either
-        counts: dict[str, Any] = {"buses": rig.statistics()}
-        if frame_log is not None:
-            counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
-            _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
-        metrics = _finish(plan, folder, status, stopwatch)
-        if backend.is_simulated and stopwatch.facts:
-            watcher.said(str(stopwatch))
-        if status is RunStatus.OK and not all_passed(metrics):
-            status, code = RunStatus.FAILED, EXIT_MISSED
-        folder.finish(status, code, message, counts)
+        if not backend.is_simulated:
+            rehearse(plan)
+        frame_log = None if frames is None else make_frame_log(plan.profile, backend)
+        rig = build_rig(plan.profile, backend, on, frame_log)
+        stop.shield()  # a folder that is half made could not tell how the run ended
+        with contextlib.ExitStack() as stack:
+            stack.callback(rig.close)
+            watcher.built(rig)
+            folder = _create_folder(plan, backend, on, out, overrides, frames)
+            stack.enter_context(ClosedBooks(folder, stop))
+            stop.expose()
+            if frame_log is not None:
+                frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
+            watcher.started(folder.path)
+            for sentence in doubts:
+                watcher.said(sentence)
+                _Events(folder)(None, "calibration", sentence, {})
+            stopwatch = Stopwatch(rig.clock)
+            ending = _run(plan, rig, folder, watcher, stop, stopwatch)
+            stop.shield()  # what is left is bookkeeping; it is not to be torn either
+            counts: dict[str, Any] = {"buses": rig.statistics()}
+            if frame_log is not None:
+                counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
+                _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
+            metrics, ending = _finish(plan, folder, ending, stopwatch)
+            if backend.is_simulated and stopwatch.facts:
+                watcher.said(str(stopwatch))
+            if ending.status is RunStatus.OK and not all_passed(metrics):
+                ending = Ending(RunStatus.FAILED, EXIT_MISSED)
+            _close(folder, ending, counts, watcher)
+    if ending.bug is not None:
+        raise ending.bug  # the rig is safe by now, and the traceback is wanted
     if report:
-        from rig.report.regenerate import write_report
+        _report(folder.path, watcher)
+    return Result(folder.path, ending.status, ending.code, ending.message, tuple(metrics))
 
-        write_report(folder.path)
-    return Result(folder.path, status, code, message, tuple(metrics))
+
+def _close(folder: RunFolder, ending: Ending, counts: dict[str, Any], watcher: Watcher) -> None:
+    """Close the books; the run has ended as it has, even if nobody can write that down."""
+    try:
+        folder.finish(ending.status, ending.code, ending.message, counts)
+    except RigError as error:
+        watcher.said(f"{error}; this run will be taken for one whose process died")
+
+
+def _report(path: Path, watcher: Watcher) -> None:
+    from rig.report.regenerate import write_report
+
+    try:
+        write_report(path)
+    except (RigError, OSError) as error:
+        watcher.said(f"there is no report: {error}; draw it later with: rig report {path}")
 
 
 def _check_calibrations(plan: Plan, backend: Backend) -> list[str]:
@@ -229,9 +255,9 @@ def _run(
     folder: RunFolder,
     watcher: Watcher,
     stop: StopRequests,
-    stopwatch: "_Stopwatch",
-) -> tuple[RunStatus, int, str | None]:
-    """Connect, arm, loop; return status, exit code and what ended it early."""
+    stopwatch: Stopwatch,
+) -> Ending:
+    """Connect, arm, loop; return how it ended."""
     events = _Events(folder)
     loop: Loop[Any, Any, Any] | None = None
 
@@ -280,13 +306,12 @@ def _run(
             events(loop.t, "hold", held, {})
         return _judge(outcome, loop.t, events)
     except KeyboardInterrupt:
-        return RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted before the rig was energised"
+        when = "between two steps" if energised else "before the rig was energised"
+        return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"interrupted {when}")
     except RigError as error:
         states.latch_fault(error)
         events(None, "fault", str(error), {"type": type(error).__name__})
-        if energised:
-            return RunStatus.FAULTED, EXIT_FAULT, str(error)
-        return RunStatus.FAULTED, EXIT_PREFLIGHT, str(error)
+        return Ending(RunStatus.FAULTED, EXIT_FAULT if energised else EXIT_PREFLIGHT, str(error))
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:
@@ -306,67 +331,43 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> 
     )
 
 
-def _judge(
-    outcome: Outcome, t: float | None, events: "_Events"
-) -> tuple[RunStatus, int, str | None]:
+def _judge(outcome: Outcome, t: float | None, events: "_Events") -> Ending:
     fault = outcome.fault
     if fault is not None:
-        events(t, "fault", str(fault), {"type": type(fault).__name__})
-        if not isinstance(fault, RigError | OSError):
-            raise fault  # a bug of ours: the rig is safe by now, and the traceback is wanted
-        return RunStatus.FAULTED, EXIT_FAULT, str(fault)
+        ending = fault_of(fault, t)
+        events(t, "fault", str(ending.message), {"type": type(fault).__name__})
+        return ending
     if outcome.stopped:
         how = "stopped" if outcome.stopped == 1 else "stopped at once"
-        return RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe"
-    return RunStatus.OK, EXIT_OK, None
+        return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe")
+    return Ending(RunStatus.OK, EXIT_OK)
 
 
 def _finish(
-    plan: Plan, folder: RunFolder, status: RunStatus, stopwatch: "_Stopwatch"
-) -> list[Metric]:
-    """Write metrics and timing of whatever was recorded; return the metrics."""
+    plan: Plan, folder: RunFolder, ending: Ending, stopwatch: Stopwatch
+) -> tuple[list[Metric], Ending]:
+    """Write metrics and timing of whatever was recorded; return the metrics, and the ending."""
     from rig.report.timing import summarise_timing
 
     if not folder.log_path.exists():
-        return []
-    log = read_log(folder.log_path)
-    if len(log.cycle):
-        folder.write_timing(summarise_timing(log) | stopwatch.facts)
-    if status is not RunStatus.OK:
-        return []
-    metrics = evaluate(
-        log,
-        plan.motion.segments,
-        plan.experiment.metrics,
-        plan.motion.facts,
-        plan.profile.mechanism,
-    )
-    folder.write_metrics(metrics)
-    return metrics
-
-
-class _Stopwatch:
-    """Takes the loop's time by its own clock and by the wall's, however it ends."""
-
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
-        self._took = self._covered = 0.0
-
-    def __enter__(self) -> None:
-        self._took, self._covered = -perf_counter(), -self._clock.now()
-
-    def __exit__(self, *_: object) -> None:
-        self._took += perf_counter()
-        self._covered += self._clock.now()
-
-    @property
-    def facts(self) -> dict[str, float]:
-        """How long the loop took, s, and how many times real time that is."""
-        return {"took": self._took, "speed": self._covered / self._took} if self._took else {}
-
-    def __str__(self) -> str:
-        factor = self._covered / self._took if self._took else 0.0
-        return f"{self._covered:.1f} s took {self._took:.1f} s: {factor:.3g} times real time"
+        return [], ending
+    metrics: list[Metric] = []
+    try:
+        log = read_log(folder.log_path)
+        if len(log.cycle):
+            folder.write_timing(summarise_timing(log) | stopwatch.facts)
+        if ending.status is RunStatus.OK:
+            metrics = evaluate(
+                log,
+                plan.motion.segments,
+                plan.experiment.metrics,
+                plan.motion.facts,
+                plan.profile.mechanism,
+            )
+            folder.write_metrics(metrics)
+    except (RunFolderError, LogError) as error:
+        return metrics, ending.losing(str(error))
+    return metrics, ending
 
 
 class _Events:

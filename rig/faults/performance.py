@@ -15,7 +15,7 @@ from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.oracle import judge
 from rig.faults.stage import PausableClock, Program, Stage
 from rig.faults.subject import Subject
-from rig.faults.verdict import Ending, Verdict, give_verdict
+from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Controller
 from rig.run_folder import EVENTS, LOG
 from rig.runtime.phases import Timings
@@ -201,7 +201,7 @@ class Performance(Watcher):
             self.subject.hazards, self._columns, times, rows,
             safe_from=safe_from, forgiven=forgiven,
         )  # fmt: skip
-        ending = Ending(code, message, self._broke_at, self._seen_at, tuple(violations))
+        ending = CaseEnding(code, message, self._broke_at, self._seen_at, tuple(violations))
         verdict = give_verdict(self._case, ending, self.subject)
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)

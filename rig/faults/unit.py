@@ -14,7 +14,7 @@ from rig.faults.branch import Home, make_home
 from rig.faults.case import Case
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
-from rig.faults.verdict import OURS, Ending, Verdict, give_verdict
+from rig.faults.verdict import OURS, CaseEnding, Verdict, give_verdict
 
 DEADLINE = 120.0
 """How long a case may take by the wall's clock, s: it hangs."""
@@ -121,5 +121,5 @@ def _receive(reader: int, child: int) -> Verdict | None:
 
 def _no_verdict(case: Case, subject: Subject, why: str) -> Verdict:
     """Return the verdict of a case that gave none: never taken for a pass."""
-    ending = Ending(None, why, None, None)
+    ending = CaseEnding(None, why, None, None)
     return give_verdict(case, ending, subject).broken()

@@ -13,7 +13,7 @@ OK, MISSED, REFUSED, FAULTED, OURS, INTERRUPTED = 0, 1, 3, 4, 70, 130
 
 
 @dataclass(frozen=True, slots=True)
-class Ending:
+class CaseEnding:
     """The end of the program, as it was told and as it was.
 
     Parameters
@@ -61,7 +61,7 @@ class Verdict:
     """
 
     case: Case
-    ending: Ending
+    ending: CaseEnding
     must: Must
     hazard: bool = False
     unseen: bool = False
@@ -107,7 +107,7 @@ class Verdict:
         }
 
 
-def give_verdict(case: Case, ending: Ending, subject: Subject) -> Verdict:
+def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     """Compare what came of a case with what had to."""
     must = what_must_come(case, subject)
     tripped = ending.code in (REFUSED, FAULTED, OURS)
@@ -144,7 +144,7 @@ def what_must_come(case: Case, subject: Subject) -> Must:
     return Must.EITHER if Must.EITHER in musts else Must.RIDE
 
 
-def _is_named(case: Case, ending: Ending, subject: Subject) -> bool:
+def _is_named(case: Case, ending: CaseEnding, subject: Subject) -> bool:
     said = ending.message.lower()
     words = [name for item in case.breaks for name in item.place(subject).names]
     return any(word.lower() in said for word in words)

@@ -29,7 +29,7 @@ _EXPLANATIONS = {
     RunStatus.FAILED: "The run came to its end and missed a bound.",
     RunStatus.ABORTED: "The run was interrupted and the rig made safe.",
     RunStatus.FAULTED: "A fault ended the run and the rig was made safe.",
-    RunStatus.CRASHED: "The process died; every cycle recorded until then is here.",
+    RunStatus.CRASHED: "A bug ended the run, or the process died; every cycle until then is here.",
 }
 _EVENTS_SHOWN = 200
 _SCREEN_SCALE = 0.62

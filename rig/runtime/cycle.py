@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any, Generic, Protocol
 
-from rig.hal import Column, CyclicBus, Device, LimitExceeded, Mechanism
+from rig.hal import Column, CyclicBus, Device, LimitExceeded, Mechanism, StaleReading
 from rig.hal.mechanism import Command, Reference, State
 from rig.runtime.phases import Phases
 
@@ -86,8 +86,18 @@ class Cycle(Generic[State, Reference, Command]):
         self._began = self._received = self._read = self._controlled = self._sent = 0.0
         self._record_time = 0.0
 
-    def sense(self, now: float) -> State:
+    def sense(self, now: float, lost: float = 0.0, stall: Exception | None = None) -> State:
         """Drain the buses, assemble one frozen state, and check everything.
+
+        Parameters
+        ----------
+        now : float
+            s.
+        lost : float
+            Time that the program itself lost before this cycle, s. A reading is not too old for
+            its sake: nobody could have asked for a newer one.
+        stall : Exception, optional
+            The program lost too much of it: what is read is recorded, and not judged.
 
         Raises
         ------
@@ -99,17 +109,33 @@ class Cycle(Generic[State, Reference, Command]):
             bus.receive(now)
         self._received = perf_counter()
         mechanism = self._mechanism
-        state = mechanism.read(now)
+        try:
+            state = mechanism.read(now)
+        except StaleReading:
+            if not lost:
+                raise
+            state = mechanism.read(now - lost)
+        self.fault = stall
+        if stall is None:
+            self._check(state, now, lost)
+        self._read = perf_counter()
+        return state
+
+    def _check(self, state: State, now: float, lost: float) -> None:
+        mechanism = self._mechanism
         try:
             for device in self._devices:
                 device.check(now)
             for bus in self._buses:
                 bus.check(now)
             mechanism.check(state, now)
+        except StaleReading as error:
+            if lost:
+                self._check(state, now - lost, 0.0)
+            else:
+                self.fault = _with_cause(error, state, mechanism, self._devices, now)
         except Exception as error:
             self.fault = _with_cause(error, state, mechanism, self._devices, now)
-        self._read = perf_counter()
-        return state
 
     def decide(self, t: float, state: State, stops: int) -> tuple[Reference, Command, Command]:
         """Return the reference, what the controller wants, and what the limits leave of it."""
@@ -128,6 +154,17 @@ class Cycle(Generic[State, Reference, Command]):
             for bus in self._buses:
                 bus.transmit(now)
         self._sent = perf_counter()
+
+    def busiest(self) -> str:
+        """Return the step that took most of this cycle's work."""
+        steps = {
+            "receiving": self._received - self._began,
+            "reading": self._read - self._received,
+            "control": self._controlled - self._read,
+            "sending": self._sent - self._controlled,
+            "recording": self._record_time,
+        }
+        return max(steps, key=steps.__getitem__)
 
     def note(
         self,

@@ -205,12 +205,16 @@ class Loop(Generic[State, Reference, Command]):
         while True:
             now = clock_now()
             run.t = self.t = t = now - start
-            state = cycle.sense(now)
+            pace.wake(t)
+            try:
+                state = cycle.sense(now, pace.lost, pace.stall)
+            except Exception as error:
+                raise (pace.stall or pace.blame(error)) from error
             reference, command, applied = cycle.decide(t, state, stop.count)
             cycle.act(now, applied)
             cycle.note(pace.tick, t, state, reference, command, applied)
             if cycle.fault is not None:
-                raise cycle.fault
+                raise pace.blame(cycle.fault)
             if run.cycles % show_every == 0:
                 limits.watch(t, mechanism.limit_hits())
                 if progress is not None:
@@ -220,7 +224,7 @@ class Loop(Generic[State, Reference, Command]):
                     )
             if run.finished:
                 return
-            due = pace.advance(t, clock_now() - start)
+            due = pace.advance(t, clock_now() - start, cycle.busiest)
             self.clock.sleep_until(start + due)
 
 

@@ -1,14 +1,21 @@
-"""Absolute deadlines: a cycle that comes late skips ticks; it never bursts to catch up."""
+"""Absolute deadlines: a cycle that comes late skips ticks; it never bursts to catch up.
+
+The program judges its own lateness before it judges a device: whoever was not asked in time cannot
+have answered.
+"""
 
 import math
 from collections.abc import Callable
 from typing import Any
 
-from rig.hal import LoopStalled
+from rig.hal import DeviceError, LoopStalled, StaleReading
 from rig.runtime.phases import Phases
 
 Events = Callable[[float, str, str, dict[str, Any]], None]
 """``events(t, kind, message, data)``."""
+
+_NOTICED = 2
+"""Ticks missed by which a device may have tripped: its watchdogs are longer than two periods."""
 
 
 class Pace:
@@ -29,19 +36,45 @@ class Pace:
     ----------
     tick : int
         Number of the tick that is due.
+    lost : float
+        Time that the program lost right before this cycle, s; 0 unless it missed a tick.
+    stall : LoopStalled or None
+        The pause that this cycle wakes from, if it was too long.
     """
 
     def __init__(
         self, run: Phases[Any, Any, Any], period: float, max_missed: int, events: Events
     ) -> None:
         self.tick = 0
+        self.lost = 0.0
+        self.stall: LoopStalled | None = None
         self._run = run
         self._period = period
         self._max_missed = max_missed
         self._events = events
+        self._skipped = 0
         self._in_a_row = 0
+        self._pause = (0, 0.0)  # the last one that a device may have noticed: tick after it, s
 
-    def advance(self, t: float, now: float) -> float:
+    def wake(self, t: float) -> None:
+        """Judge how late a cycle begins, before anything is read. Hot path.
+
+        Parameters
+        ----------
+        t : float
+            When it begins, s since the first.
+        """
+        late = t - self.tick * self._period
+        if late < self._period and not self._skipped:
+            self.lost = 0.0
+            return
+        asleep = late if late >= self._period else 0.0
+        self.lost = asleep + self._skipped * self._period
+        missed = math.ceil((late - self._period) / self._period)
+        if missed > 0 and self._in_a_row + missed > self._max_missed:
+            self.stall = self._miss(t, missed, late, late)
+
+    def advance(self, t: float, now: float, busiest: Callable[[], str]) -> float:
         """Return when the next cycle is due.
 
         Parameters
@@ -50,6 +83,8 @@ class Pace:
             When this cycle began, s since the first.
         now : float
             When its work was done, s since the first.
+        busiest : callable
+            Returns the step that took most of the work.
 
         Raises
         ------
@@ -59,16 +94,39 @@ class Pace:
         self.tick += 1
         late_by = now - self.tick * self._period
         if late_by <= 0.0:
-            self._in_a_row = 0
+            self._skipped = self._in_a_row = 0
             return self.tick * self._period
-        skipped = math.ceil(late_by / self._period)
+        skipped = self._skipped = math.ceil(late_by / self._period)
+        asleep = t - (self.tick - 1) * self._period
+        place = "" if asleep > now - t else f" in its own work, mostly in {busiest()}"
+        stall = self._miss(t, skipped, late_by, max(asleep, now - t), place)
         self.tick += skipped
+        if skipped >= _NOTICED:
+            self._pause = (self.tick, late_by)
+        if stall is not None:
+            raise stall
+        return self.tick * self._period
+
+    def blame(self, error: Exception) -> Exception:
+        """Return a device's error as the program's own if the program was paused right before."""
+        after, pause = self._pause
+        paused = self.lost >= _NOTICED * self._period
+        recently = pause > 0.0 and self.tick - after <= self._max_missed
+        if not isinstance(error, DeviceError | StaleReading) or not (paused or recently):
+            return error
+        length = max(self.lost if paused else 0.0, pause if recently else 0.0)
+        return LoopStalled(f"the program was paused for {length * 1e3:.1f} ms, and then {error}")
+
+    def _miss(
+        self, t: float, skipped: int, late_by: float, pause: float, place: str = ""
+    ) -> LoopStalled | None:
+        """Count ticks that are missed and tell of them; return the fault if they are too many."""
         self._run.missed += skipped
         self._in_a_row += skipped
         self._events(t, "overrun", f"{skipped} ticks missed", {"late": late_by})
-        if self._in_a_row > self._max_missed:
-            raise LoopStalled(
-                f"{self._in_a_row} ticks of {self._period * 1e3:g} ms missed in a row, "
-                f"at most {self._max_missed} are allowed"
-            )
-        return self.tick * self._period
+        if self._in_a_row <= self._max_missed:
+            return None
+        return LoopStalled(
+            f"the program was paused for {pause * 1e3:.1f} ms{place}: {self._in_a_row} ticks of "
+            f"{self._period * 1e3:g} ms missed in a row, at most {self._max_missed} are allowed"
+        )

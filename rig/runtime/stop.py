@@ -26,6 +26,12 @@ class StopRequests:
         """Only count from now on: what runs next must not be interrupted."""
         self.shielded = True
 
+    def expose(self) -> None:
+        """Let requests interrupt again; one that came meanwhile does so now."""
+        self.shielded = False
+        if self.count:
+            raise KeyboardInterrupt
+
     def _handle(self, number: int, frame: FrameType | None) -> None:
         self.count += 1
         if not self.in_loop and not self.shielded:

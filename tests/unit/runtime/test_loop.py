@@ -26,6 +26,7 @@ class FakeClock:
     def __init__(self):
         self.time = 0.0
         self.slept_to = []
+        self.oversleep = (float("inf"), 0.0)
 
     def now(self):
         return self.time
@@ -33,6 +34,10 @@ class FakeClock:
     def sleep_until(self, t):
         self.slept_to.append(t)
         self.time = max(self.time, t)
+        when, by = self.oversleep
+        if self.time >= when - 1e-9:
+            self.time += by
+            self.oversleep = (float("inf"), 0.0)
 
 
 class FakeBus:
@@ -254,6 +259,60 @@ def test_too_many_late_cycles_in_a_row_are_a_fault():
     outcome = bench.run()
     assert isinstance(outcome.fault, LoopStalled)
     assert bench.states.state is RigState.FAULT
+
+
+@pytest.mark.parametrize("error", [DeviceFault("drive", "its watchdog tripped"), None])
+def test_what_a_device_does_right_after_a_pause_is_the_pauses_doing(error):
+    bench = Bench(max_missed=5)
+    error = error or StaleReading("drive", 0.05, 0.03)
+    blamed = {}
+    for when in (1, 5, 7):
+        bench = Bench(max_missed=5)
+
+        def busy(bench=bench, when=when):
+            if len(bench.recorder.rows) == 3:
+                bench.clock.time += 4.5 * PERIOD
+            if len(bench.recorder.rows) == 3 + when:
+
+                def check(now):
+                    raise error
+
+                bench.device.check = check
+
+        bench.recorder.busy = busy
+        blamed[when] = bench.run().fault
+    for when in (1, 5):
+        assert isinstance(blamed[when], LoopStalled)
+        assert str(blamed[when]) == f"the program was paused for 35.0 ms, and then {error}"
+    assert blamed[7] is error
+
+
+def test_a_pause_is_no_excuse_for_a_value_that_is_not_safe():
+    bench = Bench(max_missed=5)
+
+    def check(state, now):
+        if len(bench.recorder.rows) > 3:
+            raise LIMIT
+
+    def busy():
+        if len(bench.recorder.rows) == 3:
+            bench.clock.time += 4.5 * PERIOD
+
+    bench.recorder.busy, bench.mechanism.check = busy, check
+    assert bench.run().fault is LIMIT
+
+
+@pytest.mark.parametrize("ticks", [5.9, 6.1, 40.0])
+def test_who_wakes_up_far_too_late_sends_nothing_and_says_why(ticks):
+    bench = Bench(max_missed=5)
+    bench.clock.oversleep = (0.05, ticks * PERIOD)
+    bench.device.fault_at = 0.05 + 0.5 * PERIOD  # what it does while nobody speaks to it
+    fault = bench.run().fault
+    assert isinstance(fault, LoopStalled)
+    assert str(fault).startswith(f"the program was paused for {1e3 * ticks * PERIOD:.1f} ms")
+    *_, (_, t, _) = bench.recorder.rows
+    assert t == pytest.approx(0.05 + ticks * PERIOD)
+    assert bench.mechanism.written[-1] == 0.0
 
 
 def test_cycle_that_sees_a_fault_is_recorded_with_what_is_sent_then():

@@ -1,0 +1,103 @@
+"""How a run ends, and what its folder says of it, whatever ended it."""
+
+import contextlib
+from types import TracebackType
+from typing import NamedTuple
+
+from rig.assembly.contract_check import whose_bug
+from rig.hal import ConfigurationError, DeviceError, RigError
+from rig.run_folder import RunFolder, RunStatus
+from rig.runtime.recorder import RecorderError
+from rig.runtime.stop import StopRequests
+
+EXIT_OK, EXIT_MISSED, EXIT_USAGE, EXIT_PREFLIGHT, EXIT_FAULT = 0, 1, 2, 3, 4
+EXIT_BUG, EXIT_INTERRUPTED = 70, 130
+
+
+class Ending(NamedTuple):
+    """The end of a run as its manifest tells it.
+
+    Parameters
+    ----------
+    status : RunStatus
+        How it ended.
+    code : int
+        Of the process.
+    message : str or None
+        What ended it early.
+    bug : BaseException or None
+        What is raised once the books are closed, for its traceback.
+    """
+
+    status: RunStatus
+    code: int
+    message: str | None = None
+    bug: BaseException | None = None
+
+    def losing(self, trouble: str) -> "Ending":
+        """Return the ending of a run part of whose results cannot be kept."""
+        message = trouble if self.message is None else f"{self.message}; besides, {trouble}"
+        if self.status in (RunStatus.OK, RunStatus.FAILED):
+            return Ending(RunStatus.FAULTED, EXIT_FAULT, message)
+        return self._replace(message=message)
+
+
+def ending_of(error: BaseException) -> Ending:
+    """Return the ending of a run that an error has ended, before or after its loop."""
+    if isinstance(error, KeyboardInterrupt):
+        return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted outside of the loop")
+    if isinstance(error, RigError):
+        code = EXIT_PREFLIGHT if isinstance(error, DeviceError) else EXIT_FAULT
+        code = EXIT_USAGE if isinstance(error, ConfigurationError) else code
+        return Ending(RunStatus.FAULTED, code, str(error))
+    return bug_of(error)
+
+
+def bug_of(error: BaseException) -> Ending:
+    """Return the ending of a run that a bug has ended, of ours or of another package."""
+    code = EXIT_BUG if whose_bug(error) is None else EXIT_USAGE
+    return Ending(RunStatus.CRASHED, code, f"{type(error).__name__}: {error}", error)
+
+
+def fault_of(fault: Exception, t: float | None) -> Ending:
+    """Return the ending of a run whose loop ended with a fault at `t` (s)."""
+    if isinstance(fault, RecorderError):
+        until = "" if t is None else f"; it ends before {t:.3f} s, what came then is lost"
+        return Ending(RunStatus.FAULTED, EXIT_FAULT, f"{fault}{until}")
+    if isinstance(fault, RigError | OSError):
+        return Ending(RunStatus.FAULTED, EXIT_FAULT, str(fault))
+    return bug_of(fault)
+
+
+class ClosedBooks:
+    """A context that closes a run's folder when an error leaves it, with what the error says.
+
+    Parameters
+    ----------
+    folder : RunFolder
+        Of a run that goes on.
+    stop : StopRequests
+        Shielded meanwhile: this is not to be torn.
+    """
+
+    def __init__(self, folder: RunFolder, stop: StopRequests) -> None:
+        self._folder = folder
+        self._stop = stop
+
+    def __enter__(self) -> None:
+        """Nothing is to be prepared."""
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if error is None:
+            return
+        self._stop.shield()
+        status, code, message, _ = ending_of(error)
+        with contextlib.suppress(RigError):  # the disk may be what failed
+            self._folder.record_event(None, "fault", str(message), type=type(error).__name__)
+        with contextlib.suppress(RigError):
+            self._folder.finish(status, code, message)
