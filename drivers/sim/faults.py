@@ -112,10 +112,10 @@ def _check(entry: ScheduledFault, targets: Mapping[str, Faulty]) -> None:
         )
     known = target.known_faults
     if entry.fault not in known:
-        # Of a device with joints those of all joints are enough, and how to name one of them.
+        # Of a device with joints, or a plant with channels, one of theirs shows how to name them.
         common = [fault for fault in known if "." not in fault]
         own = next((fault for fault in known if "." in fault), None)
-        alone = f", or for one joint alone as in {own!r}" if own else ""
+        alone = f", or for one part alone as in {own!r}" if own else ""
         raise ValueError(
             f"{entry.device}: no fault {entry.fault!r}; known are {', '.join(common)}{alone}"
         )

@@ -1,9 +1,11 @@
 """Rod encoders of `--on sim`: straight on a plant, without a bus."""
 
+from functools import partial
 from math import inf
 from typing import Protocol
 
 from drivers.sim.direct.regulators import SimulatedDevice
+from drivers.sim.rod_faults import ROD_FAULTS, RodFaults
 from rig.hal import Clock, DeviceFault, LinearEncoder, Reading, Vector
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -25,7 +27,8 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
     """A linear encoder on one rod of a plant.
 
     Faults: ``silent`` and ``frozen`` (value: s), ``jump`` (value: m, default 5 mm), ``alarm``,
-    ``other_rod`` (value: the plant's channel whose rod it is mounted on), ``repair``.
+    ``other_rod`` (value: the plant's channel whose rod it is mounted on), those of `RodFaults`,
+    ``repair``.
 
     Parameters
     ----------
@@ -75,6 +78,9 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         self._faults["jump"] = self._jump
         self._faults["alarm"] = self._raise_alarm
         self._faults["other_rod"] = self._mount_elsewhere
+        self._errors = RodFaults(name)
+        for fault in ROD_FAULTS:
+            self._faults[fault] = partial(self._measure_wrongly, fault)
 
     def connect(self) -> None:
         """Take the first reading."""
@@ -129,7 +135,7 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
             self._speed = 0.0
             return
         plant, channel = self._plant, self._channel
-        extension = plant.position(channel) + self._offset
+        extension = self._errors.measured(plant.position(channel), now) + self._offset
         self._position = _new(Reading, ((round(extension / step) * step,), now))
         self._speed = plant.speed(channel)
 
@@ -138,6 +144,10 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
 
     def _jump(self, value: float | None) -> None:
         self._offset += 5e-3 if value is None else value
+
+    def _measure_wrongly(self, fault: str, value: float | None) -> None:
+        extension = self._plant.position(self._channel)
+        self._errors.inject(fault, value, extension, self._clock.now())
 
     def _raise_alarm(self, _: float | None) -> None:
         self._alarmed = True
@@ -152,4 +162,5 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         self._channel = self._own_channel
         self._frozen_until = 0.0
         self._offset = 0.0
+        self._errors.clear()
         self._alarmed = False

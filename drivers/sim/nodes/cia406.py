@@ -9,6 +9,7 @@ MSA501 report it (1 and 2 are single-turn and multi-turn rotary, 10 is multi-sen
 """
 
 from collections import deque
+from functools import partial
 from typing import Protocol
 
 from drivers.sim.nodes import emergency as emcy
@@ -24,6 +25,7 @@ from drivers.sim.nodes.object_dictionary import (
     SdoAbortError,
     Variable,
 )
+from drivers.sim.rod_faults import ROD_FAULTS, RodFaults
 
 DEVICE_TYPE_ABSOLUTE_LINEAR = 0x0008_0196
 
@@ -56,6 +58,8 @@ class EmulatedCia406(EmulatedNode):
         It is mounted on another rod.
     ``alarm``
         Position error: bit 0 of 0x6503, EMCY 0x7300, as when the magnet is missing.
+    those of `RodFaults`
+        It measures wrongly and does not know.
 
     Parameters
     ----------
@@ -124,6 +128,9 @@ class EmulatedCia406(EmulatedNode):
         self.add_lasting_fault("frozen")
         self.add_fault("jump", self._start_jump, self._restore_position)
         self.add_fault("other_rod", self._mount_elsewhere, self._mount_back)
+        self._errors = RodFaults(name)
+        for fault in ROD_FAULTS:
+            self.add_fault(fault, partial(self._measure_wrongly, fault), self._errors.clear)
         self.add_fault("alarm", lambda value: self._raise_alarm(), self._clear_alarm)
         self.power_on()
 
@@ -191,7 +198,8 @@ class EmulatedCia406(EmulatedNode):
         self._samples.clear()
 
     def _measured_steps(self) -> int:
-        extension = self._port.position(self._channel) + self._zero
+        true = self._port.position(self._channel)
+        extension = self._errors.measured(true, self.now) + self._zero
         if self._parameters.integer & _REVERSED:
             extension = -extension
         return round((extension + self._jump) / self._step)
@@ -225,6 +233,9 @@ class EmulatedCia406(EmulatedNode):
     def _restore_position(self) -> None:
         self.lasting.discard("frozen")
         self._jump = 0.0
+
+    def _measure_wrongly(self, fault: str, value: float | None) -> None:
+        self._errors.inject(fault, value, self._port.position(self._channel), self.now)
 
     def _mount_elsewhere(self, value: float | None) -> None:
         self._channel = whole_number(self.name, "other_rod", value, 0, _MOST_CHANNELS - 1)

@@ -35,6 +35,11 @@ _MODES = {
     "regulator_closed": STUCK_CLOSED,
 }
 
+_SLOWER, _OFFSET = 2.0, 50e3
+"""How much slower a regulator gets, and how far off a monitor (Pa), unless it is said."""
+_OF_CHANNEL = ("regulator_slow", "regulator_stuck", "monitor_offset", "monitor_frozen", "leak")
+"""Faults that are addressed by channel, ``agonist.leak``, and whose value says how much."""
+
 EXTENSION, SPEED, PRESSURE, TENSION = (
     list(STATE.names or ()).index(name) for name in ("extension", "speed", "pressure", "tension")
 )
@@ -102,8 +107,8 @@ class PneumaticPlant(ABC):
 
     channel_names: ClassVar[tuple[str, ...]]
 
-    known_faults: tuple[str, ...] = (*_MODES, "leak", "wire_cut", "supply_lost", "repair")
-    """What `inject` understands."""
+    own_faults: ClassVar[tuple[str, ...]] = (*_MODES, "leak", "wire_cut", "supply_lost", "repair")
+    """What `inject` understands without a channel's name before it."""
 
     def __init__(
         self,
@@ -120,6 +125,9 @@ class PneumaticPlant(ABC):
         self._dt = settings.substep
         self._steps = 0
 
+        of_channels = [f"{c}.{fault}" for c in self.channel_names for fault in _OF_CHANNEL]
+        self.known_faults: tuple[str, ...] = (*self.own_faults, *of_channels)
+        """What `inject` understands."""
         count = len(self.channel_names)
         self.parameters = np.zeros(count, PARAMETERS)
         for channel in range(count):
@@ -131,6 +139,7 @@ class PneumaticPlant(ABC):
                 seals=seals,
                 friction_spread=settings.friction_spread,
             )
+        self._bandwidths = self.parameters["bandwidth"].copy()
         self.channels = np.zeros(count, STATE)
         self.channels["pressure"] = ATMOSPHERE
         self.channels["extension"] = settings.home
@@ -144,6 +153,8 @@ class PneumaticPlant(ABC):
         self._modes = [REGULATING] * count
         self._locked = [False] * count
         self._leaks = (0.0,) * count
+        self._monitor_offsets = [0.0] * count
+        self._monitor_frozen: list[float | None] = [None] * count
         self._shown = [(WIDTH * k + PRESSURE, ATMOSPHERE) for k in range(count)]
 
         self._monitors = monitors
@@ -200,8 +211,12 @@ class PneumaticPlant(ABC):
         That is the chamber, unless a shut lock valve is between: the bit of tube before the valve
         follows the regulator's pilot stage at once.
         """
+        frozen = self._monitor_frozen[channel]
+        if frozen is not None:
+            return frozen
         cell, zero = self._shown[channel]
-        return self._cells[cell] - zero + self._noise_now[channel]
+        noise = self._noise_now[channel]
+        return self._cells[cell] - zero + noise + self._monitor_offsets[channel]
 
     def position(self, channel: int) -> float:
         """Return the true extension of a rod, m."""
@@ -220,7 +235,11 @@ class PneumaticPlant(ABC):
             ``regulator_stuck`` (holds its pressure), ``regulator_open``, ``regulator_closed``,
             ``leak`` (the chamber's tube is off), ``wire_cut`` and what else the plant knows,
             each with a channel as its value; ``supply_lost`` with the pressure that remains,
-            Pa gauge; ``repair`` ends all of them.
+            Pa gauge; ``repair`` ends all of them. With a channel's name before it, as in
+            ``agonist.leak``, the value says how much: ``regulator_slow`` (factor on its time,
+            default 2), ``regulator_stuck`` (at this pressure, Pa gauge), ``leak`` (sonic
+            conductance, m³/(s Pa)), ``monitor_offset`` (Pa, default 50 kPa) and
+            ``monitor_frozen`` (none).
         value : float, optional
             As said above; 0 if not given.
 
@@ -231,15 +250,18 @@ class PneumaticPlant(ABC):
         """
         number = 0.0 if value is None else value
         count = len(self.channel_names)
-        if fault == "repair":
+        name, dot, own = fault.rpartition(".")
+        if fault not in self.known_faults:
+            raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
+        if dot:
+            self._wear_channel(own, self.channel_names.index(name), value)
+        elif fault == "repair":
             self._repair()
         elif fault == "supply_lost":
             if not 0.0 <= number < math.inf:
                 raise ValueError(f"plant: supply_lost leaves {number:g} Pa; 0 or more is needed")
             self._supply_pressure = number
             self._connect_supply()
-        elif fault not in self.known_faults:
-            raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
         elif number not in range(count):
             some = ", ".join(str(channel) for channel in range(count - 1))
             raise ValueError(f"plant: {fault} takes channel {some} or {count - 1}, not {number:g}")
@@ -260,6 +282,23 @@ class PneumaticPlant(ABC):
         else:
             self._set_mode(channel, _MODES[fault])
 
+    def _wear_channel(self, fault: str, channel: int, value: float | None) -> None:
+        least = -math.inf if fault == "monitor_offset" else 0.0
+        if value is not None and not least <= value < math.inf:
+            raise ValueError(f"plant: {fault} takes a finite number from {least:g}, not {value:g}")
+        if fault == "monitor_offset":
+            self._monitor_offsets[channel] = _OFFSET if value is None else value
+        elif fault == "monitor_frozen":
+            self._monitor_frozen[channel] = self.pressure(channel)
+        elif fault == "leak":
+            self.channels[channel]["leak"] = self._common.leak if value is None else value
+        elif fault == "regulator_slow":
+            self.parameters[channel]["bandwidth"] = self._bandwidths[channel] / (value or _SLOWER)
+        else:
+            if value is not None:
+                self.channels[channel]["pilot"] = value
+            self._set_mode(channel, STUCK)
+
     def _set_mode(self, channel: int, mode: float) -> None:
         """Have a regulator work or fail; behind a shut lock valve it does not matter which."""
         self._modes[channel] = mode
@@ -271,6 +310,9 @@ class PneumaticPlant(ABC):
         self.channels["leak"] = self._leaks
         self.parameters["wire_stiffness"] = self._common.wire.stiffness
         self.parameters["wire_damping"] = self._common.wire.damping
+        self.parameters["bandwidth"] = self._bandwidths
+        self._monitor_offsets = [0.0] * len(self.channel_names)
+        self._monitor_frozen = [None] * len(self.channel_names)
         self._supply_pressure = self._common.regulator.supply_pressure
         self._connect_supply()
 

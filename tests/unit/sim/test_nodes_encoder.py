@@ -117,3 +117,18 @@ def test_alarm_sets_its_bit_and_sends_an_emergency(bench):
     bench.rig.inject("agonist", "repair")
     assert bench.run() == ["0A0#0000000000000000"]
     assert sample(bench)[2] == 0
+
+
+def test_faults_of_its_measurement_are_in_its_frames_until_they_are_repaired(bench):
+    start_fast(bench)
+    bench.plant.positions[0] = 0.030
+    assert sample(bench)[0] == 30_000
+    bench.rig.inject("agonist", "drift", 0.5)
+    began, drifted = sample(bench)[0], sample(bench)[0]
+    assert drifted - began == pytest.approx(1000, abs=2)  # 0.5 m/s over 2 ms
+    bench.rig.inject("agonist", "repair")
+    bench.rig.inject("agonist", "mirrored")
+    bench.plant.positions[0] = 0.031
+    assert sample(bench)[0] == 29_000
+    bench.rig.inject("agonist", "repair")
+    assert sample(bench)[0] == 31_000

@@ -124,7 +124,7 @@ def test_whatever_breaks_the_numbers_stay_numbers(seed):
     """Everything at once, with full pressure: tilts to the stop, slack and jerking wires."""
     rng = np.random.default_rng(seed)
     plant = at_base(joint(seed), 0.2)
-    names = [name for name in plant.known_faults if name != "supply_lost"]
+    names = [name for name in plant.own_faults if name != "supply_lost"]
     for k in range(40):
         if k % 4 == 0:
             plant.inject(names[rng.integers(len(names))], float(rng.integers(4)))

@@ -3,6 +3,7 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
@@ -171,6 +172,63 @@ def test_an_open_regulator_fills_to_the_supply():
     assert gauge(plant, 0) == pytest.approx(0.7e6, rel=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_a_regulator_gets_slower_by_its_factor(seed):
+    """A pilot stage that is k times slower is at t where it would have been at t / k."""
+    rng = np.random.default_rng(seed)
+    factor, channel = rng.uniform(1.5, 4.0), int(rng.integers(2))
+    slow, well = settled(NOMINAL, 0.1e6), settled(NOMINAL, 0.1e6)
+    slow.inject(f"{slow.channel_names[channel]}.regulator_slow", factor)
+    for plant, time in ((slow, 0.05 * factor), (well, 0.05)):
+        command(plant, 0.2e6)
+        plant.advance(plant.time + time)
+    assert gauge(slow, channel) == pytest.approx(gauge(well, channel), abs=5e3)
+    assert gauge(well, channel) < 0.19e6
+    assert gauge(slow, 1 - channel) == pytest.approx(0.2e6, abs=30e3)
+    slow.inject("repair")
+    assert slow.parameters["bandwidth"].tolist() == well.parameters["bandwidth"].tolist()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_monitor_is_off_or_says_the_same_for_ever(seed):
+    rng = np.random.default_rng(seed)
+    offset, channel = rng.uniform(-60e3, 60e3), int(rng.integers(2))
+    plant = settled(NOMINAL, 0.2e6)
+    name, other = plant.channel_names[channel], 1 - channel
+    plant.inject(f"{name}.monitor_offset", offset)
+    assert plant.pressure(channel) - gauge(plant, channel) == pytest.approx(offset, abs=1.5e3)
+    assert plant.pressure(other) == pytest.approx(gauge(plant, other), abs=1.5e3)
+    said = plant.pressure(channel)
+    plant.inject(f"{name}.monitor_frozen")
+    command(plant, 0.1e6)
+    plant.advance(plant.time + 0.5)
+    assert plant.pressure(channel) == said
+    assert gauge(plant, channel) == pytest.approx(0.1e6, abs=3e3)
+    plant.inject("repair")
+    assert plant.pressure(channel) == pytest.approx(gauge(plant, channel), abs=1.5e3)
+
+
+def test_a_regulator_sticks_at_a_pressure_of_its_own():
+    plant = settled(NOMINAL, 0.2e6)
+    plant.inject("antagonist.regulator_stuck", 80e3)
+    plant.advance(plant.time + 1.0)
+    assert gauge(plant, 0) == pytest.approx(0.2e6, abs=3e3)
+    assert gauge(plant, 1) == pytest.approx(80e3, abs=3e3)
+
+
+def test_twice_the_leak_lets_the_air_out_in_half_the_time():
+    left = []
+    for conductance, time in ((1e-10, 0.2), (2e-10, 0.1)):
+        plant = settled(NOMINAL, 0.2e6)
+        for channel, name in enumerate(plant.channel_names):
+            plant.inject("regulator_closed", channel)
+            plant.inject(f"{name}.leak", conductance)
+        plant.advance(plant.time + time)
+        left.append(gauge(plant))
+    assert left[0] == pytest.approx(left[1], rel=0.02)
+    assert left[0] < 0.195e6
+
+
 def test_monitor_noise_is_small_and_white():
     plant = settled(NOMINAL, 0.2e6)
     samples = []
@@ -192,6 +250,9 @@ def test_monitor_noise_is_small_and_white():
         ("leak", 2.0, "channel 0 or 1, not 2"),
         ("supply_lost", -1.0, "-1 Pa"),
         ("supply_lost", math.nan, "nan Pa"),
+        ("wire.leak", 1e-9, "no fault 'wire.leak'"),
+        ("agonist.leak", -1e-9, "finite number from 0, not -1e-09"),
+        ("agonist.monitor_offset", math.inf, "finite number from -inf, not inf"),
     ],
 )
 def test_a_fault_that_makes_no_sense_is_refused(fault, value, message):

@@ -1,5 +1,6 @@
 """Capability-level devices on a plant that only remembers."""
 
+import numpy as np
 import pytest
 
 from drivers.sim.clock import SimClock
@@ -155,6 +156,34 @@ def test_a_frozen_encoder_stays_fresh_and_stands_still(clock, encoder):
         cycle(clock, encoder)
     assert encoder.position().value == before
     assert encoder.position().t == clock.now()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_an_encoder_that_measures_wrongly_says_what_its_fault_describes(clock, board, seed):
+    """The rod goes 10 mm/s throughout; a fault begins where the encoder was, and adds to others."""
+    encoder = SimulatedEncoder("encoder", 0, board, clock)
+    encoder.connect()
+    rng = np.random.default_rng(seed)
+    drift, scale = rng.uniform(-5e-3, 5e-3), rng.uniform(0.5, 1.5)
+    speeds = []
+    for fault, value in (("drift", drift), ("mirrored", None), ("scale", scale)):
+        encoder.inject(fault, value)
+        (before,), began = encoder.position()
+        for _ in range(100):
+            cycle(clock, encoder)
+        (after,), ended = encoder.position()
+        speeds.append((after - before) / (ended - began))
+    expected = [0.01 + drift, -0.01 + drift, -0.01 * scale + drift]
+    assert speeds == pytest.approx(expected, abs=2e-5)
+    encoder.inject("repair")
+    encoder.inject("noisy", 1e-4)
+    errors = []
+    for _ in range(1000):
+        cycle(clock, encoder)
+        ((position,), t) = encoder.position()
+        errors.append(position - 0.03 - 0.01 * t)
+    assert np.std(errors) == pytest.approx(1e-4, rel=0.1)
+    assert abs(np.mean(errors)) < 1e-5
 
 
 @pytest.mark.parametrize(("fault", "message"), [("jump", "jumped"), ("alarm", "position error")])
