@@ -92,7 +92,7 @@ def _late_if(least: float) -> Expect:
 
 
 _LAW = ("controller", "command", "law")
-_HOST = ("paused", "stall", "late", "overrun", "program")
+_HOST = ("paused", "stall", "late", "overrun", "program", "ticks")
 
 KINDS = (
     FaultKind(name="controller_nan", what="The controller commands what is no number.",
