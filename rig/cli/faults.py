@@ -15,20 +15,25 @@ from rig.cli.tables import Table, print_data, print_tables
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from rig.faults.campaign import Job
     from rig.faults.verdict import Verdict
 
 CAMPAIGNS = Path("faults")
-SUBSET, FULL = 1, 15
-"""How often each fault is drawn on each rig, and with ``--full``."""
+RIGS = ("cylinder", "joint", "arm", "arm-odrive", "legs", "legs-can")
+FULL = 6
+"""How often each fault is drawn on each rig with ``--full``."""
 
 
 @click.group()
 def faults() -> None:
     """Break a rig in simulation, and judge it by what is true of it.
 
-    Every case runs the program as it is on `--on virtual`. What judges it is the plant's truth
-    until 1.5 s after the program has ended or died, not what the program says of itself.
+    Every case runs the program as it is, on emulated devices in virtual time. What judges it is
+    the plant's truth until 1.5 s after the program has ended or died, not what the program says.
     """
+    # Cases are copies of a running process, and threads do not survive that.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("OPENCV_FOR_THREADS_NUM", "1")
 
 
 @faults.command("list")
@@ -36,16 +41,22 @@ def faults() -> None:
 @configs_option
 @json_option
 def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
-    """Say what can break on RIG, where, and what must come of it."""
+    """Say what can break on RIG, where, how much, and why it may go unseen."""
     from rig.faults.catalogue import kinds_for
     from rig.faults.survey import experiments_of, survey
 
     subject = survey(rig, experiments_of(rig, configs)[:1], configs)
+    header = ("fault", "what", "where", "magnitude", "why it may go unseen")
     rows = [
-        (name, kind.what, ", ".join(place.where for place in kind.places(subject)), kind.why)
+        (
+            name,
+            kind.what,
+            ", ".join(place.where for place in kind.places(subject)),
+            "" if kind.magnitude is None else str(kind.magnitude),
+            kind.why,
+        )
         for name, kind in kinds_for(subject).items()
     ]
-    header = ("fault", "what", "where", "why it may go unseen")
     if as_json:
         print_data(json.dumps([dict(zip(header, row, strict=True)) for row in rows], indent=2))
     else:
@@ -54,15 +65,41 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
 
 
 @faults.command("run")
-@click.argument("rigs", nargs=-1)
+@click.argument("rigs", nargs=-1, metavar="[RIG|FILE]...")
 @click.option("--full", is_flag=True, help=f"Every fault {FULL} times on each rig.")
 @click.option(
-    "--random", "count", type=click.IntRange(1), help="So many cases, two faults in some."
+    "--random",
+    "count",
+    type=click.IntRange(1),
+    metavar="N",
+    help="N cases on each rig, in some of them two faults.",
 )
-@click.option("--only", help="This fault alone, or two as in a+b; `rig faults list` has the names.")
-@click.option("--experiment", "experiments", multiple=True, help="Break it in this one only.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
-@click.option("--workers", type=click.IntRange(1), default=os.cpu_count() or 1, show_default=True)
+@click.option(
+    "--only",
+    metavar="FAULT",
+    help="This fault alone, or two as in a+b; `rig faults list` has the names.",
+)
+@click.option(
+    "--experiment",
+    "experiments",
+    multiple=True,
+    metavar="NAME",
+    help="Break it in this experiment; may be given again. Default: all of the rig's.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Of the drawing: the same seed gives the same cases.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    show_default=True,
+    help="How many processes.",
+)
 @click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
@@ -84,42 +121,81 @@ def run(
     configs: Path | None,
     as_json: bool,
 ) -> int:
-    """Break RIGS (default: cylinder, joint, arm, legs); exit 1 if anybody might have been hurt."""
-    from rig.faults.campaign import draw_each, draw_once, draw_random, run_cases
-    from rig.faults.survey import experiments_of, survey
+    """Break rigs, or what files of scenarios say; exit 1 if anybody might have been hurt.
 
-    jobs = []
-    for name in rigs or ("cylinder", "joint", "arm", "legs"):
+    Without a name all rigs that ship are broken, every fault once on each. Each case that goes
+    wrong leaves a run folder with what was true after the fault, and the line that repeats it.
+    """  # fmt: skip
+    from rig.faults.campaign import run_cases
+    from rig.faults.progress import CampaignProgress
+    from rig.faults.table import make_rows
+
+    jobs: list[Job] = []
+    for name in rigs or RIGS:
         click.echo(f"{name}: looking at what it has …", err=True)
-        subject = survey(name, experiments or experiments_of(name, configs), configs)
-        if only is not None:
-            cases = draw_once(subject, tuple(only.split("+")), seed, count or 1)
-        elif count is not None:
-            cases = draw_random(subject, seed, count)
+        if name.endswith((".yaml", ".yml")):
+            jobs.append(_scenario_job(Path(name), configs))
         else:
-            cases = draw_each(subject, seed, FULL if full else SUBSET)
-        jobs += [(case, subject) for case in cases]
-    done: list[Verdict] = []
-
-    def progressed(verdict: Verdict) -> None:
-        done.append(verdict)
-        if verdict.failed:
-            for wrong in verdict.wrongs():
-                click.echo(f"  {wrong}\n    {verdict.case.command}", err=True)
-        if len(done) % 25 == 0:
-            click.echo(f"{len(done)} of {len(jobs)} cases", err=True)
-
-    verdicts = run_cases(jobs, out / f"seed-{seed}", configs, workers, progressed)
+            jobs += _jobs(name, full, count, only, experiments, seed, configs)
+    folder = out / f"seed-{seed}"
+    with CampaignProgress(len(jobs)) as progress:
+        verdicts = run_cases(jobs, folder, configs, workers, progress.told)
+    rows = make_rows(verdicts)
+    page = _keep(folder, f"Faults of {', '.join(rigs or RIGS)}, seed {seed}", verdicts)
     if as_json:
         print_data(json.dumps([verdict.as_json() for verdict in verdicts], indent=2))
     else:
-        _show(verdicts)
+        from rig.faults.table import HEADER
+
+        print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
+    click.echo(f"{page}", err=True)
     return 1 if any(verdict.hazard or verdict.crashed for verdict in verdicts) else 0
 
 
-def _show(verdicts: Sequence[Verdict]) -> None:
-    from rig.faults.table import HEADER, make_row, make_rows
+def _jobs(
+    rig: str,
+    full: bool,
+    count: int | None,
+    only: str | None,
+    experiments: tuple[str, ...],
+    seed: int,
+    configs: Path | None,
+) -> list[Job]:
+    from rig.faults.campaign import draw_each, draw_once, draw_random
+    from rig.faults.survey import experiments_of, survey
+
+    subject = survey(rig, experiments or experiments_of(rig, configs), configs)
+    if only is not None:
+        cases = draw_once(subject, tuple(only.split("+")), seed, count or 1)
+    elif count is not None:
+        cases = draw_random(subject, seed, count)
+    else:
+        cases = draw_each(subject, seed, FULL if full else 1)
+    return [(case, subject) for case in cases]
+
+
+def _scenario_job(path: Path, configs: Path | None) -> Job:
+    from rig.faults.scenario_file import case_of, load_scenario
+    from rig.faults.survey import survey
+
+    scenario = load_scenario(path)
+    subject = survey(scenario.rig, (scenario.experiment,), configs)
+    return case_of(scenario, subject), subject
+
+
+def _keep(folder: Path, title: str, verdicts: Sequence[Verdict]) -> Path:
+    """Write what a campaign came to beside the folders of its failures."""
+    from rig.faults.page import write_page
+    from rig.faults.table import make_rows
 
     rows = make_rows(verdicts)
-    rows.append(make_row("all", "", verdicts))
-    print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
+    folder.mkdir(parents=True, exist_ok=True)
+    content = {
+        "title": title,
+        "rows": [row.as_json() for row in rows],
+        "cases": [verdict.as_json() for verdict in verdicts],
+    }
+    (folder / "campaign.json").write_text(json.dumps(content, indent=2), encoding="utf-8")
+    page = folder / "campaign.html"
+    write_page(page, title, rows, verdicts)
+    return page

@@ -1,5 +1,6 @@
 """Many cases: drawn, and performed unit by unit, as many units at once as there are workers."""
 
+import difflib
 import multiprocessing
 import random
 from collections.abc import Callable, Sequence
@@ -10,7 +11,7 @@ from pathlib import Path
 from rig.faults.case import UNIT, Case, draw_case
 from rig.faults.catalogue import KINDS, kinds_for
 from rig.faults.subject import Subject
-from rig.faults.unit import perform_unit
+from rig.faults.unit import no_verdict, perform_unit
 from rig.faults.verdict import Verdict
 from rig.hal import ConfigurationError
 
@@ -33,7 +34,9 @@ def draw_once(subject: Subject, kinds: tuple[str, ...], seed: int, times: int) -
     possible = kinds_for(subject)
     for name in kinds:
         if name not in KINDS:
-            raise ConfigurationError(f"no fault is called {name!r}; `rig faults list` shows all")
+            near = difflib.get_close_matches(name, KINDS, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else "`rig faults list` shows all"
+            raise ConfigurationError(f"no fault is called {name!r}; {hint}")
         if name not in possible:
             raise ConfigurationError(f"{subject.rig} has nothing that could suffer {name}")
     if len(kinds) > 2:
@@ -115,6 +118,11 @@ def run_cases(
             verdicts.append(verdict)
             progress(verdict)
     order = {case: number for number, (case, _) in enumerate(jobs)}
+    told = {verdict.case for verdict in verdicts}
+    for case, subject in jobs:  # a worker that died is no pass
+        if case not in told:
+            verdicts.append(no_verdict(case, subject, "its worker ended without a word"))
+            progress(verdicts[-1])
     return sorted(verdicts, key=lambda verdict: order[verdict.case])
 
 
@@ -125,7 +133,8 @@ def _ready(running: Sequence[Connection]) -> list[Connection]:
 
 def _units(jobs: Sequence[Job]) -> list[list[Job]]:
     def key(job: Job) -> tuple[str, int]:
-        return job[0].rig, job[0].drawn_with // UNIT
+        case = job[0]
+        return case.rig, -1 if case.drawn_with is None else case.drawn_with // UNIT
 
     return [list(group) for _, group in groupby(sorted(jobs, key=key), key)]
 

@@ -105,8 +105,8 @@ class Case:
         What breaks next.
     then_after : float
         How long after the first, s.
-    drawn_with : int
-        The seed that this case is drawn with again.
+    drawn_with : int, optional
+        The seed that this case is drawn with again; None if it was written by hand.
     """
 
     rig: str
@@ -117,7 +117,7 @@ class Case:
     first: Break
     then: Break | None = None
     then_after: float = 0.0
-    drawn_with: int = 0
+    drawn_with: int | None = None
 
     @property
     def breaks(self) -> tuple[Break, ...]:
@@ -132,7 +132,15 @@ class Case:
     @property
     def command(self) -> str:
         """The command that runs this case again."""
+        if self.drawn_with is None:
+            return "rig faults run FILE, with the same file"
         return f"rig faults run {self.rig} --only {'+'.join(self.kinds)} --seed {self.drawn_with}"
+
+    @property
+    def folder(self) -> str:
+        """Name of the folder that it leaves."""
+        drawn = "by-hand" if self.drawn_with is None else str(self.drawn_with)
+        return f"{self.rig}-{drawn}-{'+'.join(self.kinds)}"
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data."""

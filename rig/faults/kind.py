@@ -69,6 +69,10 @@ class Magnitudes(NamedTuple):
         size = math.exp(chance.uniform(math.log(self.low), math.log(self.high)))
         return -size if self.signed and chance.random() < 0.5 else size
 
+    def __str__(self) -> str:
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{'±' if self.signed else ''}{self.low:g} … {self.high:g}{unit}"
+
 
 class Sizes(NamedTuple):
     """The drawn size of one fault: how much, and for how long (s; infinite for good)."""

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 from typing import cast
 
 from rig.assembly import REGISTRY, Backend, Rig
-from rig.config import find_configs, list_files, load_experiment, load_profile
+from rig.config import find_configs, find_file, list_files, load_experiment, load_profile
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -47,6 +47,7 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
         There is none.
     """
     search = find_configs(configs)
+    find_file(rig, "rigs", search)  # an unknown rig is not one without experiments
     names = list_files("experiments", search)
     found = tuple(n for n in names if load_experiment(n, REGISTRY, [], search).rig == rig)
     if not found:

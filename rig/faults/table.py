@@ -1,4 +1,4 @@
-"""The reaction table of a campaign: a row for each fault on each rig."""
+"""The reaction table of a campaign: a row for each fault on each rig, a column for each phase."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -6,7 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rig.faults.case import Moment
 from rig.faults.verdict import Verdict
+
+DOUBLE = "two at once"
 
 
 class Row(NamedTuple):
@@ -18,13 +21,13 @@ class Row(NamedTuple):
         Of the row.
     n : int
         Cases.
-    hazards, unseen, misnamed, false_trips, late, crashed : int
-        How many went wrong, and how.
-    stopped : int
-        How many the program stopped because of a fault that it saw.
+    phases : tuple of (int, int)
+        For each `Moment`: the cases, and those of them that went wrong.
+    wrongs : tuple of int
+        Hazards, unseen, misnamed, false trips, late, crashed.
     reactions : tuple of float
         Median, 99th percentile and greatest time from the fault to the first safe setpoint, s;
-        empty if it never stopped.
+        empty if it never stopped the rig.
     period : float
         Of the rig's loop, s.
     """
@@ -32,59 +35,66 @@ class Row(NamedTuple):
     fault: str
     rig: str
     n: int
-    hazards: int
-    unseen: int
-    misnamed: int
-    false_trips: int
-    late: int
-    crashed: int
-    stopped: int
+    phases: tuple[tuple[int, int], ...]
+    wrongs: tuple[int, ...]
     reactions: tuple[float, ...]
     period: float
 
     def cells(self) -> tuple[str, ...]:
         """Return it as text."""
-        times = [f"{1e3 * value:.3g}" for value in self.reactions] or ["-"] * 3
-        cycles = [f"{value / self.period:.0f}" for value in self.reactions] or ["-"] * 3
-        wrong = (
-            self.hazards, self.unseen, self.misnamed, self.false_trips, self.late, self.crashed
-        )  # fmt: skip
+        phases = [f"{n}!{wrong}" if wrong else str(n) if n else "" for n, wrong in self.phases]
+        times = [f"{1e3 * value:.3g}" for value in self.reactions]
+        cycles = [f"{value / self.period:.0f}" for value in self.reactions]
         return (
-            self.fault, self.rig, str(self.n), *map(str, wrong), str(self.stopped),
+            self.fault, self.rig, str(self.n), *phases,
+            *[str(count) if count else "" for count in self.wrongs],
             "/".join(cycles), "/".join(times),
         )  # fmt: skip
 
+    def as_json(self) -> dict[str, object]:
+        """Return it as plain data, times in s."""
+        return {
+            "fault": self.fault,
+            "rig": self.rig,
+            "n": self.n,
+            "phases": {m.value: list(p) for m, p in zip(Moment, self.phases, strict=True)},
+            **dict(zip(WRONGS, self.wrongs, strict=True)),
+            "reactions": list(self.reactions),
+            "period": self.period,
+        }
 
+
+WRONGS = ("hazards", "unseen", "misnamed", "false trips", "late", "crashed")
 HEADER = (
-    "fault", "rig", "n", "hazards", "unseen", "misnamed", "false trips", "late", "crashed",
-    "stopped", "cycles p50/p99/max", "ms p50/p99/max",
+    "fault", "rig", "n", *(moment.value for moment in Moment), *WRONGS,
+    "cycles p50/p99/max", "ms p50/p99/max",
 )  # fmt: skip
 
 
 def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
-    """Return the table's rows, in the order in which faults and rigs first came."""
+    """Return the table's rows, in the order in which faults first came, and their sum."""
     groups: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
     for verdict in verdicts:
-        fault = "+".join(item.kind for item in verdict.case.breaks)
-        groups[fault if len(verdict.case.breaks) == 1 else "two at once", verdict.case.rig].append(
-            verdict
-        )
-    return [make_row(fault, rig, group) for (fault, rig), group in groups.items()]
+        kinds = verdict.case.kinds
+        groups[kinds[0] if len(kinds) == 1 else DOUBLE, verdict.case.rig].append(verdict)
+    faults = list(dict.fromkeys(fault for fault, _ in groups))
+    ordered = sorted(groups.items(), key=lambda item: faults.index(item[0][0]))
+    rows = [make_row(fault, rig, group) for (fault, rig), group in ordered]
+    return [*rows, make_row("all", "", verdicts)] if len(rows) > 1 else rows
 
 
 def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:
     """Return one row: what came of these cases."""
     times = [v.ending.reaction for v in verdicts if v.ending.reaction is not None]
-    reactions = tuple(float(x) for x in np.percentile(times, (50, 99, 100))) if times else ()
+    in_phase = [[v for v in verdicts if v.case.moment is moment] for moment in Moment]
     return Row(
         fault, rig, len(verdicts),
-        hazards=sum(v.hazard for v in verdicts),
-        unseen=sum(v.unseen for v in verdicts),
-        misnamed=sum(v.misnamed for v in verdicts),
-        false_trips=sum(v.false_trip for v in verdicts),
-        late=sum(v.late for v in verdicts),
-        crashed=sum(v.crashed for v in verdicts),
-        stopped=len(times),
-        reactions=reactions,
+        phases=tuple((len(some), sum(v.failed for v in some)) for some in in_phase),
+        wrongs=tuple(
+            sum(flags)
+            for flags in zip(*((v.hazard, v.unseen, v.misnamed, v.false_trip, v.late, v.crashed)
+                               for v in verdicts), strict=True)
+        ),
+        reactions=tuple(float(x) for x in np.percentile(times, (50, 99, 100))) if times else (),
         period=verdicts[0].period,
     )  # fmt: skip

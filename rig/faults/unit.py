@@ -41,7 +41,7 @@ def perform_unit(
         Takes each verdict.
     """
     first = cases[0]
-    shared = out / f"{first.rig}-{first.drawn_with}"
+    shared = out / f"{first.folder}-shared"
     shutil.rmtree(shared, ignore_errors=True)
     home = make_home(shared)
     branch = _Branch(home, out, subject, tell)
@@ -80,7 +80,7 @@ class _Branch:
     def go(self, case: Case) -> bool:
         """Copy this process; return True in the copy, and False here when the copy has ended."""
         reader, writer = os.pipe()
-        self._folder = self._out / f"{case.rig}-{case.drawn_with}-{'+'.join(case.kinds)}"
+        self._folder = self._out / case.folder
         shutil.rmtree(self._folder, ignore_errors=True)
         child = os.fork()
         if child == 0:
@@ -89,9 +89,7 @@ class _Branch:
             self._home.move(self._folder)
             return True
         os.close(writer)
-        self._tell(
-            _receive(reader, child) or _no_verdict(case, self._subject, "it gave no verdict")
-        )
+        self._tell(_receive(reader, child) or no_verdict(case, self._subject, "it gave no verdict"))
         return False
 
     def tell_end(self, code: int | None, message: str) -> None:
@@ -104,7 +102,7 @@ class _Branch:
                 pickle.dump(verdict, pipe)
         else:  # without any fault it should not have ended before them
             for case in self.performance.waiting:
-                self._tell(_no_verdict(case, self._subject, f"the run ended before it: {message}"))
+                self._tell(no_verdict(case, self._subject, f"the run ended before it: {message}"))
         os._exit(0)
 
 
@@ -119,7 +117,7 @@ def _receive(reader: int, child: int) -> Verdict | None:
     return pickle.loads(content) if content else None
 
 
-def _no_verdict(case: Case, subject: Subject, why: str) -> Verdict:
+def no_verdict(case: Case, subject: Subject, why: str) -> Verdict:
     """Return the verdict of a case that gave none: never taken for a pass."""
     ending = CaseEnding(None, why, None, None)
     return give_verdict(case, ending, subject).broken()

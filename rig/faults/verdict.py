@@ -137,6 +137,8 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
 def what_must_come(case: Case, subject: Subject) -> Must:
     """Return what must come of a case's first fault in its phase; a second one excuses none."""
     musts = [item.row.must(item.sizes, subject) for item in case.breaks]
+    if case.moment is Moment.CONNECT and case.first.kind != "nothing":
+        return Must.EITHER  # it may be refused, or be past before anybody looks
     while_running = case.moment in (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
     if Must.SAFE in musts:
         # While it connects or is made safe anyway, what breaks need not be told apart.

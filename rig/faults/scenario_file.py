@@ -1,0 +1,165 @@
+"""A case written by hand: what breaks, where, when, for how long, and what breaks next."""
+
+from dataclasses import dataclass, field
+from math import inf
+from pathlib import Path
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Unit
+
+from rig.config.diagnostics import Problems, nearest, shown
+from rig.config.document import load_document
+from rig.config.located import Node
+from rig.config.settings import build
+from rig.faults.case import Break, Case, Moment
+from rig.faults.catalogue import KINDS, kinds_for
+from rig.faults.subject import Subject
+from rig.hal import ConfigurationError
+
+
+@dataclass(frozen=True, slots=True)
+class When:
+    """The moment of a fault.
+
+    Parameters
+    ----------
+    phase : Moment
+        ``connect``, ``energise``, ``approach``, ``run``, ``release`` (after one Ctrl-C) or
+        ``stop`` (after two).
+    after : float
+        Since the phase began, s.
+    """
+
+    phase: Moment = Moment.RUN
+    after: Annotated[float, Unit("s"), Ge(0)] = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Next:
+    """The fault after the first.
+
+    Parameters
+    ----------
+    fault : str
+        As `rig faults list` calls it.
+    where : str
+        One of its places; may be left out if there is one only.
+    magnitude : float, optional
+        How much, in the unit that the list says.
+    lasts : float, optional
+        For how long, s; for good without.
+    after : float
+        Since the first, s.
+    """
+
+    fault: str
+    where: str = ""
+    magnitude: float | None = None
+    lasts: Annotated[float, Unit("s"), Gt(0)] | None = None
+    after: Annotated[float, Unit("s"), Ge(0)] = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A file of one case; see `Next` for what is not said here.
+
+    Parameters
+    ----------
+    rig, experiment : str
+        What is run.
+    fault, where, magnitude, lasts
+        What breaks.
+    when : When
+        At which moment.
+    then : Next, optional
+        What breaks after it.
+    seed : int
+        Of the simulated unit.
+    """
+
+    rig: str
+    experiment: str
+    fault: str
+    where: str = ""
+    magnitude: float | None = None
+    lasts: Annotated[float, Unit("s"), Gt(0)] | None = None
+    when: When = field(default_factory=When)
+    then: Next | None = None
+    seed: Annotated[int, Ge(0)] = 0
+
+
+def load_scenario(path: Path) -> Scenario:
+    """Load a scenario; strict as every file.
+
+    Raises
+    ------
+    ProfileError
+        With every error, located.
+    ConfigurationError
+        The file cannot be read.
+    """
+    problems = Problems()
+    root = load_document(path, "experiments", (), problems).root
+    scenario = build(Scenario, root, problems)
+    if scenario is not None:
+        _check_name(root, ("fault",), scenario.fault, problems)
+        if scenario.then is not None:
+            _check_name(root, ("then", "fault"), scenario.then.fault, problems)
+    problems.raise_if_any()
+    assert scenario is not None
+    return scenario
+
+
+def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems) -> None:
+    if name not in KINDS:
+        place, _ = root.descend(keys)
+        problems.add(place.mark, f"no fault is called {shown(name)}", nearest(name, tuple(KINDS)))
+
+
+def case_of(scenario: Scenario, subject: Subject) -> Case:
+    """Return the case that a scenario tells of a rig.
+
+    Raises
+    ------
+    ConfigurationError
+        The rig has nothing that could break so: nothing is left out silently.
+    """
+    first = _break(scenario.fault, scenario.where, scenario.magnitude, scenario.lasts, subject)
+    then = scenario.then
+    second = (
+        None
+        if then is None
+        else _break(then.fault, then.where, then.magnitude, then.lasts, subject)
+    )
+    return Case(
+        scenario.rig,
+        scenario.experiment,
+        scenario.seed,
+        scenario.when.phase,
+        scenario.when.after,
+        first,
+        second,
+        0.0 if then is None else then.after,
+        None,
+    )
+
+
+def _break(
+    kind: str, where: str, magnitude: float | None, lasts: float | None, subject: Subject
+) -> Break:
+    if kind not in kinds_for(subject):
+        raise ConfigurationError(f"{subject.rig} has nothing that could suffer {kind}")
+    row = KINDS[kind]
+    if magnitude is not None and row.magnitude is None:
+        raise ConfigurationError(f"{kind} has no magnitude")
+    if lasts is not None and row.lasts is None:
+        raise ConfigurationError(f"{kind} is for good: it cannot last {lasts:g} s")
+    places = [place.where for place in row.places(subject)]
+    if magnitude is None and row.magnitude is not None:
+        magnitude = (row.magnitude.low * row.magnitude.high) ** 0.5
+    made = Break(kind, where or (places[0] if len(places) == 1 else ""), magnitude, lasts or inf)
+    try:
+        made.place(subject)
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+    return made
