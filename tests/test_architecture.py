@@ -284,7 +284,6 @@ TWINS = {
     "HeartbeatProducer": ("drivers.canopen", "drivers.sim.nodes"),
     "NmtState": ("drivers.canopen", "drivers.sim.nodes"),
     # What is true of a plant is not what its controllers believe.
-    "PneumaticSettings": ("drivers.sim.plants", "rig.mechanisms.pneumatic"),
     "SealFriction": ("drivers.sim.plants", "rig.mechanisms.pneumatic"),
     # Controllers import nothing of rig: their base fulfils its protocol from outside.
     "Law": ("controllers.base", "rig.hal"),

@@ -1,6 +1,5 @@
 """The simulated end of a CAN bus: takes frames to the emulated nodes and back."""
 
-import random
 from collections.abc import Callable, Sequence
 from functools import partial
 from math import inf
@@ -10,6 +9,7 @@ from drivers.sim.can_line import CanLineEnd
 from drivers.sim.frame_faults import FrameFaults
 from drivers.sim.interface_faults import InterfaceFaults
 from drivers.sim.nodes.bus_node import BusNode
+from drivers.sim.simulated_bus import LossyBus
 from rig.hal import FastCanBus
 
 _BATCH = 256
@@ -18,7 +18,7 @@ _FRAME_TIME = 125e-6
 """What a frame of 8 bytes takes at 1 Mbit/s, s."""
 
 
-class EmulatedBus:
+class EmulatedBus(LossyBus):
     """The simulated end of one CAN bus, with the nodes on it.
 
     Parameters
@@ -32,8 +32,6 @@ class EmulatedBus:
 
     Attributes
     ----------
-    frame_loss : float
-        Probability that a frame is lost, each way.
     faults : FrameFaults
         What happens to chosen frames.
     monitor : callable or None
@@ -52,28 +50,15 @@ class EmulatedBus:
         ):
             if len(set(values)) != len(values):
                 raise ValueError(f"bus {name}: two nodes have the same {what}: {values}")
-        self.name = name
+        super().__init__(name)
         self.bus = bus
         self.nodes = tuple(nodes)
-        self.frame_loss = 0.0
         self.faults = FrameFaults()
         self.monitor: Callable[[float, int, bytes], None] | None = None
         for node in nodes:
             node.send = self._sender(node)
             self.faults.offer(node)
-        self._post: Callable[[float, Callable[[float], None]], None]
-        self._random = random.Random(0)
-        self._now = 0.0
         self._interface = InterfaceFaults(bus) if isinstance(bus, CanLineEnd) else None
-
-    def attach(
-        self,
-        post: Callable[[float, Callable[[float], None]], None],
-        generator: random.Random,
-    ) -> None:
-        """Join a world: `post(delay, action)` has an action done later, at its time."""
-        self._post = post
-        self._random = generator
 
     def drain(self, latency: float) -> None:
         """Take what the master sent; it arrives `latency` (s) later."""
@@ -88,27 +73,16 @@ class EmulatedBus:
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` accepts."""
         interface = InterfaceFaults.known if self._interface is not None else ()
-        return ("frame_loss", "foreign_frame", "flood", *interface)
+        return (*super().known_faults, "foreign_frame", "flood", *interface)
 
     def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault of the bus itself happen.
+        """Make a fault of the bus itself happen, one of `LossyBus` or another.
 
-        ``frame_loss`` (value: probability, default 1) loses frames at random from now on;
         ``foreign_frame`` (value: CAN id, default 0x7E5) sends one that belongs to nobody;
         ``flood`` (value: frames, default 64) sends so many of them, one every 125 µs, as many
         as 1 Mbit/s carries. What else `known_faults` has is in `InterfaceFaults`.
-
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
         """
-        if fault == "frame_loss":
-            probability = 1.0 if value is None else value
-            if not 0.0 <= probability <= 1.0:
-                raise ValueError(f"bus {self.name}: frame_loss is 0 … 1, not {probability:g}")
-            self.frame_loss = probability
-        elif fault == "foreign_frame":
+        if fault == "foreign_frame":
             self.send_foreign(0x7E5 if value is None else int(value), bytes(8))
         elif fault == "flood":
             for k in range(64 if value is None else int(value)):
@@ -118,9 +92,7 @@ class EmulatedBus:
             if value is not None:
                 self._post(value, lambda _: end())
         else:
-            raise ValueError(
-                f"bus {self.name}: no fault {fault!r}; known are {', '.join(self.known_faults)}"
-            )
+            super().inject(fault, value)
 
     def send_foreign(self, can_id: int, data: bytes, *, extended: bool = False) -> None:
         """Send a frame to the master as if another device were on the bus."""
@@ -188,6 +160,3 @@ class EmulatedBus:
         if self.monitor is not None:
             self.monitor(now, can_id, data)
         self.bus.send_data(can_id | EXTENDED_FLAG if extended else can_id, data)
-
-    def _lost(self) -> bool:
-        return self.frame_loss > 0.0 and self._random.random() < self.frame_loss

@@ -7,12 +7,9 @@ a virtual CAN interface does, so what can reach the one can reach the other.
 
 import socket
 from collections.abc import Sequence
-from typing import Final
 
 from drivers.marker_camera.link import Event, Failure
-from drivers.marker_camera.worker import decode_event
-
-_PACKET: Final = 65536
+from drivers.marker_camera.packet_link import PacketLink
 
 
 def camera_address(channel: str, camera: str) -> str:
@@ -28,7 +25,7 @@ def camera_address(channel: str, camera: str) -> str:
     return f"\0rig-simulate/{channel}/{camera}"
 
 
-class ReachedCamera:
+class ReachedCamera(PacketLink):
     """A camera of `rig simulate`; satisfies `drivers.marker_camera.link.CameraLink`.
 
     Parameters
@@ -38,8 +35,8 @@ class ReachedCamera:
     """
 
     def __init__(self, address: str) -> None:
+        super().__init__()
         self._address = address
-        self._socket: socket.socket | None = None
         self._failure: Failure | None = None
 
     def open(self, now: float) -> None:
@@ -63,27 +60,13 @@ class ReachedCamera:
 
     def poll(self, now: float) -> Sequence[Event]:
         """Return what has come since the last call; never waits."""
-        del now
-        events: list[Event] = []
         failure, self._failure = self._failure, None
-        if failure is not None:
-            events.append(failure)
-        while self._socket is not None:
-            try:
-                packet = self._socket.recv(_PACKET)
-            except BlockingIOError:
-                break
-            except ConnectionResetError:
-                packet = b""
-            if packet:
-                events.append(decode_event(packet))
-            else:
-                self.close()
-                events.append(Failure("its simulation ended"))
-        return events
+        before = [] if failure is None else [failure]
+        return [*before, *super().poll(now)]
 
     def close(self) -> None:
         """Let go of the camera. Idempotent."""
-        if self._socket is not None:
-            self._socket.close()
-            self._socket = None
+        self.hang_up()
+
+    def _describe_end(self) -> Failure:
+        return Failure("its simulation ended")

@@ -1,12 +1,12 @@
 """A serial line in virtual time: bytes take their time, and both ends share one wire."""
 
-import random
 from collections.abc import Callable, Sequence
 
 from drivers.dynamixel.settings import SerialBusSettings
 from drivers.sim.dynamixel.chain import EmulatedChain
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.framing import InstructionPacket, InstructionReader
+from drivers.sim.simulated_bus import LossyBus
 
 _BITS_PER_BYTE = 10
 
@@ -20,34 +20,24 @@ class MemoryPort:
         self.plugged_in = True
 
     def read(self, size: int) -> bytes:
-        """Return what has come.
-
-        Raises
-        ------
-        OSError
-            The adapter was pulled out.
-        """
-        if not self.plugged_in:
-            raise OSError(5, "Input/output error")
+        """Return what has come."""
+        self._check_plugged_in()
         data, self.waiting = self.waiting[:size], self.waiting[size:]
         return data
 
     def write(self, data: bytes) -> int:
-        """Take bytes to be sent.
-
-        Raises
-        ------
-        OSError
-            The adapter was pulled out.
-        """
-        if not self.plugged_in:
-            raise OSError(5, "Input/output error")
+        """Take bytes to be sent."""
+        self._check_plugged_in()
         self.written += data
         return len(data)
 
     def close(self) -> None:
         """Forget what is on the way."""
         self.written = self.waiting = b""
+
+    def _check_plugged_in(self) -> None:
+        if not self.plugged_in:
+            raise OSError(5, "Input/output error")
 
 
 def make_line(
@@ -57,7 +47,7 @@ def make_line(
     return EmulatedSerialBus(name, settings.baudrate, nodes)
 
 
-class EmulatedSerialBus:
+class EmulatedSerialBus(LossyBus):
     """The simulated end of one serial bus, with the devices on it; part of an `EmulatedRig`.
 
     Parameters
@@ -73,8 +63,6 @@ class EmulatedSerialBus:
     ----------
     port : MemoryPort
         The host's end.
-    frame_loss : float
-        Probability that a packet is lost, each way.
     collisions : int
         How often the host spoke while a servo did.
     monitor : callable or None
@@ -87,30 +75,17 @@ class EmulatedSerialBus:
     """
 
     def __init__(self, name: str, baudrate: int, nodes: Sequence[EmulatedDynamixel]) -> None:
-        self.name = name
+        super().__init__(name)
         self.nodes = tuple(nodes)
         self.port = MemoryPort()
-        self.frame_loss = 0.0
         self.collisions = 0
         self.monitor: Callable[[float, bytes], None] | None = None
         self.chain = EmulatedChain([station for node in nodes for station in node.stations])
         self._byte_time = _BITS_PER_BYTE / baudrate
         self._reader = InstructionReader()
-        self._post: Callable[[float, Callable[[float], None]], None]
-        self._random = random.Random(0)
-        self._now = 0.0
         self._talking_until = -1.0
         self._host_until = -1.0
         self._undisturbed = [True]  # of the last answer
-
-    def attach(
-        self,
-        post: Callable[[float, Callable[[float], None]], None],
-        generator: random.Random,
-    ) -> None:
-        """Join a world: `post(delay, action)` has an action done later, at its time."""
-        self._post = post
-        self._random = generator
 
     def drain(self, latency: float) -> None:
         """Take what the host sent; it arrives `latency` (s) and its time on the wire later."""
@@ -148,34 +123,21 @@ class EmulatedSerialBus:
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` accepts."""
-        return ("frame_loss", "unplugged", "plugged_in", "noise")
+        return (*super().known_faults, "unplugged", "plugged_in", "noise")
 
     def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault of the bus itself happen.
+        """Make a fault of the bus itself happen, one of `LossyBus` or another.
 
-        ``frame_loss`` (value: probability, default 1) loses packets at random from now on;
         ``unplugged`` pulls the adapter out, ``plugged_in`` puts it back; ``noise`` (value:
         bytes, default 32) sends bytes that mean nothing.
-
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
         """
-        if fault == "frame_loss":
-            probability = 1.0 if value is None else value
-            if not 0.0 <= probability <= 1.0:
-                raise ValueError(f"bus {self.name}: frame_loss is 0 … 1, not {probability:g}")
-            self.frame_loss = probability
-        elif fault in ("unplugged", "plugged_in"):
+        if fault in ("unplugged", "plugged_in"):
             self.port.plugged_in = fault == "plugged_in"
         elif fault == "noise":
             count = 32 if value is None else int(value)
             self.port.waiting += self._random.randbytes(count)
         else:
-            raise ValueError(
-                f"bus {self.name}: no fault {fault!r}; known are {', '.join(self.known_faults)}"
-            )
+            super().inject(fault, value)
 
     def _arrive(self, packet: InstructionPacket, now: float) -> None:
         self._now = now
@@ -204,6 +166,3 @@ class EmulatedSerialBus:
         """Both ends speak: what the servo says is garbled."""
         self.collisions += 1
         self._undisturbed[0] = False
-
-    def _lost(self) -> bool:
-        return self.frame_loss > 0.0 and self._random.random() < self.frame_loss

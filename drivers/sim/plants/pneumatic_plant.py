@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,7 @@ from drivers.sim.plants.channel import (
 from drivers.sim.plants.parameters import draw_channel
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.regulator import quantize
-from drivers.sim.plants.settings import (
-    ActuatorSettings,
-    RegulatorSettings,
-    SealFriction,
-    WireSettings,
-)
+from drivers.sim.plants.settings import PneumaticPlantSettings, SealFriction
 
 _NOISE_BLOCK = 4096
 """Monitor samples drawn at a time: numpy's cost per call is spread over them."""
@@ -49,45 +44,6 @@ WIDTH = len(STATE.names or ())
 """How many there are."""
 
 
-class PneumaticSettings(Protocol):
-    """Settings that every plant with pneumatic channels has."""
-
-    @property
-    def friction_spread(self) -> float:
-        """Bound of the relative deviation of a unit's friction."""
-        ...
-
-    @property
-    def home(self) -> float:
-        """Rod extension at which a wire is just taut at home, m."""
-        ...
-
-    @property
-    def leak(self) -> float:
-        """Sonic conductance of the fault ``leak``, m³/(s Pa)."""
-        ...
-
-    @property
-    def substep(self) -> float:
-        """Step of the integration, s."""
-        ...
-
-    @property
-    def regulator(self) -> RegulatorSettings:
-        """Of every channel."""
-        ...
-
-    @property
-    def cylinder(self) -> ActuatorSettings:
-        """Of every channel."""
-        ...
-
-    @property
-    def wire(self) -> WireSettings:
-        """Of every channel."""
-        ...
-
-
 class PneumaticPlant(ABC):
     """Channels at rest at home, vented and with the supply closed.
 
@@ -95,7 +51,7 @@ class PneumaticPlant(ABC):
 
     Parameters
     ----------
-    settings : PneumaticSettings
+    settings : PneumaticPlantSettings
         Nominal parameters.
     seals : SealFriction
         Friction of the nominal cylinder.
@@ -112,7 +68,7 @@ class PneumaticPlant(ABC):
 
     def __init__(
         self,
-        settings: PneumaticSettings,
+        settings: PneumaticPlantSettings,
         seals: SealFriction,
         *,
         units: np.random.Generator,

@@ -5,7 +5,7 @@ knowledge; E, an estimate. Pressures are gauge where a catalogue gives gauge, an
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
@@ -173,32 +173,29 @@ class CarriageSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class PlantSettings:
-    """One antagonistic pair of pneumatic cylinders.
+class PneumaticPlantSettings:
+    """The part of a plant's settings that every plant with pneumatic cylinders has.
 
     Parameters
     ----------
     seals : str
         ``standard`` or ``low-speed``.
     friction_scale : float
-        Factor on all friction: seals and seat.
-    stribeck_scale : float
-        Factor on the seals' Stribeck velocity.
+        Factor on all friction: of seals and seats, and of wires that slide.
     friction_spread : float
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
-        Rod extension at which both wires are just taut, m.
+        Rod extension at which all wires are just taut at home, m.
     leak : float
         Sonic conductance of the fault ``leak``, m³/(s Pa). E: the tube is off.
     substep : float
         Step of the integration, s.
-    regulator, cylinder, wire, carriage
-        Parameters of the parts.
+    regulator, cylinder, wire
+        Parameters of the parts, the same for every channel.
     """
 
     seals: Literal["standard", "low-speed"] = "standard"
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
-    stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
@@ -206,7 +203,6 @@ class PlantSettings:
     regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
     cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
     wire: WireSettings = field(default_factory=WireSettings)
-    carriage: CarriageSettings = field(default_factory=CarriageSettings)
 
     def __post_init__(self) -> None:
         if not self.home < self.cylinder.stroke:
@@ -218,11 +214,34 @@ class PlantSettings:
         """Return which seals the cylinders have."""
         return self.seals
 
-    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> "PlantSettings":
-        """Return the settings of a pair that differs from its profile."""
+    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
+        """Return the settings of a rig that differs from its profile."""
         return replace(
             self,
             friction_scale=self.friction_scale * (1.0 + friction),
-            stribeck_scale=self.stribeck_scale * (1.0 + stribeck),
             home=self.home + wire_offset,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class PlantSettings(PneumaticPlantSettings):
+    """One antagonistic pair of pneumatic cylinders.
+
+    Parameters
+    ----------
+    stribeck_scale : float
+        Factor on the seals' Stribeck velocity.
+    carriage : CarriageSettings
+        What the pair moves.
+    """
+
+    stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
+    carriage: CarriageSettings = field(default_factory=CarriageSettings)
+
+    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
+        """Return the settings of a pair that differs from its profile."""
+        # A dataclass with slots is a new class, which a bare super() would not find.
+        changed = PneumaticPlantSettings.perturbed(
+            self, friction=friction, stribeck=stribeck, wire_offset=wire_offset
+        )
+        return replace(changed, stribeck_scale=self.stribeck_scale * (1.0 + stribeck))

@@ -5,13 +5,13 @@ knowledge; E, an estimate. The joint's own dimensions are the profile's geometry
 """
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal
+from dataclasses import dataclass, field
+from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
-from drivers.sim.plants.settings import ActuatorSettings, RegulatorSettings, WireSettings
+from drivers.sim.plants.settings import PneumaticPlantSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,78 +78,37 @@ class RingSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SphericalJointPlantSettings:
+class SphericalJointPlantSettings(PneumaticPlantSettings):
     """A wide-angle spherical joint on four wires, each pulled by a pneumatic cylinder.
 
     Parameters
     ----------
-    seals : str
-        ``standard`` or ``low-speed``.
-    friction_scale : float
-        Factor on all friction: seals, seat and wires.
     seal_load_scale : float
         Factor on what of the seals' friction grows with the pressure, besides.
     ring_friction_scale, wire_friction_scale : float
         Factors on the friction of the ring in its seat and of the wires on the ball, besides.
-    friction_spread : float
-        Bound of the relative deviation of a unit's friction; drawn per unit. E.
-    home : float
-        Rod extension at which all wires are just taut with the ring at home, m.
     wire_offset : float
-        Bound of a wire's deviation from that, m; drawn per wire: what homing leaves. E.
+        Bound of a wire's deviation from `home`, m; drawn per wire: what homing leaves. E.
     tolerance : float
         Bound of the deviation of each coordinate of an anchor, an adjust point and the marker,
         m; drawn for each. E: machined parts.
-    leak : float
-        Sonic conductance of the fault ``leak``, m³/(s Pa). E: the tube is off.
     slip : float
         Wire that the fault ``anchor_slipped`` lets through the clamp at the ring, m.
     slack : float
         Wire that the fault ``wire_slack`` lets go at the rod, m.
-    substep : float
-        Step of the integration, s.
-    regulator, cylinder, wire, ring
-        Parameters of the parts.
+    ring : RingSettings
+        Of the ring.
     camera : CameraSimulationSettings
         What the camera that watches the marker is really like: latency, noise, blur, losses,
         errors of its calibration.
     """
 
-    seals: Literal["standard", "low-speed"] = "standard"
-    friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     seal_load_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     ring_friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
     wire_friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
-    friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
-    home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     wire_offset: Annotated[float, Unit("m"), Ge(0), Le(5e-3)] = 20e-6
     tolerance: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 20e-6
-    leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
     slip: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 2e-3
     slack: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 10e-3
-    substep: Annotated[float, Unit("s"), Ge(1e-6), Le(1e-4)] = 50e-6
-    regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
-    cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
-    wire: WireSettings = field(default_factory=WireSettings)
     ring: RingSettings = field(default_factory=RingSettings)
     camera: CameraSimulationSettings = field(default_factory=CameraSimulationSettings)
-
-    def __post_init__(self) -> None:
-        if not self.home < self.cylinder.stroke:
-            raise ValueError(
-                f"home ({self.home:g} m) is not within stroke ({self.cylinder.stroke:g} m)."
-            )
-
-    def variant(self) -> str:
-        """Return which seals the cylinders have."""
-        return self.seals
-
-    def perturbed(
-        self, *, friction: float, stribeck: float, wire_offset: float
-    ) -> "SphericalJointPlantSettings":
-        """Return the settings of a joint that differs from its profile."""
-        return replace(
-            self,
-            friction_scale=self.friction_scale * (1.0 + friction),
-            home=self.home + wire_offset,
-        )

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, ClassVar, Final
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from controllers.gait.types import LegsCommand, LegsReference
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate
 from rig.calibration.instruments import Instrument, Readings
-from rig.calibration.procedure import Excitation, Finding, Panel
+from rig.calibration.procedure import Excitation, Finding, Panel, Procedure
 from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import CalibrationRefused, Recording, Stretch
 from rig.config import Profile
@@ -86,6 +86,25 @@ def excite(
         postures, script, script, "joint-moves", wider, script.describe, notes, approach=0.1,
         placing=f"put both legs into the jig's pose {name!r}, without torque" if name else "",
     )  # fmt: skip
+
+
+class JigProcedure(Procedure[Recording]):
+    """Base of what is found with both legs in the jig."""
+
+    pose_count: ClassVar[int | None] = None
+    """How many of the jig's poses it needs, the first ones; None: all."""
+
+    def targets(self, profile: Profile) -> tuple[str, ...]:
+        """Return the servo devices' files."""
+        return devices_of(profile)
+
+    def instruments(self, profile: Profile) -> Sequence[Instrument]:
+        """Return the jig in these poses."""
+        return instruments_of(profile, jig_poses(profile, self.pose_count))
+
+    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
+        """Return the jig's next pose."""
+        return excite(profile, jig_poses(profile, self.pose_count), done)
 
 
 def measured(

@@ -13,15 +13,13 @@ import numpy as np
 from controllers.gait.geometry import AXIS_NAMES
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import Estimate, interval
-from rig.calibration.instruments import Instrument, Readings
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Finding, Panel
 from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
-    devices_of,
-    excite,
+    JigProcedure,
     findings,
-    instruments_of,
     jig_poses,
     measured,
     settings_of,
@@ -35,23 +33,11 @@ _BOUND = 3.0
 """Residual above which a line is not to be used, in the stated uncertainty."""
 
 
-class LegScale(Procedure[Recording]):
+class LegScale(JigProcedure):
     """Procedure for scale, direction and zero of every joint."""
 
     name = "scale"
     title = "scale, direction and zero of the joints' encoders, in several poses of a jig"
-
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the servo devices' files."""
-        return devices_of(profile)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return the jig, in all of its poses."""
-        return instruments_of(profile, jig_poses(profile))
-
-    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
-        """Return the jig's next pose."""
-        return excite(profile, jig_poses(profile), done)
 
     def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Fit a line per joint."""

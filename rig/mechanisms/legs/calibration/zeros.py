@@ -12,15 +12,13 @@ import numpy as np
 from controllers.gait.geometry import AXIS_NAMES
 from rig.calibration.arrays import Array
 from rig.calibration.estimates import interval
-from rig.calibration.instruments import Instrument, Readings
-from rig.calibration.procedure import Excitation, Finding, Panel, Procedure
+from rig.calibration.instruments import Readings
+from rig.calibration.procedure import Finding, Panel
 from rig.calibration.recording import Recording
 from rig.config import Profile
 from rig.mechanisms.legs.calibration.jig import (
-    devices_of,
-    excite,
+    JigProcedure,
     findings,
-    instruments_of,
     jig_poses,
     measured,
     settings_of,
@@ -31,27 +29,16 @@ _SAMPLES = 5
 """Of each stretch that are shown."""
 
 
-class LegZeros(Procedure[Recording]):
+class LegZeros(JigProcedure):
     """Procedure for the zero of every joint, in one pose."""
 
     name = "zeros"
     title = "zeros of the joints, in a jig"
-
-    def targets(self, profile: Profile) -> tuple[str, ...]:
-        """Return the servo devices' files."""
-        return devices_of(profile)
-
-    def instruments(self, profile: Profile) -> Sequence[Instrument]:
-        """Return the jig."""
-        return instruments_of(profile, jig_poses(profile, 1))
-
-    def excite(self, profile: Profile, done: Sequence[str]) -> Excitation:
-        """Return the jig's first pose."""
-        return excite(profile, jig_poses(profile, 1), done)
+    pose_count = 1
 
     def identify(self, profile: Profile, data: Recording, readings: Readings) -> Sequence[Finding]:
         """Compare what the encoders read with what the jig is made to."""
-        poses = jig_poses(profile, 1)
+        poses = jig_poses(profile, self.pose_count)
         steps = steps_of(profile)
         (read,), (said,) = measured(poses, data, readings, steps)
         tolerance = profile.mechanism_settings.jig.tolerance
