@@ -32,7 +32,7 @@ from drivers.cia402.states import (
     next_control,
 )
 from drivers.servos.axis_drive import AxisDrive
-from rig.hal import ConnectionFailed, DeviceFault
+from rig.hal import ConnectionFailed, DeviceFault, not_standing
 
 
 class Cia402Drive(AxisDrive[DriveSettings]):
@@ -249,6 +249,15 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.goal = Goal.STOPPED
         target = 0 if self._follows_velocity else self._target
         self.pdo.safe = self.pdo.data = self._pack(QUICK_STOP, target, self._mode)
+
+    def unsafe(self, now: float) -> str:
+        """Return why the stopped joint is not known to be safe; see `rig.hal.Device.unsafe`."""
+        # Without power it falls, or its brake holds it.
+        speed = self.velocity if self.state is DriveState.QUICK_STOP_ACTIVE else 0.0
+        moving = not_standing(self.name, now - self.time, speed, self.settings.max_speed)
+        if not moving and self.state is DriveState.OPERATION_ENABLED:
+            return f"{self.name}: it was told to stop, and is still OPERATION ENABLED"
+        return moving
 
     # The cycle ------------------------------------------------------------------------
 

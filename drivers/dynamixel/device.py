@@ -23,7 +23,7 @@ from drivers.dynamixel.scaling import AxisScale, encode_position, encode_velocit
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.axis_guard import AxisGuard
 from drivers.servos.velocity_reference import VelocityReference
-from rig.hal import Reading, ServoBus, Vector
+from rig.hal import Reading, ServoBus, Vector, not_standing
 
 _ATTEMPTS: Final = 3
 _NEVER: Final = -inf
@@ -186,6 +186,16 @@ class DynamixelServos(ServoBus):
         if self.settings.after_stop == "release" and self._goals.active:
             self._goals.active = False
             self._release.active = True
+
+    def unsafe(self, now: float) -> str:
+        """Return which joints under torque do not stand still; see `Device.unsafe`."""
+        age, joints = now - self._velocities.t, self.settings.joints.items()
+        held = float(self._goals.active)
+        found = [
+            not_standing(f"{self.name} joint {name}", age, held * velocity, joint.max_speed)
+            for (name, joint), velocity in zip(joints, self._velocities.value, strict=True)
+        ]
+        return "; ".join(filter(None, found))
 
     def close(self) -> None:
         """Ask the servos no more; their watchdogs stop them. Idempotent."""

@@ -113,6 +113,10 @@ class ServoChain(ServoBus, Generic[Drive]):
         for drive in self.drives:
             drive.stop()
 
+    def unsafe(self, now: float) -> str:
+        """Return which joints are not known to have come to a standstill; see `Device.unsafe`."""
+        return "; ".join(filter(None, [drive.unsafe(now) for drive in self.drives]))
+
     # The cycle ------------------------------------------------------------------------
 
     @property

@@ -6,7 +6,7 @@ from typing import ClassVar, Final, Generic, TypeVar
 
 from drivers.servos.axis_settings import FollowingAxisSettings
 from drivers.servos.following_error import FollowingWatch
-from rig.hal import DeviceFault
+from rig.hal import DeviceFault, not_standing
 
 _JUMP: Final = 2.0  # readings that imply so many times the greatest speed are no motion
 
@@ -77,6 +77,14 @@ class AxisDrive(ABC, Generic[Axis]):
     @abstractmethod
     def stop(self) -> None:
         """Slow the joint down to a standstill. Never raises."""
+
+    def unsafe(self, now: float) -> str:
+        """Return why the stopped joint is not known to be safe; see `rig.hal.Device.unsafe`.
+
+        Default: an enabled drive holds its joint, which must stand still.
+        """
+        speed = self.velocity if self.is_enabled else 0.0
+        return not_standing(self.name, now - self.time, speed, self.settings.max_speed)
 
     # Its faults -----------------------------------------------------------------------
 

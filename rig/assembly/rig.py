@@ -1,6 +1,7 @@
 """A rig that has been built: buses, devices and mechanism on one backend."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from enum import StrEnum
 from typing import Any
 
@@ -104,16 +105,21 @@ class Rig:
             self.clock.sleep_until(now + self.profile.loop.period)
 
     def close(self) -> None:
-        """Make safe and release everything; idempotent."""
-        for device in self.devices.values():
-            device.make_safe()
-        for bus in self.buses.values():
-            bus.make_safe()
-        for device in self.devices.values():
-            device.close()
-        for bus in self.buses.values():
-            bus.close()
-        self._release()
+        """Make safe and release everything; idempotent.
+
+        A step that raises keeps no other from being taken; what it raised comes after them.
+        """
+        devices, buses = self.devices.values(), self.buses.values()
+        steps = [
+            *[device.make_safe for device in devices],
+            *[bus.make_safe for bus in buses],
+            *[device.close for device in devices],
+            *[bus.close for bus in buses],
+            self._release,
+        ]
+        with ExitStack() as stack:
+            for step in reversed(steps):
+                stack.callback(step)
 
     def statistics(self) -> dict[str, dict[str, float]]:
         """Return the counters of every bus, for the manifest."""

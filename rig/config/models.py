@@ -32,6 +32,9 @@ class LoopSettings:
         Busy-wait for the last part of every period: less jitter for a whole processor.
     max_missed : int
         This many missed deadlines one after another are a fault.
+    safe_within : float
+        For how long at most the safe setpoints are repeated until the devices' own readings say
+        that they are safe; else the run ends with a fault. Chambers vent in some 0.3 s.
     """
 
     rate: Annotated[float, Unit("Hz"), Interval(ge=1, le=5000)]
@@ -39,6 +42,7 @@ class LoopSettings:
     cpu: Annotated[int, Interval(ge=0, le=1023)] | None = None
     spin: bool = False
     max_missed: Annotated[int, Interval(ge=1, le=1000)] = 5
+    safe_within: Annotated[float, Unit("s"), Interval(ge=0, le=10)] = 1.0
 
     @property
     def period(self) -> float:

@@ -300,6 +300,9 @@ def _run(
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
                     )
+        for sentence in outcome.unsafe:
+            watcher.said(sentence)
+            events(loop.t, "unsafe", sentence, {})
         held = rig.mechanism.pose_held() if outcome.fault is not None else None
         if held:
             watcher.said(held)
@@ -327,6 +330,7 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> 
         controller=watcher.employed(plan.controller),
         states=states,
         max_missed=loop.max_missed,
+        safe_within=loop.safe_within,
         truth=rig.truth,
     )
 
@@ -337,6 +341,9 @@ def _judge(outcome: Outcome, t: float | None, events: "_Events") -> Ending:
         ending = fault_of(fault, t)
         events(t, "fault", str(ending.message), {"type": type(fault).__name__})
         return ending
+    if outcome.unsafe:
+        unsafe = "not made safe: " + "; ".join(outcome.unsafe)
+        return Ending(RunStatus.FAULTED, EXIT_FAULT, unsafe)
     if outcome.stopped:
         how = "stopped" if outcome.stopped == 1 else "stopped at once"
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe")

@@ -19,6 +19,7 @@ from rig.hal.devices import (
     ServoBus,
     Vector,
     device_column,
+    not_standing,
 )
 from rig.hal.driver import Address, BusSettings, DeviceFile, DriverSettings, Endpoint
 from rig.hal.errors import (
@@ -87,5 +88,6 @@ __all__ = [
     "StaleReading",
     "Vector",
     "device_column",
+    "not_standing",
     "pick_device",
 ]

@@ -14,6 +14,14 @@ from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
 
+_VENTED = 20e3
+"""Excess over its safe pressure up to which a chamber counts as vented, Pa: well above a monitor's
+offset and noise, and a piston of 2 cm² pushes with 4 N then, less than its seals hold back."""
+_STILL = 0.05
+"""Share of its greatest speed up to which a braked joint counts as standing still."""
+_FRESH = 0.1
+"""Age above which a reading no longer shows that a device is safe, s: many periods of any bus."""
+
 
 class Device(Protocol):
     """Something on the rig with a name and a life cycle."""
@@ -59,6 +67,14 @@ class Device(Protocol):
         """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
         ...
 
+    def unsafe(self, now: float) -> str:
+        """Return why the device is not known to be safe; empty: its own readings say that it is.
+
+        Asked once `make_safe` has been sent for some cycles, and again until the answer is empty
+        or the time for it is over. Default: a device without energy is safe.
+        """
+        return ""
+
     def listen(self) -> None:
         """Arm without energising: measure, and leave the torque off. Where it is the same, arm."""
         self.arm()
@@ -71,6 +87,30 @@ class Device(Protocol):
     def close(self) -> None:
         """Release it. Idempotent, and safe to call in any state."""
         ...
+
+
+def not_standing(name: str, age: float, velocity: float, max_speed: float) -> str:
+    """Return why a joint is not known to stand still; empty: its reading says that it does.
+
+    Parameters
+    ----------
+    name : str
+        Of the device and joint.
+    age : float
+        Of the reading, s.
+    velocity, max_speed : float
+        Measured, and permitted, rad/s; a joint without power has none to be judged: 0.
+    """
+    if age <= _FRESH and abs(velocity) > _STILL * max_speed:
+        return f"{name}: it still moves, at {velocity:+.3g} rad/s"
+    return _not_fresh(name, age)
+
+
+def _not_fresh(name: str, age: float) -> str:
+    """Return that a reading is too old to show that something is safe; empty: it is not."""
+    if age <= _FRESH:
+        return ""
+    return f"{name}: not known to be safe, its last reading is {age:.3g} s old"
 
 
 def device_column(device: str, quantity: str, unit: str, description: str) -> Column:
@@ -113,6 +153,18 @@ class PressureRegulator(Device, Protocol):
     def safe_pressure(self) -> Vector:
         """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
         ...
+
+    def unsafe(self, now: float) -> str:
+        """Return which chambers still hold more than they should; see `Device.unsafe`."""
+        pressures, t = self.pressure()
+        full = ", ".join(
+            f"{channel} still holds {pressure / 1e3:.1f} kPa"
+            for channel, pressure, safe in zip(
+                self.channels, pressures, self.safe_pressure(), strict=True
+            )
+            if pressure - safe > _VENTED
+        )
+        return _not_fresh(self.name, now - t) or (f"{self.name}: {full}" if full else "")
 
     def lock(self, shut: tuple[bool, ...]) -> None:
         """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.

@@ -7,6 +7,7 @@ and told so for several cycles, before anything else happens.
 """
 
 import contextlib
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, Generic, NamedTuple
 
@@ -48,12 +49,15 @@ class Outcome(NamedTuple):
         Requests to stop that came: 0 ran to its end, 1 orderly stop, 2 or more at once.
     fault : Exception or None
         What ended it early.
+    unsafe : tuple of str
+        What the devices' readings do not show to be safe, although it was told to be.
     """
 
     cycles: int
     missed: int
     stopped: int
     fault: Exception | None
+    unsafe: tuple[str, ...] = ()
 
 
 class Loop(Generic[State, Reference, Command]):
@@ -75,6 +79,9 @@ class Loop(Generic[State, Reference, Command]):
         IDLE on entry; IDLE or FAULT on return.
     max_missed : int
         So many ticks missed in a row are a fault.
+    safe_within : float
+        For how long at most the safe setpoints are repeated until the devices say that they are
+        safe, s.
     truth : callable, optional
         In simulation: the plant's true values, appended to each row.
     """
@@ -90,6 +97,7 @@ class Loop(Generic[State, Reference, Command]):
         controller: Controller[Reference, State, Command],
         states: StateMachine,
         max_missed: int = 5,
+        safe_within: float = 1.0,
         truth: Callable[[], tuple[float, ...]] = tuple,
     ) -> None:
         self.clock = clock
@@ -100,6 +108,7 @@ class Loop(Generic[State, Reference, Command]):
         self.controller = controller
         self.states = states
         self.max_missed = max_missed
+        self.safe_within = safe_within
         self.truth = truth
         self.t: float | None = None
         """Time since the first cycle, s; None before it."""
@@ -145,12 +154,13 @@ class Loop(Generic[State, Reference, Command]):
         self.states.move(RigState.RUNNING)
         stop.in_loop = True
         fault: Exception | None = None
+        unsafe: tuple[str, ...] = ()
         try:
             self._cycles(run, recorder, events, stop, progress, progress_every)
         except Exception as error:
             fault = error
         finally:
-            self.make_safe(None if fault is None else self._recording(run, recorder))
+            unsafe = self.make_safe(None if fault is None else self._recording(run, recorder))
             stop.in_loop = False
         if fault is None:
             self.states.move(RigState.STOPPING) if run.phase is not Phase.STOP else None
@@ -161,24 +171,62 @@ class Loop(Generic[State, Reference, Command]):
             if hits:
                 message = f"{name} was limited in {hits} cycles of the run"
                 events(run.t, "limit", message, {"hits": hits})
-        return Outcome(run.cycles, run.missed, stop.count, fault)
+        return Outcome(run.cycles, run.missed, stop.count, fault, unsafe)
 
-    def make_safe(self, recording: StopRecording | None = None) -> None:
-        """Give every device its safe setpoint; repeat it for `SAFE_CYCLES`, or a recorded stop."""
-        for _ in range(max(SAFE_CYCLES, recording.cycles if recording else 0)):
-            for device in self.devices:
-                device.make_safe()
+    def make_safe(self, recording: StopRecording | None = None) -> tuple[str, ...]:
+        """Give every device its safe setpoint until they all say that they are safe.
+
+        It is repeated for `SAFE_CYCLES` or a recorded stop at least, and `safe_within` at most.
+
+        Returns
+        -------
+        tuple of str
+            A sentence for each device that is not known to be safe in the end.
+        """
+        recorded = recording.cycles if recording else 0
+        least = max(SAFE_CYCLES, recorded)
+        most = max(least, math.ceil(self.safe_within / self.period))
+        unsafe: list[str] = []
+        for cycle in range(1, most + 1):
+            refused = self._send_safe()
             now = self.clock.now()
-            for bus in self.buses:
-                with contextlib.suppress(Exception):  # one dead bus must not keep another from it
-                    bus.receive(now)
-                try:
-                    bus.transmit(now)
-                except Exception:
-                    bus.make_safe()
-            if recording:
+            if recording and cycle <= recorded:
                 recording(now)
             self.clock.sleep_until(now + self.period)
+            if cycle >= least:
+                unsafe = refused + self._unsafe()
+                if not unsafe:
+                    break
+        return tuple(unsafe)
+
+    def _send_safe(self) -> list[str]:
+        """Exchange the safe setpoints once; return who refuses them, which stops nobody else."""
+        refused = []
+        for device in self.devices:
+            try:
+                device.make_safe()
+            except Exception as error:
+                refused.append(f"{device.name}: it cannot be made safe: {error!r}")
+        now = self.clock.now()
+        for bus in self.buses:
+            with contextlib.suppress(Exception):  # one dead bus must not keep another from it
+                bus.receive(now)
+            try:
+                bus.transmit(now)
+            except Exception:
+                with contextlib.suppress(Exception):
+                    bus.make_safe()
+        return refused
+
+    def _unsafe(self) -> list[str]:
+        now = self.clock.now()
+        found = []
+        for device in self.devices:
+            try:
+                found.append(device.unsafe(now))
+            except Exception as error:
+                found.append(f"{device.name}: not known to be safe: {error!r}")
+        return [sentence for sentence in found if sentence]
 
     def _recording(self, run: "Phases[Any, Any, Any]", recorder: Recorder) -> StopRecording:
         return StopRecording(

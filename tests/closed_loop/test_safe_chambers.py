@@ -74,6 +74,23 @@ class Bench:
         return (self.truth("pressure_ch3") + 101325.0) * volume
 
 
+class Broken:
+    """A device of which one step raises."""
+
+    def __init__(self, step):
+        self._step = step
+
+    def make_safe(self):
+        self._do("make_safe")
+
+    def close(self):
+        self._do("close")
+
+    def _do(self, step):
+        if step == self._step:
+            raise RuntimeError(f"{step} has a bug")
+
+
 def assert_each_is_safe(bench, air):
     vented, held, locked, other = bench.pressures()
     assert vented == pytest.approx(0.0, abs=3e3)
@@ -110,6 +127,27 @@ def test_everything_vents_if_the_profile_says_nothing(backend):
         bench.make_safe(1.0) if backend is Backend.SIM else bench.fall_silent(1.5)
         assert bench.pressures() == pytest.approx([0.0] * 4, abs=3e3)
         assert bench.truth("supply") == pytest.approx(0.0, abs=3e3)
+
+
+@pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
+@pytest.mark.parametrize("broken", ["make_safe", "close"])
+def test_device_that_raises_on_the_way_out_keeps_no_other_from_being_made_safe(
+    monkeypatch, backend, broken
+):
+    with Bench(backend, ()) as bench:
+        bench.follow(0.6)
+        last = [*bench.rig.devices.values()][-1]
+        closed = []
+        monkeypatch.setattr(last, "close", lambda: closed.append(last))
+        others = dict(bench.rig.devices)
+        bench.rig.devices.clear()
+        bench.rig.devices.update({"broken": Broken(broken)} | others)
+        with pytest.raises(RuntimeError, match=f"{broken} has a bug"):
+            bench.rig.close()
+        assert closed == [last]
+        bench.rig.clock.sleep_until(bench.rig.clock.now() + 1.0)
+        assert bench.pressures() == pytest.approx([0.0] * 4, abs=3e3)
+        bench.rig.devices.clear()
 
 
 @pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])

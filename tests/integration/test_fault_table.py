@@ -35,8 +35,8 @@ STOPS = [
     ("can0", "frame_loss", 1, 0.02, ("missed in a row",)),
     ("plant", "wire_cut", 0, 0.1, ("mismatch of the two rods", "slack")),
     ("plant", "supply_lost", None, 1.5, ("does not follow", "supply missing")),
-    # The pair runs away from a regulator that sticks before half a second of deviation is over.
-    ("plant", "regulator_stuck", 0, 2.0, ("of the pair", "outside", "regulators", "of agonist")),
+    ("plant", "regulator_stuck", 0, 2.0, ("regulators", "of agonist", "regulator stuck")),
+    # The pair runs away from an open regulator before half a second of deviation is over.
     ("plant", "regulator_open", 0, 0.5, ("of the pair", "outside", "regulators", "of agonist")),
 ]
 TOLERATED = [

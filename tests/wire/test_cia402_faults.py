@@ -132,3 +132,24 @@ def test_short_frames_for_long_are_a_fault(arm):
 def test_a_reboot_while_running_is_a_fault(arm):
     with pytest.raises(DeviceFault, match=r"joint elbow.*rebooted while running"):
         arm.run(extra=["703#00"])
+
+
+def stopped(bench, word, **fed):
+    """Tell the drive to stop, let it answer, and return what is not known to be safe of it."""
+    bench.driver.make_safe()
+    bench.interface.put(status(word), feedback(**fed))
+    bench.bus.receive(bench.clock.now())
+    return bench.driver.unsafe(bench.clock.now())
+
+
+def test_stopped_drive_is_safe_when_its_status_word_and_speed_say_so(arm):
+    assert stopped(arm, 0x0207) == ""
+    assert stopped(arm, 0x0207, velocity=400) == "arm joint elbow: it still moves, at +0.4 rad/s"
+    assert stopped(arm, 0x0240, velocity=400) == ""  # without power: it falls, or is braked
+    assert "elbow: it was told to stop, and is still OPERATION ENABLED" in stopped(arm, 0x1227)
+
+
+def test_stopped_drive_that_fell_silent_is_not_known_to_be_safe(arm):
+    arm.driver.make_safe()
+    later = arm.clock.now() + 0.4
+    assert arm.driver.unsafe(later).startswith("arm joint elbow: not known to be safe")

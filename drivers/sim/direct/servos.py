@@ -13,7 +13,7 @@ from drivers.servos.axis_settings import AxisSettings
 from drivers.servos.following_error import FollowingWatch
 from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.servo_port import ServoPort
-from rig.hal import Clock, DeviceFault, Reading, ServoBus, Vector
+from rig.hal import Clock, DeviceFault, Reading, ServoBus, Vector, not_standing
 
 
 class SimulatedAxis:
@@ -134,6 +134,11 @@ class SimulatedAxis:
         else:
             self.speed = 0.0
             self._command(self.watch.reference, 0.0)
+
+    def unsafe(self, now: float) -> str:
+        """Return why the joint is not known to stand still, if it is held; see `Device.unsafe`."""
+        speed = self.velocity if self._held else 0.0
+        return not_standing(self.name, now - self.time, speed, self.settings.max_speed)
 
     def release(self) -> None:
         """Take the torque away."""
@@ -285,6 +290,11 @@ class SimulatedServos(ServoBus):
         self._armed = self._enabled = False
         for joint in self.joints:
             joint.stop(self._period)
+
+    def unsafe(self, now: float) -> str:
+        """Return which joints still move, as they are measured now; see `Device.unsafe`."""
+        self._sample(now)
+        return "; ".join([found for joint in self.joints if (found := joint.unsafe(now))])
 
     def close(self) -> None:
         """Release nothing: there is no bus."""

@@ -398,6 +398,59 @@ def test_fault_of_the_controller_during_an_orderly_stop_is_a_fault():
     assert bench.device.safe >= SAFE_CYCLES
 
 
+class VentingDevice(FakeDevice):
+    """Is safe only after so many safe setpoints."""
+
+    def __init__(self, name="regulators", after=30):
+        super().__init__()
+        self.name = name
+        self.after = after
+
+    def unsafe(self, now):
+        return "" if self.safe >= self.after else f"{self.name}: ch3 still holds 45.7 kPa"
+
+
+def test_safe_setpoints_are_repeated_until_the_devices_say_that_they_are_safe():
+    bench = Bench()
+    bench.devices = [bench.device, VentingDevice()]
+    assert bench.run().unsafe == ()
+    assert bench.device.safe == 30
+
+
+def test_what_is_not_safe_in_time_is_told_and_nothing_waits_for_ever():
+    bench = Bench(safe_within=0.2)
+    bench.devices = [VentingDevice("first", 10**9), VentingDevice("second"), bench.device]
+    outcome = bench.run()
+    assert outcome.unsafe == (
+        "first: ch3 still holds 45.7 kPa",
+        "second: ch3 still holds 45.7 kPa",
+    )
+    assert bench.device.safe == round(0.2 / PERIOD)
+
+
+def test_reading_back_that_fails_is_told_and_no_safe_state():
+    bench = Bench(safe_within=0.1)
+    bench.device.unsafe = lambda now: 1 / 0
+    (sentence,) = bench.run().unsafe
+    assert sentence.startswith("device: not known to be safe: ZeroDivisionError")
+
+
+def test_device_or_bus_that_raises_in_make_safe_keeps_no_other_from_it():
+    bench = Bench()
+
+    class Broken(FakeDevice):
+        def make_safe(self):
+            raise RuntimeError("a bug of the driver")
+
+    dead, alive = FakeBus("dead"), FakeBus("alive")
+    dead.fail |= {"transmit", "make_safe"}
+    bench.buses, bench.devices = [dead, alive], [Broken(), bench.device]
+    outcome = bench.run()
+    assert "device: it cannot be made safe: RuntimeError('a bug of the driver')" in outcome.unsafe
+    assert bench.device.safe >= SAFE_CYCLES
+    assert alive.calls.count("transmit") >= SAFE_CYCLES
+
+
 class DoubtfulDevice(FakeDevice):
     """Looks wrong, or does not."""
 

@@ -1,0 +1,106 @@
+"""A rig is safe when its monitors say so: air that stays behind a regulator is named and told."""
+
+import random
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import rig.experiment.run as running
+from rig.assembly import Backend, build_rig
+from rig.experiment.plan import load_plan
+from rig.run_folder import RunFolder
+from rig.runtime.phases import Timings
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+DRAWN = random.Random(4711)
+OPTIONS = {
+    "cylinder": ("reference.tones=[{frequency: 2 Hz, periods: 2}]", "reference.amplitude=2 mm"),
+    "joint": ("reference.tones=[{frequency: 1 Hz, laps: 1}]",),
+}
+EXPERIMENT = {"cylinder": "cylinder-sine", "joint": "joint-circle"}
+CHANNELS = {"cylinder": ("agonist", "antagonist"), "joint": ("ch1", "ch2", "ch3", "ch4")}
+
+
+def plan_of(name, *options):
+    options = (*OPTIONS[name], "metrics={}", "figures=[]", *options)
+    return load_plan(EXPERIMENT[name], list(options), configs=CONFIGS)
+
+
+@cache
+def release_of(name, backend):
+    """Return the rig's time when the release begins, s: energised, approached, moved, braked."""
+    plan, timings = plan_of(name), Timings()
+    with build_rig(plan.profile, backend) as rig:
+        rig.arm()
+        start = rig.clock.now()
+    moved = start + timings.energise + plan.experiment.approach + plan.motion.duration
+    return moved + timings.brake + timings.settle
+
+
+def run(folder, monkeypatch, name, backend, *faults):
+    """Return the result, its events, and the true pressures when the program had ended."""
+    built = []
+    monkeypatch.setattr(
+        running, "build_rig", lambda *args: built.append(build_rig(*args)) or built[-1]
+    )
+    start = release_of(name, backend)
+    listed = ", ".join(
+        f"{{at: {start + at}, device: {device}, fault: {fault}, value: {value}}}"
+        for at, device, fault, value in faults
+    )
+    plan = plan_of(name, f"simulation.faults=[{listed}]")
+    result = running.run_experiment(plan, backend, folder, report=False)
+    names = [column.name for column in built[0].truth_columns]
+    truth = dict(zip(names, built[0].truth(), strict=True))
+    pressures = {channel: truth[f"truth.pressure_{channel}"] for channel in CHANNELS[name]}
+    unsafe = [e for e in RunFolder.open(result.path).events() if e["kind"] == "unsafe"]
+    return result, unsafe, pressures
+
+
+def draw(count):
+    for _ in range(count):
+        name = DRAWN.choice(["cylinder", "joint"])
+        yield (
+            name, DRAWN.choice([Backend.SIM, Backend.VIRTUAL]),
+            DRAWN.randrange(len(CHANNELS[name])), DRAWN.uniform(0.0, 0.3),
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "backend", "channel", "at"), list(draw(8)))
+def test_air_behind_a_closed_regulator_is_not_called_safe(
+    tmp_path, monkeypatch, name, backend, channel, at
+):
+    result, unsafe, pressures = run(
+        tmp_path, monkeypatch, name, backend, (at, "plant", "regulator_closed", channel)
+    )
+    where = CHANNELS[name][channel]
+    assert pressures.pop(where) > 20e3
+    assert max(pressures.values()) < 20e3
+    assert (result.exit_code, result.status.value) == (4, "faulted")
+    (event,) = unsafe
+    assert f"regulators: {where} still holds" in event["message"]
+    assert "kPa" in event["message"]
+    for other in pressures:
+        assert f" {other} still" not in event["message"]
+    if not any(e["kind"] == "fault" for e in RunFolder.open(result.path).events()):
+        assert result.message == f"not made safe: {event['message']}"
+
+
+@pytest.mark.parametrize("name", ["cylinder", "joint"])
+@pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
+def test_run_ends_only_when_its_chambers_have_vented(tmp_path, monkeypatch, name, backend):
+    result, unsafe, pressures = run(tmp_path, monkeypatch, name, backend)
+    assert (result.exit_code, unsafe) == (0, [])
+    assert max(pressures.values()) < 21e3
+
+
+@pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
+def test_what_does_not_answer_is_not_known_to_be_safe(tmp_path, monkeypatch, backend):
+    at = DRAWN.uniform(-3.0, 0.3)
+    result, unsafe, _ = run(
+        tmp_path, monkeypatch, "cylinder", backend, (at, "regulators", "silent", 60.0)
+    )
+    assert result.exit_code == 4
+    (event,) = unsafe
+    assert "regulators: not known to be safe, its last reading is 1.0" in event["message"]
