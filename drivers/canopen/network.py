@@ -48,6 +48,8 @@ class ThreadlessNetwork(canopen.Network):
         self._timeout = timeout
         self._answers: dict[int, int] = {}
         self._requests: dict[int, int] = {}
+        self.strange = 0
+        """Answers of nodes that are not connected yet."""
 
     def add(self, node: int) -> Any:
         """Return the SDO client of a node; its answers are taken from the bus."""
@@ -63,7 +65,13 @@ class ThreadlessNetwork(canopen.Network):
         return remote.sdo
 
     def take_answer(self, can_id: int, data: bytes, now: float) -> None:
-        """Hand an SDO answer to the library."""
+        """Hand an SDO answer to the library.
+
+        One of a node that nobody talks to yet is not for this program: another master's.
+        """
+        if can_id not in self._answers:
+            self.strange += 1
+            return
         if len(data) != 8:  # no SDO; the request times out if nothing better comes
             return
         self._answers[can_id] += 1

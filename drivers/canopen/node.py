@@ -9,6 +9,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeVar
 
+from drivers.canopen.asked import AskedObjects
 from drivers.canopen.bus import CanopenBus
 from drivers.canopen.emergency import EmergencyLatch, describe_register
 from drivers.canopen.heartbeat import HeartbeatWatch, NmtState, describe_state
@@ -54,8 +55,8 @@ class CanopenNode:
         self._armed = False
         bus.subscribe(0x700 + node, self.heartbeat.receive)
         bus.subscribe(0x080 + node, self.emergency.receive)
-        answer = 0x580 + node
-        bus.subscribe(answer, lambda data, now: bus.network.take_answer(answer, data, now))
+        self.asked = AskedObjects(bus, node)
+        bus.subscribe(0x580 + node, self._take_answer)
 
     # Life cycle -----------------------------------------------------------------------
 
@@ -250,6 +251,10 @@ class CanopenNode:
             )
 
     # Inside ---------------------------------------------------------------------------
+
+    def _take_answer(self, data: bytes, now: float) -> None:
+        if not self.asked.take(data, now):
+            self._bus.network.take_answer(0x580 + self.node, data, now)
 
     def _reset(self) -> None:
         """Reset the node, so that it starts from its power-on state whatever went before."""

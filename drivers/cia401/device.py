@@ -15,6 +15,7 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.mapping import pack
 from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia401.channel_settings import DIGITAL_INPUT
 from drivers.cia401.codec import (
     decode_signal,
     encode_pressure,
@@ -124,7 +125,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._setpoint = self._vented
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
-        self._pressed = True
+        self._pressed, self._was_pressed = True, False
         self._pressed_at = -inf
         self._broken = [0] * count
         self._intact = True
@@ -158,8 +159,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             self._count_broken(values)
             self._intact = intact
         if self._stop:
-            self._pressed = values[-1] & self._stop == self._pressed_level
-            self._pressed_at = t
+            self._see_stop(values[-1], t)
 
     def _count_broken(self, values: tuple[Any, ...]) -> None:
         """Count in how many samples in a row each monitor's signal told a broken wire."""
@@ -183,7 +183,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         ConnectionFailed
             It does not answer, is another device, or did not take a setting.
         """
-        self._armed = False
+        self._armed = self._was_pressed = False
+        self._pressed = True  # until the circuit is seen closed
         self._forget_setpoints()
         settings, node = self.settings, self._node
         node.connect(
@@ -259,6 +260,25 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop is pressed; without a contact it reads pressed."""
         return _new(Reading, (self._pressed, self._pressed_at))
+
+    def was_pressed(self) -> bool:
+        """Return whether the stop was pressed at any look since `connect`."""
+        return self._was_pressed
+
+    def look(self) -> None:
+        """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
+        if self._stop:
+            contact = DIGITAL_INPUT
+            self._node.asked.ask(contact.object, contact.sub, self._take_look)
+
+    def _take_look(self, data: bytes, now: float) -> None:
+        self._see_stop(data[0], now)
+
+    def _see_stop(self, bits: int, t: float) -> None:
+        self._pressed = pressed = bits & self._stop == self._pressed_level
+        self._pressed_at = t
+        if pressed:
+            self._was_pressed = True
 
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.

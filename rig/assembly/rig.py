@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import Any
 
 from rig.config import Profile
-from rig.hal import Clock, Column, CyclicBus, Device, Mechanism
+from rig.hal import Clock, Column, CyclicBus, Device, EmergencyStop, Mechanism
 
 
 class Backend(StrEnum):
@@ -69,13 +69,18 @@ class Rig:
         self.truth_columns = tuple(truth_columns)
         self.truth = truth
         self._release = release
+        self._stop = mechanism.stop_input()
 
     def __enter__(self) -> "Rig":
         try:
             for bus in self.buses.values():
                 bus.open()
-            for device in self.devices.values():
+            watched = False
+            for name, device in self.devices.items():
                 device.connect()
+                watched = watched or self._reads_stop(name)
+                if watched and self._stop is not None:
+                    self._stop.look()
         except BaseException:
             self.close()
             raise
@@ -91,18 +96,44 @@ class Rig:
         ----------
         torque : bool
             Without it servos are only listened to.
+
+        Raises
+        ------
+        EmergencyStop
+            The emergency stop is pressed, or was since the rig was connected.
         """
         # A camera waits for its first image; what hangs on a bus would grow stale meanwhile.
         waits = {name: self.profile.devices[name].bus is None for name in self.devices}
-        for name in sorted(self.devices, key=lambda name: not waits[name]):
+        # Who reads the emergency stop comes before whoever is energised by being armed.
+        order = sorted(
+            self.devices, key=lambda name: (not waits[name], not self._reads_stop(name))
+        )
+        for name in order:
             device = self.devices[name]
             device.arm() if torque else device.listen()
+            if self._reads_stop(name):
+                self._check_stop()
         # Arming the last device may have taken longer than a reading may be old.
         now = self.clock.now()
         for bus in self.buses.values():
             bus.transmit(now)
         if self.buses:
             self.clock.sleep_until(now + self.profile.loop.period)
+        self._check_stop()
+
+    def _reads_stop(self, name: str) -> bool:
+        device: object = self.devices[name]
+        return device is self._stop
+
+    def _check_stop(self) -> None:
+        """Refuse to energise unless the circuit of the emergency stop is closed, and was."""
+        stop = self._stop
+        if stop is None:
+            return
+        if stop.emergency_stop().value:
+            raise EmergencyStop("the emergency stop is pressed or its circuit is open")
+        if stop.was_pressed():
+            raise EmergencyStop("the emergency stop was pressed while connecting, and released")
 
     def close(self) -> None:
         """Make safe and release everything; idempotent.

@@ -205,6 +205,17 @@ class EmergencyStopInput(Protocol):
         """Return whether the stop is pressed (an open contact or broken wire is pressed)."""
         ...
 
+    def was_pressed(self) -> bool:
+        """Return whether the stop was pressed at any look since `connect`, be it released again."""
+        return self.emergency_stop().value
+
+    def look(self) -> None:
+        """Read the contact now, outside the cycle: between the steps of connecting a rig.
+
+        A device whose reading is always the newest has nothing to do.
+        """
+        return
+
 
 class Markers(NamedTuple):
     """Markers seen in one image; a marker that was not seen is absent, not zero.

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
 
 from rig.hal.columns import Column
 from rig.hal.controller import Law
-from rig.hal.devices import Device
+from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
 from rig.hal.offers import lacking
@@ -160,6 +160,10 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         LimitExceeded, EmergencyStop
         """
         ...
+
+    def stop_input(self) -> EmergencyStopInput | None:
+        """Return the device that reads the emergency stop; None: the rig has no such contact."""
+        return None
 
     def explain(self, error: Exception, state: State) -> Exception:
         """Return a fault with its cause, or as it is; called once, with that cycle's state.

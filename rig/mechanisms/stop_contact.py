@@ -12,10 +12,15 @@ class StopContact:
         None: the rig has no contact that the program can read.
     oldest : float
         Age above which its reading is not to be relied on, s.
+
+    Attributes
+    ----------
+    device : EmergencyStopInput or None
+        As given.
     """
 
     def __init__(self, device: EmergencyStopInput | None, oldest: float) -> None:
-        self._device = device
+        self.device = device
         self._oldest = oldest
 
     def check(self, now: float) -> None:
@@ -25,10 +30,10 @@ class StopContact:
         ------
         EmergencyStop, StaleReading
         """
-        if self._device is None:
+        if self.device is None:
             return
-        pressed, t = self._device.emergency_stop()
-        if pressed:
+        pressed, t = self.device.emergency_stop()
+        if pressed or self.device.was_pressed():
             raise EmergencyStop("the emergency stop is pressed or its circuit is open")
         if now - t > self._oldest:
             raise StaleReading("emergency stop", now - t, self._oldest)

@@ -346,9 +346,11 @@ class EmergencyStopSuite:
     def test_the_emergency_stop_is_read(self, bench: Bench[Device]) -> None:
         stop = self.stop_of(bench)
         assert stop.emergency_stop().value is False
+        assert stop.was_pressed() is False
         bench.inject("emergency_stop", 1.0)
         bench.run(3)
         assert stop.emergency_stop().value is True
         bench.inject("emergency_stop", 0.0)
         bench.run(3)
         assert stop.emergency_stop().value is False
+        assert stop.was_pressed() is True, "released again, and not forgotten"

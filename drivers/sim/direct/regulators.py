@@ -129,7 +129,7 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
         self._setpoints: Vector = self._vented
         self._followed_at = [0.0] * count
         self._armed = self._holding = False
-        self._stopped = False
+        self._stopped = self._was_stopped = False
         self._broken: set[int] = set()
         self._stuck: set[int] = set()
         self._pressure: Reading[Vector] = Reading((0.0,) * count, -inf)
@@ -141,6 +141,7 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
     def connect(self) -> None:
         """Vent, with the supply closed, and take the first readings."""
         self._armed = self._holding = False
+        self._was_stopped = self._stopped
         self._plant.set_supply(False)
         self._lock(True)
         self._write(self._vented)
@@ -161,6 +162,10 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop was pressed in the cycle before."""
         return self._stop
+
+    def was_pressed(self) -> bool:
+        """Return whether the stop was pressed since `connect`."""
+        return self._was_stopped
 
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed."""
@@ -266,6 +271,7 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
         if value not in (None, 0.0, 1.0):
             raise ValueError(f"{self.name}: emergency_stop takes 0 or 1, not {value}")
         self._stopped = value != 0.0
+        self._was_stopped |= self._stopped
 
     def _repair(self) -> None:
         super()._repair()

@@ -172,7 +172,7 @@ class EmulatedCia401(EmulatedNode):
     def _add_digital(self) -> None:
         array = self.dictionary.add_array
         self._digital_input = array(
-            0x6000, [Variable(UNSIGNED8, 0, "ro", mapping="t", refresh=self._sample)]
+            0x6000, [Variable(UNSIGNED8, 0, "ro", mapping="t", refresh=self._read_contacts)]
         )[0]
         self._digital_output = array(
             0x6200, [Variable(UNSIGNED8, 0, mapping="r", changed=self._digital_written)]
@@ -281,6 +281,9 @@ class EmulatedCia401(EmulatedNode):
             )
             variable = self._inputs[wiring.input - 1]
             variable.value = scale.raw_from_electrical(signal, variable.low, variable.high)
+        self._read_contacts()
+
+    def _read_contacts(self) -> None:
         closed = self.stop_pressed is not self._stop_active_low
         self._digital_input.value = self._stop_mask if closed else 0
 

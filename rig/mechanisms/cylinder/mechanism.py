@@ -236,6 +236,10 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._extensions = (agonist, antagonist)
         return _new(PairState, (now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist))
 
+    def stop_input(self) -> EmergencyStopInput | None:
+        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
+        return self._stop_contact.device
+
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)

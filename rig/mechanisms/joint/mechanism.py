@@ -241,6 +241,10 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         self._tensions = (area * first, area * second, area * third, area * fourth)
         return _new(JointState, (now, (*rods,), pressures, self._sample))
 
+    def stop_input(self) -> EmergencyStopInput | None:
+        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
+        return self._stop_contact.device
+
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)

@@ -156,6 +156,10 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             now, tuple([positions[k] for k in order]), tuple([velocities[k] for k in order])
         )
 
+    def stop_input(self) -> EmergencyStopInput | None:
+        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
+        return self._stop_contact.device
+
     def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)

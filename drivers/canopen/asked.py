@@ -1,0 +1,54 @@
+"""Objects of a node that are asked for in passing: nobody waits for the answer."""
+
+import struct
+from collections.abc import Callable
+from typing import Final, Protocol
+
+_UPLOAD: Final = 0x40
+_UPLOADED: Final = 0x42  # expedited: at most four bytes, which follow
+_SIZE: Final = 8
+
+Answered = Callable[[bytes, float], None]
+
+
+class SendingBus(Protocol):
+    """A bus that sends a frame now."""
+
+    def send(self, can_id: int, data: bytes) -> None:
+        """Send it."""
+        ...
+
+
+class AskedObjects:
+    """The objects of one node that are asked for in passing.
+
+    Not while the node is read or written: it has one conversation at a time. None of these may
+    be read in any other way, or its answer would be taken for one of theirs.
+
+    Parameters
+    ----------
+    bus : SendingBus
+        The bus that the node hangs on.
+    node : int
+        Its number.
+    """
+
+    def __init__(self, bus: SendingBus, node: int) -> None:
+        self._bus = bus
+        self._request_id = 0x600 + node
+        self._answered: dict[bytes, Answered] = {}
+
+    def ask(self, index: int, sub: int, answered: Answered) -> None:
+        """Ask for an object; ``answered(data, now)`` is called when, and if, its bytes come."""
+        request = struct.pack("<BHB4x", _UPLOAD, index, sub)
+        self._answered[request[1:4]] = answered
+        self._bus.send(self._request_id, request)
+
+    def take(self, data: bytes, now: float) -> bool:
+        """Take an SDO answer; return whether it is one of these."""
+        answered = self._answered.get(data[1:4])
+        if answered is None:
+            return False
+        if len(data) == _SIZE and data[0] & _UPLOADED == _UPLOADED:
+            answered(data[4:], now)
+        return True

@@ -1,0 +1,106 @@
+"""The emergency stop latches from the first look on: what is pressed once is not energised."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rig.assembly import Backend, build_rig
+from rig.config.simulation_models import FaultSpec
+from rig.experiment.plan import load_plan
+from rig.experiment.run import run_experiment
+from rig.hal import EmergencyStop, EmergencyStopInput, Reading
+from rig.mechanisms.stop_contact import StopContact
+from rig.run_folder import RunFolder
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+RIGS = {
+    "cylinder": ("cylinder-step",),
+    "joint": ("joint-circle", "reference.tones=[{frequency: 0.5 Hz, laps: 1}]"),
+}
+GENERATOR = np.random.default_rng(10)
+FIRST_LOOK = {"cylinder": 0.04, "joint": 0.06}
+"""By when the module is configured, and was asked for its contact, s."""
+SHORTEST = 0.03
+"""A press that is shorter may fall between two looks: configuring a device takes 20 ms."""
+
+
+@cache
+def plan_of(rig):
+    experiment, *options = RIGS[rig]
+    return load_plan(experiment, [*options, "metrics={}"], rig=rig, configs=CONFIGS)
+
+
+@cache
+def energised_at(rig, backend):
+    """Return when the loop would begin, s on the rig's clock."""
+    with build_rig(plan_of(rig).profile, backend) as made:
+        made.arm()
+        return made.clock.now()
+
+
+def run(out, rig, backend, presses):
+    faults = tuple(
+        FaultSpec(at, "regulators", "emergency_stop", value)
+        for start, end in presses
+        for at, value in ((start, 1.0), (end, 0.0))
+    )
+    plan = plan_of(rig)
+    simulation = replace(plan.profile.simulation, faults=faults)
+    plan = plan._replace(profile=replace(plan.profile, simulation=simulation))
+    return run_experiment(plan, backend, out, report=False)
+
+
+CASES = [
+    *[("cylinder", Backend.VIRTUAL, *drawn) for drawn in GENERATOR.uniform(size=(5, 2)).tolist()],
+    *[("joint", Backend.VIRTUAL, *drawn) for drawn in GENERATOR.uniform(size=(3, 2)).tolist()],
+    ("cylinder", Backend.SIM, *GENERATOR.uniform(size=2).tolist()),
+    ("joint", Backend.SIM, *GENERATOR.uniform(size=2).tolist()),
+]
+
+
+@pytest.mark.parametrize(
+    ("rig", "backend", "when", "how_long"), CASES, ids=[f"{c[0]}-{c[1]}-{c[2]:.2f}" for c in CASES]
+)
+def test_a_press_while_connecting_is_not_forgotten(tmp_path, rig, backend, when, how_long):
+    begins = energised_at(rig, backend)
+    first = FIRST_LOOK[rig] if backend is Backend.VIRTUAL else 0.0
+    start = first + when * max(begins - SHORTEST - first, 0.0)
+    end = start + SHORTEST + how_long * 0.1
+    result = run(tmp_path, rig, backend, [(start, end)])
+    assert (result.exit_code, result.status.value) == (3, "faulted")
+    released = end < begins - 0.005
+    assert ("was pressed while connecting" in result.message) >= released
+    assert result.message.startswith("the emergency stop ")
+    events = RunFolder.open(result.path).events()
+    assert not any(event["kind"] == "state" and "running" in event["message"] for event in events)
+
+
+@pytest.mark.parametrize("backend", [Backend.VIRTUAL, Backend.SIM])
+@pytest.mark.parametrize("rig", RIGS)
+def test_a_circuit_that_is_open_from_the_start_energises_nothing(tmp_path, rig, backend):
+    result = run(tmp_path, rig, backend, [(0.0, 60.0)])
+    assert (result.exit_code, result.status.value) == (3, "faulted")
+    assert result.message == "the emergency stop is pressed or its circuit is open"
+
+
+class Contact(EmergencyStopInput):
+    """A contact of somebody's own, which remembers nothing."""
+
+    pressed = False
+
+    def emergency_stop(self):
+        return Reading(self.pressed, 0.0)
+
+
+def test_a_contact_that_remembers_nothing_is_asked_for_what_it_is():
+    contact = Contact()
+    watch = StopContact(contact, 0.1)
+    watch.check(0.05)
+    contact.look()
+    contact.pressed = True
+    assert contact.was_pressed()
+    with pytest.raises(EmergencyStop):
+        watch.check(0.05)
