@@ -54,7 +54,7 @@ class SphericalJointPlant(PneumaticPlant):
     channel_names = CHANNELS
 
     own_faults = (*PneumaticPlant.own_faults, "wire_slack", "anchor_slipped")
-    """What `inject` understands of the plant; the last two let some wire go (`slack`, `slip`) each time."""
+    """What `inject` understands; the last two let some wire go (`slack`, `slip`) each time."""
 
     truth_columns = TRUTH_COLUMNS
 

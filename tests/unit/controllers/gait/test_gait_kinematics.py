@@ -79,7 +79,9 @@ def test_jacobian_is_the_derivative_of_the_waist_pose(q, leg):
 @given(angles, legs)
 def test_determinant_is_the_product_of_its_factors(q, leg):
     factors = determinant_factors(q)
-    with np.errstate(divide="ignore"):  # a product under the smallest number, which numpy takes for 0
+    with np.errstate(
+        divide="ignore"
+    ):  # a product under the smallest number, which numpy takes for 0
         expected = np.linalg.det(jacobian(GEOMETRY, leg, q))
     assert math.prod(factors) == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
