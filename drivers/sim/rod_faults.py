@@ -13,7 +13,7 @@ ROD_FAULTS = ("drift", "scale", "mirrored", "noisy")
 
 
 class RodFaults:
-    """The errors of an encoder: none at first.
+    """The errors of an encoder's measurement: none at first.
 
     ``drift`` (value: m/s, default 2 mm/s)
         Its zero wanders.

@@ -21,16 +21,12 @@ from rig.hal.mechanism import DevicePicker, Margin, Mechanism
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
+from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
-
-_CHANNELS = ("agonist", "antagonist")
-
-_SPEED_WINDOW = 0.01
-"""The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
 
 
 class EstimatingPairController(Controller[PairReference, PairState, PairCommand], Protocol):
@@ -99,7 +95,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     ) -> None:
         check_pneumatics(
             "an antagonistic pair",
-            _CHANNELS,
+            CHANNELS,
             settings.limits.pressure,
             settings.stroke,
             regulators,
@@ -127,8 +123,9 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._force_hits = 0
         self._extensions = (settings.home, settings.home)
         self._age = 0.0
-        self._speed_from: tuple[float, float] | None = None
-        self._moved_from = (settings.home, settings.home)
+        self._watch = PairWatch(
+            settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
+        )
 
     @classmethod
     def assemble(
@@ -249,45 +246,11 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         lower, upper = self._lower, self._upper
         if not lower <= position <= upper:
             raise LimitExceeded("position of the pair", position, lower, upper, "m")
-        self._check_rods()
-        self._check_speed(position, now)
+        self._watch.check(state, self._extensions, now)
 
-    def _check_rods(self) -> None:
-        agonist, antagonist = self._extensions
-        mismatch = 0.5 * (agonist + antagonist) - self._home
-        bound = self._limits.mismatch
-        if abs(mismatch) <= bound:
-            if abs(mismatch) < 0.5 * bound:
-                self._moved_from = self._extensions
-            return
-        # Since the rods last agreed, one encoder may not have moved at all: name it.
-        still = [
-            encoder.name
-            for encoder, now_at, was_at in zip(
-                (self._encoder_agonist, self._encoder_antagonist),
-                self._extensions,
-                self._moved_from,
-                strict=True,
-            )
-            if now_at == was_at
-        ]
-        cause = (
-            f"{still[0]} is frozen" if len(still) == 1 else "a wire is slack or an encoder wrong"
-        )
-        raise LimitExceeded(f"mismatch of the two rods ({cause})", mismatch, -bound, bound, "m")
-
-    def _check_speed(self, position: float, now: float) -> None:
-        if self._speed_from is None:
-            self._speed_from = (now, position)
-            return
-        then, was_at = self._speed_from
-        if now - then < _SPEED_WINDOW:
-            return
-        speed = (position - was_at) / (now - then)
-        bound = self._limits.speed
-        if abs(speed) > bound:
-            raise LimitExceeded("speed of the pair", speed, -bound, bound, "m/s")
-        self._speed_from = (now, position)
+    def explain(self, error: Exception, state: PairState) -> Exception:
+        """Return a fault with the cause that the rest of the pair shows; see `Mechanism`."""
+        return self._watch.explain(error, self._extensions)
 
     def resting_command(self, state: PairState) -> PairCommand:
         """Return the measured pressures, within the permitted range."""
@@ -320,7 +283,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     def start_limiting(self, state: PairState) -> None:
         """Start the rate limit from the measured pressures."""
         self._limiter.reset((state.agonist, state.antagonist))
-        self._speed_from = None
+        self._watch.restart()
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""
@@ -336,6 +299,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     def write(self, applied: PairCommand) -> None:
         """Hand the setpoints to the regulators."""
         self._regulators.set_pressure(applied)
+        self._watch.send(applied)
 
     def row(
         self,

@@ -1,10 +1,11 @@
 """What a profile says of one antagonistic pair of cylinders."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from annotated_types import Gt, Unit
 
+from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, PressureAlarm, SwappedAlarm
 from rig.mechanisms.pneumatic.settings import (
     PneumaticLimits,
     PneumaticSettings,
@@ -49,6 +50,44 @@ class CylinderLimits(PneumaticLimits):
         PneumaticLimits.__post_init__(self)
 
 
+@dataclass(frozen=True, slots=True)
+class RodsAlarm:
+    """The two rods no longer agree about the pair's position as they did when it was energised.
+
+    Parameters
+    ----------
+    change : float, optional
+        Permitted change, m. None: what may be without a fault, three parts that add up. A seal
+        that sticks on either side stretches the wires by the breakaway force over their stiffness.
+        The two encoders' scales are 1 % off against each other over half of the permitted
+        positions. The wires' stretch at base pressure is known to 30 %.
+    """
+
+    change: Annotated[float, Unit("m"), Gt(0)] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PairAlarmSettings:
+    """Alarms of a pair beside its limits.
+
+    Parameters
+    ----------
+    pressure : PressureAlarm
+        A regulator stuck or slow, its tube or its monitor off, the supply lost.
+    frozen : FrozenAlarm
+        An encoder frozen, a rod jammed.
+    swapped : SwappedAlarm
+        The encoders swapped, or the tubes.
+    rods : RodsAlarm
+        An encoder that drifts, is mirrored or has a wrong scale; a wire slack.
+    """
+
+    pressure: PressureAlarm = field(default_factory=PressureAlarm)
+    frozen: FrozenAlarm = field(default_factory=FrozenAlarm)
+    swapped: SwappedAlarm = field(default_factory=SwappedAlarm)
+    rods: RodsAlarm = field(default_factory=RodsAlarm)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylinderSettings(PneumaticSettings):
     """One antagonistic pair, beside what `PneumaticSettings` says.
@@ -61,12 +100,15 @@ class CylinderSettings(PneumaticSettings):
         Of the whole pair.
     limits : CylinderLimits
         What the loop never permits.
+    alarms : PairAlarmSettings
+        What tells that something is broken, and how soon.
     """
 
     encoder_agonist: str
     encoder_antagonist: str
     friction: FrictionModel
     limits: CylinderLimits
+    alarms: PairAlarmSettings = field(default_factory=PairAlarmSettings)
 
     def __post_init__(self) -> None:
         PneumaticSettings.__post_init__(self)
@@ -77,3 +119,13 @@ class CylinderSettings(PneumaticSettings):
                 f"limits.position {lower:g} … {upper:g} m exceeds what the stroke leaves "
                 f"around home, ±{reach:g} m."
             )
+
+    @property
+    def most_disagreement(self) -> float:
+        """How far the rods' agreement may change, m; see `RodsAlarm`."""
+        if self.alarms.rods.change is not None:
+            return self.alarms.rods.change
+        lower, upper = self.limits.position
+        sticking = self.friction.breakaway / self.wire_stiffness
+        stretch = self.area * self.base_pressure / self.wire_stiffness
+        return sticking + 0.01 * 0.5 * (upper - lower) + 0.3 * stretch

@@ -94,8 +94,6 @@ class JointSettings(PneumaticSettings):
         What tells that something is broken, and how soon.
     geometry : SphericalJointGeometry
         Dimensions of ball, ring, wires and marker.
-    wire_stiffness : float
-        Of one wire, N/m.
     tolerance : JointTolerances
         How far the joint may be off its drawing: what its calibration starts from.
     camera : str, optional
@@ -108,7 +106,6 @@ class JointSettings(PneumaticSettings):
     limits: JointLimits
     geometry: SphericalJointGeometry = field(default_factory=SphericalJointGeometry)
     wire_offsets: tuple[_Length, _Length, _Length, _Length] = (0.0,) * 4
-    wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
     alarms: JointAlarmSettings = field(default_factory=JointAlarmSettings)
     tolerance: JointTolerances = field(default_factory=JointTolerances)
     camera: str | None = None

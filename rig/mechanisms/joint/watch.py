@@ -3,17 +3,17 @@
 import math
 from collections.abc import Sequence
 
-from controllers.spherical_joint.geometry import Quadruple
+from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from controllers.spherical_joint.poses import Vector, tilt_of
 from controllers.spherical_joint.types import CameraSample, JointState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.hal.mechanism import Margin
 from rig.mechanisms.joint.alarms.camera import MarkerWatch
-from rig.mechanisms.joint.alarms.pressures import PressureWatch
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
-from rig.mechanisms.joint.alarms.work import WorkWatch
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 _SPEED_WINDOW = 0.01
 """Speeds are judged over this time, s: over one cycle, an encoder step would look fast."""
@@ -67,7 +67,9 @@ class JointWatch:
             encoders,
             CHANNELS,
         )
-        self._work = WorkWatch(alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS)
+        self._work = WorkWatch(
+            alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, PAIRS
+        )
         self._camera = (
             None
             if camera is None

@@ -92,6 +92,8 @@ class PneumaticSettings:
         What the loop never permits.
     regulator_response : RegulatorModel
         Response of the regulators as the controllers believe it.
+    wire_stiffness : float
+        Of one wire, N/m.
     emergency_stop : str, optional
         The device that reads the emergency-stop contact.
     """
@@ -106,6 +108,7 @@ class PneumaticSettings:
     friction: SealFriction
     limits: PneumaticLimits
     regulator_response: RegulatorModel = field(default_factory=RegulatorModel)
+    wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
     emergency_stop: str | None = None
 
     def __post_init__(self) -> None:

@@ -18,10 +18,11 @@ from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.wires import InverseKinematics
-from rig.mechanisms.joint.alarms.settings import FrozenAlarm
+from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
 from rig.mechanisms.joint.mechanism import SphericalJoint
 from rig.mechanisms.joint.settings import JointFriction, JointLimits, JointSettings
+from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, PressureAlarm
 
 GEOMETRY = SphericalJointGeometry()
 CHANNELS = ("ch1", "ch2", "ch3", "ch4")
@@ -79,6 +80,8 @@ def joint_settings(limits=None, **changes):
         "friction": JointFriction(7.0, 10.0, 8e-3, 50.0, 0.07, 0.11),
         "limits": limits or joint_limits(),
         "wire_stiffness": STIFF,
+        # The deviation and its time alone: the other bounds have tests of their own.
+        "alarms": JointAlarmSettings(pressure=PressureAlarm(offset=1e12, slow=1e12)),
     }
     return JointSettings(**(settings | changes))
 

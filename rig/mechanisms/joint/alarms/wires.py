@@ -10,7 +10,7 @@ from controllers.spherical_joint.forward import ForwardKinematics
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.poses import Vector
 from rig.hal import SafetyError
-from rig.mechanisms.joint.alarms.settings import FrozenAlarm
+from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm
 
 _HISTORY = 256
 """So many checks are remembered, a second at 1 kHz …"""
@@ -110,7 +110,7 @@ class WireWatch:
         self._channels = tuple(channels)
         self._history: deque[_Readings] = deque(maxlen=_HISTORY)
         self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
-        self._agreed_at = -math.inf
+        self._agreed_at: float | None = None
         self._rods: Quadruple | None = None
         self._changed_at = [0.0] * 4
         self._residual_then = [0.0] * 4
@@ -143,7 +143,7 @@ class WireWatch:
         else:
             self.axis, self.residual = pose.axis, pose.residual
             self._check_frozen(rods, pose.residuals, now)
-        if self.residual <= self._limits.residual:
+        if self.residual <= self._limits.residual or self._agreed_at is None:
             self._agreed_at = now
         elif now - self._agreed_at > self._limits.grace:
             cause = self._explain(rods, unstretched, pressures, now)

@@ -6,8 +6,8 @@ import pytest
 from joint_fakes import CHANNELS, ENCODERS
 
 from rig.hal import SafetyError
-from rig.mechanisms.joint.alarms.settings import SwappedAlarm
-from rig.mechanisms.joint.alarms.work import WorkWatch
+from rig.mechanisms.pneumatic.alarms.settings import SwappedAlarm
+from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
 WAY = 2.0**-10
 STEP = WAY / 8
@@ -21,7 +21,14 @@ class Bench:
     """A pair that goes on by steps under a pull."""
 
     def __init__(self, pair=(0, 2), coulomb=COULOMB, explain=lambda: None):
-        self.watch = WorkWatch(SwappedAlarm(WAY, 0.25), AREA, coulomb, ENCODERS, CHANNELS)
+        self.watch = WorkWatch(
+            SwappedAlarm(WAY, 0.25),
+            AREA,
+            coulomb,
+            ENCODERS,
+            CHANNELS,
+            tuple(pair for pair, _ in PAIRS.values()),
+        )
         self.pair = pair
         self.place = 0.0
         self.explain = explain
@@ -99,14 +106,14 @@ def test_work_is_added_over_the_last_part_of_the_way_alone():
 def test_the_window_keeps_what_it_needs_for_the_whole_way():
     """Steps of 0.3 of the way: four are enough, and three are not."""
     bench = Bench()
-    bench.steps(20, -0.999 * BOUND / 1.2, 0.3 * WAY)
+    bench.steps(20, -0.999 * BOUND, 0.3 * WAY)
     bench = Bench()
     bench.steps(3, -2.0 * BOUND, 0.3 * WAY)
     with pytest.raises(SafetyError, match=r"over 1\.17 mm"):
         bench.steps(1, -2.0 * BOUND, 0.3 * WAY)
     bench = Bench()
     with pytest.raises(SafetyError):
-        bench.steps(4, -1.001 * BOUND / 1.2, 0.3 * WAY)
+        bench.steps(4, -1.001 * BOUND, 0.3 * WAY)
 
 
 def test_noise_of_encoders_is_no_motion():

@@ -3,9 +3,10 @@
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from controllers.spherical_joint.geometry import PAIRS, Quadruple
 from rig.hal import SafetyError
-from rig.mechanisms.joint.alarms.settings import SwappedAlarm
+from rig.mechanisms.pneumatic.alarms.settings import SwappedAlarm
+
+Pair = tuple[int, int]
 
 _STEP = 20e-6
 """Ways shorter than this (m) are not added: encoder noise is no motion."""
@@ -26,6 +27,8 @@ class WorkWatch:
         Their names in the order of the channels.
     channels : sequence of str
         For messages.
+    pairs : sequence of tuple of int
+        Agonist and antagonist of each pair.
     """
 
     def __init__(
@@ -35,20 +38,22 @@ class WorkWatch:
         coulomb: float,
         encoders: Sequence[str],
         channels: Sequence[str],
+        pairs: Sequence[Pair],
     ) -> None:
         self._distance = settings.distance
         self._area = area
-        self._bound = settings.share * coulomb * settings.distance
+        self._bound = settings.share * coulomb
         self._encoders = tuple(encoders)
         self._channels = tuple(channels)
-        self._open = dict.fromkeys(PAIRS) if self._bound > 0.0 else {}
-        self._from: dict[tuple[int, int], float] = {}
-        self._steps: dict[tuple[int, int], deque[tuple[float, float]]] = {
-            pair: deque() for pair in PAIRS
-        }
+        self._open = dict.fromkeys(pairs) if self._bound > 0.0 else {}
+        self._from: dict[Pair, float] = {}
+        self._steps: dict[Pair, deque[tuple[float, float]]] = {pair: deque() for pair in pairs}
 
     def check(
-        self, rods: Quadruple, pressures: Quadruple, explain: Callable[[], str | None]
+        self,
+        rods: Sequence[float],
+        pressures: Sequence[float],
+        explain: Callable[[], str | None],
     ) -> None:
         """Take readings and raise if a pair has moved against its own pull.
 
@@ -81,16 +86,17 @@ class WorkWatch:
             if covered < self._distance:
                 continue
             work = sum(done for _, done in steps)
-            if work > self._bound:
+            bound = self._bound * covered  # the last step may reach beyond the distance
+            if work > bound:
                 del self._open[pair]
-            elif work < -self._bound:
+            elif work < -bound:
                 cause = explain() or self._explain(pair)
                 raise SafetyError(
                     f"{cause}: the rods move against their pull [work {work * 1e3:.1f} mJ over "
-                    f"{covered * 1e3:.2f} mm, at least {-self._bound * 1e3:.1f} mJ]"
+                    f"{covered * 1e3:.2f} mm, at least {-bound * 1e3:.1f} mJ]"
                 )
 
-    def _explain(self, pair: tuple[int, int]) -> str:
+    def _explain(self, pair: Pair) -> str:
         one, other = sorted(pair)
         return (
             f"{self._encoders[one]} and {self._encoders[other]} are swapped, or the tubes of "

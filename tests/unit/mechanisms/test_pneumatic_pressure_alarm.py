@@ -2,18 +2,21 @@
 
 import math
 
+import numpy as np
 import pytest
 from joint_fakes import CHANNELS
 
 from rig.hal import SafetyError
-from rig.mechanisms.joint.alarms.pressures import PressureWatch
-from rig.mechanisms.joint.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 STEP, TIME, DEVIATION, START = 2.0**-10, 2.0**-6, 40e3, 200e3
 CYCLES = round(TIME / STEP)
 """So many cycles a pressure may be off."""
-ATTENTIVE = {"deviation": DEVIATION, "time": TIME}
+NEVER = 1e12
+ATTENTIVE = {"deviation": DEVIATION, "time": TIME, "offset": NEVER, "slow": NEVER}
+"""The deviation and its time alone."""
 
 
 class Bench:
@@ -116,12 +119,29 @@ def test_a_suspicion_needs_half_of_the_deviation():
     assert bench.watch.suspicion() is None
     bench.pass_by(1, ch2=0.5 * DEVIATION + 1.0)
     said = bench.watch.suspicion()
-    assert said.startswith("valves: the regulator of ch2 is stuck ")
+    assert said.startswith("valves: the regulator of ch2 is stuck closed: its pressure stays")
     assert said.endswith("[ch2: +20 kPa off a healthy regulator, at most 40 kPa]")
     bench.pass_by(1, ch2=10e3, ch3=-0.5 * DEVIATION - 1.0)
     assert "the regulator of ch3" in bench.watch.suspicion()
     fresh = PressureWatch(PressureAlarm(), RegulatorModel(), CHANNELS, "valves")
     assert fresh.suspicion() is None
+
+
+@pytest.mark.parametrize(
+    ("off", "words"),
+    [
+        (21e3, "is stuck open: its pressure rises"),
+        (39e3, "is stuck open: its pressure rises"),
+        (-21e3, "is stuck venting, or its tube is off: its pressure falls"),
+        (-39e3, "is stuck venting, or its tube is off: its pressure falls"),
+    ],
+)
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_a_suspicion_says_where_the_pressure_went(channel, off, words):
+    """Between half of the deviation and the whole of it, too."""
+    bench = Bench()
+    bench.pass_by(3, **{channel: off})
+    assert f"the regulator of {channel} {words}" in bench.watch.suspicion()
 
 
 def follow(response, model, deviation, duration=0.3):
@@ -182,3 +202,77 @@ def test_nothing_is_expected_before_the_first_setpoints():
     watch = PressureWatch(PressureAlarm(**ATTENTIVE), RegulatorModel(), CHANNELS, "valves")
     for cycle in range(5 * CYCLES):
         watch.check((cycle * 50e3,) * 4, cycle * STEP)
+
+
+# The mean, and slowness ---------------------------------------------------------------------------
+
+CALM = {"deviation": NEVER, "slow": NEVER, "offset": 12e3}
+MEAN_TIME, USUAL_TIME = 4.0 / 40.0, 5.0
+
+
+def cycles_until(raises, bench, most, **off):
+    for cycle in range(most):
+        try:
+            bench.pass_by(1, **off)
+        except SafetyError as error:
+            assert raises in str(error)
+            return cycle + 1
+    return None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_monitor_that_is_off_for_good_is_found_by_its_mean(seed):
+    """The mean comes near within four time constants; what is usual, over seconds."""
+    rng = np.random.default_rng(seed)
+    off, channel = rng.choice([-1.0, 1.0]) * rng.uniform(14e3, 60e3), CHANNELS[rng.integers(4)]
+    bench = Bench(**CALM)
+    bench.pass_by(8 * round(USUAL_TIME / STEP))
+    took = cycles_until(f"monitor of {channel}", bench, 4000, **{channel: off})
+    share = 12e3 / abs(off)  # of the way, which the usual goes too, but 50 times as slowly
+    assert took * STEP == pytest.approx(-MEAN_TIME * math.log(1.0 - share), rel=0.2)
+
+
+def test_what_a_regulator_is_off_from_the_start_is_usual():
+    """As one is that nobody has calibrated: for more there is the deviation."""
+    bench = Bench(**CALM)
+    for _ in range(4000):
+        bench.pass_by(1, ch1=20e3, ch2=-20e3)
+    assert cycles_until("ch2", bench, 4000, ch1=20e3, ch2=-35e3) is not None
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_regulator_that_takes_twice_as_long_is_slow(seed, factor):
+    rng = np.random.default_rng(seed)
+    channel = int(rng.integers(4))
+    bench = Bench(deviation=NEVER, offset=NEVER, slow=0.75)
+    rates, pressures = [0.0] * 4, [START] * 4
+    phase, frequency = rng.uniform(0.0, 6.0), rng.uniform(0.5, 2.0)
+    seen = None
+    for cycle in range(4000):
+        swing = 60e3 * math.sin(2.0 * math.pi * frequency * cycle * STEP + phase)
+        sent = [START + (-1.0) ** k * swing for k in range(4)]
+        bench.watch.send(sent)
+        for k in range(4):
+            rate = 40.0 / (factor if k == channel else 1.0)
+            for _ in range(4):
+                step = STEP / 4
+                pull = rate**2 * (sent[k] - pressures[k])
+                rates[k] = (rates[k] + step * pull) / (1.0 + step * 2.0 * rate)
+                pressures[k] += step * rates[k]
+        off = {name: p - START for name, p in zip(CHANNELS, pressures, strict=True)}
+        try:
+            bench.pass_by(1, **off)
+        except SafetyError as error:
+            seen = str(error)
+            break
+    if factor >= 2.0:
+        assert f"the regulator of {CHANNELS[channel]} is slow" in seen
+    else:
+        assert seen is None
+
+
+def test_a_setpoint_that_stands_still_shows_no_slowness():
+    bench = Bench(deviation=NEVER, offset=NEVER, slow=0.75)
+    for k in range(4000):
+        bench.pass_by(1, ch1=10e3 * math.sin(0.1 * k))

@@ -1,0 +1,235 @@
+"""What is watched of an antagonistic pair while it moves, and what is a fault."""
+
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from controllers.cylinder.types import PairState
+from rig.hal import DeviceFault, LimitExceeded, SafetyError
+from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.alarms.work import WorkWatch
+
+CHANNELS = ("agonist", "antagonist")
+
+_SPEED_WINDOW = 0.01
+"""The speed is judged over this time, s: over one cycle, an encoder step would look fast."""
+_HISTORY = 256
+"""So many cycles are remembered, a quarter of a second at 1 kHz …"""
+_RECENT = 4
+"""… and over so many a wire lets go."""
+_SETTLED = 0.1
+"""The wires are taut for this time before the rods' agreement is taken for the usual one, s."""
+_JUMP = 0.3
+"""A rod that runs was at this share of its speed a cycle before; an encoder that jumps was not."""
+_LEAST_RUN = 0.1
+"""If a wire lets go both rods run in; where one does less than this share, an encoder is wrong."""
+_AGREED = 0.2
+"""The rods agree while their change is below this share of its bound."""
+
+Two = tuple[float, float]
+
+
+class _Readings(NamedTuple):
+    extensions: Two
+    pulls: Two
+    """Of the two chambers, N."""
+    change: float
+    """Of the rods' agreement, m."""
+
+
+class PairWatch:
+    """Checks each state of the pair and names what is broken.
+
+    The two rods show the pair's position twice. What they cannot tell is which of them is right
+    while both move: a drift or a wrong scale of one encoder looks like that of the other, so the
+    message names both. One that stands still or goes against the pull is named alone. While the
+    pair rests, a frozen, mirrored or wrongly scaled encoder says what a healthy one says.
+
+    Parameters
+    ----------
+    settings : CylinderSettings
+        Dimensions, limits and alarms.
+    regulators : str
+        Name of the regulators, for messages.
+    encoders : sequence of str
+        Names of the agonist's and the antagonist's encoder, for messages.
+    """
+
+    def __init__(
+        self, settings: CylinderSettings, regulators: str, encoders: Sequence[str]
+    ) -> None:
+        alarms, friction = settings.alarms, settings.friction
+        self._limits = settings.limits
+        self._home = settings.home
+        self._area = settings.area
+        self._encoders = tuple(encoders)
+        self._give = 0.5 * settings.area / settings.wire_stiffness
+        self._taut = 0.5 * friction.breakaway / settings.area
+        self._sliding = 0.5 * friction.coulomb
+        self._bound = settings.most_disagreement
+        self._frozen = alarms.frozen
+        self._pressures = PressureWatch(
+            alarms.pressure, settings.regulator_response, CHANNELS, regulators
+        )
+        self._work = WorkWatch(
+            alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)
+        )
+        self._least_work = alarms.swapped.share * friction.coulomb
+        self._history: deque[_Readings] = deque(maxlen=_HISTORY)
+        self._speed_from: Two | None = None
+        self._slack_at = 0.0
+        self._usual: float | None = None
+        self._still = [(0.0, 0.0, 0.0)] * 2
+        self._step = self._then = 0.0
+        self._explained: Exception | None = None
+
+    def restart(self) -> None:
+        """Forget where the pair was: a new motion starts."""
+        self._speed_from = None
+
+    def send(self, setpoints: Sequence[float]) -> None:
+        """Take the setpoints that the regulators get in this cycle, Pa gauge."""
+        self._pressures.send(setpoints)
+
+    def check(self, state: PairState, extensions: Two, now: float) -> None:
+        """Raise if something is broken.
+
+        Raises
+        ------
+        SafetyError
+            It names channel or device.
+        LimitExceeded
+            The rods disagree, or the pair is too fast.
+        """
+        _, position, agonist, antagonist = state
+        self._step, self._then = now - self._then, now
+        mismatch = 0.5 * (extensions[0] + extensions[1]) - self._home
+        change = self._change(mismatch, agonist, antagonist, now)
+        pulls = self._area * agonist, self._area * antagonist
+        self._history.append(_Readings(extensions, pulls, change))
+        self._check_rods(mismatch, change)
+        self._check_frozen(extensions, now)
+        self._pressures.check((agonist, antagonist), now)
+        rods = self._home - extensions[0], self._home - extensions[1]
+        self._work.check(rods, (agonist, antagonist), lambda: None)
+        self._check_speed(position, now)
+
+    def explain(self, error: Exception, extensions: Two) -> Exception:
+        """Return an error of a device or limit with the cause that the rest of the pair shows."""
+        cause = None
+        if isinstance(error, DeviceFault) and error.device in self._encoders:
+            # This cycle's state was not checked: the device said first that it is wrong.
+            k = self._encoders.index(error.device)
+            if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * self._step:
+                cause = self._explain_run()
+        elif isinstance(error, LimitExceeded) and error is not self._explained:
+            cause = self._explain_run() or self._pressures.suspicion()
+        return error if cause is None else SafetyError(f"{cause} ({error})")
+
+    def _change(self, mismatch: float, agonist: float, antagonist: float, now: float) -> float:
+        """Return how much the rods' agreement has changed, m; 0 while the wires may be slack."""
+        if min(agonist, antagonist) < self._taut:
+            self._slack_at, self._usual = now, None
+            return 0.0
+        mismatch += self._give * (agonist + antagonist)  # by which the wires' stretch shortens it
+        if self._usual is None:
+            if now - self._slack_at > _SETTLED:
+                self._usual = mismatch
+            return 0.0
+        return mismatch - self._usual
+
+    def _check_rods(self, mismatch: float, change: float) -> None:
+        for what, far, bound in (
+            ("mismatch of the two rods", mismatch, self._limits.mismatch),
+            ("change of the mismatch of the two rods", change, self._bound),
+        ):
+            if not -bound <= far <= bound:
+                cause = self._explain_mismatch(far)
+                self._explained = LimitExceeded(f"{what} ({cause})", far, -bound, bound, "m")
+                raise self._explained
+
+    def _check_frozen(self, extensions: Two, now: float) -> None:
+        """Raise if one rod says the same while the other moves; `_still`: what, where and since."""
+        for k in range(2):
+            here, there = extensions[k], extensions[1 - k]
+            said, other, since = self._still[k]
+            if here != said:
+                self._still[k] = here, there, now
+                continue
+            way = abs(there - other)
+            if way > self._frozen.distance and now - since > self._frozen.time:
+                raise SafetyError(
+                    f"{self._encoders[k]} is frozen, or the rod of {CHANNELS[k]} is jammed: the "
+                    f"other one moved on by {way * 1e3:.2f} mm while it said the same for "
+                    f"{now - since:.3f} s [at most {self._frozen.distance * 1e3:g} mm for "
+                    f"{self._frozen.time:g} s]"
+                )
+
+    def _check_speed(self, position: float, now: float) -> None:
+        if self._speed_from is None:
+            self._speed_from = (now, position)
+            return
+        then, was_at = self._speed_from
+        if now - then < _SPEED_WINDOW:
+            return
+        speed = (position - was_at) / (now - then)
+        bound = self._limits.speed
+        if abs(speed) > bound:
+            raise LimitExceeded("speed of the pair", speed, -bound, bound, "m/s")
+        self._speed_from = (now, position)
+
+    def _explain_mismatch(self, change: float) -> str:
+        """Return why the rods disagree; a wire holds a rod back, and never pushes it out."""
+        cause = self._explain_still() or self._explain_run() or self._explain_against()
+        if cause is not None:
+            return cause
+        slack = "" if change > 0.0 else "a wire is slack, or "
+        return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale"
+
+    def _explain_still(self) -> str | None:
+        """Return which encoder has said the same while the other one moved."""
+        here = self._history[-1].extensions
+        for k in range(2):
+            said, other, _ = self._still[k]
+            if here[k] == said and abs(here[1 - k] - other) > self._bound:
+                return f"{self._encoders[k]} is frozen"
+        return None
+
+    def _explain_run(self) -> str | None:
+        """Return which wire let go, if the rods have just begun to run in."""
+        if len(self._history) <= 2 * _RECENT:
+            return None
+        before, then, now = (
+            self._history[k].extensions for k in (-1 - 2 * _RECENT, -1 - _RECENT, -1)
+        )
+        ways = [2.0 * then[k] - now[k] - before[k] for k in range(2)]
+        least = _JUMP * self._limits.speed * self._step * 2.0
+        if max(ways) < least or min(ways) < _LEAST_RUN * max(ways):
+            return None
+        # By its own chamber's pull less friction: the one that has the least to move.
+        forces = [max(pull - self._sliding, 1.0) for pull in self._history[-1].pulls]
+        k = max(range(2), key=lambda k: ways[k] / forces[k])
+        return f"the wire of {CHANNELS[k]} is slack or cut: its rod runs in"
+
+    def _explain_against(self) -> str | None:
+        """Return which encoder alone goes against the pull since the two disagree."""
+        work, way = [0.0, 0.0], [0.0, 0.0]
+        after = self._history[-1]
+        for before in list(self._history)[-2::-1]:
+            pull = after.pulls[0] - after.pulls[1]
+            for k, sign in enumerate((-1.0, 1.0)):
+                moved = sign * (after.extensions[k] - before.extensions[k])
+                work[k] += pull * moved
+                way[k] += abs(moved)
+            after = before
+            if abs(before.change) < _AGREED * self._bound:
+                break
+        for k in range(2):
+            if work[k] < -self._least_work * way[k] and work[1 - k] > self._least_work * way[1 - k]:
+                return f"{self._encoders[k]} is mirrored or drifts: it goes against the pull"
+        return None
+
+    def _ran(self, k: int) -> float:
+        """Return how far a rod went in the last checked cycle, m."""
+        return abs(self._history[-1].extensions[k] - self._history[-2].extensions[k])

@@ -1,0 +1,1 @@
+"""What tells that a pneumatic mechanism is broken, whichever one it is."""

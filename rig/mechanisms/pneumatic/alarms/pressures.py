@@ -1,0 +1,251 @@
+"""Tell which regulator is stuck, slow or off, and how, or that the supply is gone."""
+
+import math
+from collections.abc import Sequence
+
+from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import RegulatorModel
+
+_ALIKE = 0.5
+"""A channel that is off by this share of the permitted deviation is off like the worst one."""
+_MOVED = 0.25
+"""A pressure that has changed by this share of the deviation since it was well is not held."""
+_JUMPED = 0.7
+"""A monitor jumps by this share of what it is off in one cycle; air takes a few."""
+_MEAN = 4.0
+"""Time constants of the regulator over which the mean deviation is taken."""
+_USUAL = 5.0
+"""Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is."""
+_SLOW = 1.0
+"""Time over which a deviation is compared with that of a slow regulator, s."""
+_LEAST_LAG = 5e3
+"""A slow regulator would be off by this, rms (Pa), or the motion cannot show that it is slow: at
+less, what a healthy one is off by hysteresis and overlap looks the same."""
+_LIKE_SLOW = 0.6
+"""Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
+
+
+class _Channel:
+    """A healthy regulator's pressure for the setpoints that were sent, and when it was met.
+
+    Beside it a regulator with half of the bandwidth, and how alike the two deviations are.
+    """
+
+    __slots__ = (
+        "expected", "held", "jump", "lag_power", "likeness", "mean", "off", "power", "rate",
+        "slow", "slow_rate", "usual", "well_at",
+    )  # fmt: skip
+
+    def __init__(self, pressure: float, now: float) -> None:
+        self.expected = self.slow = self.held = pressure
+        self.rate = self.slow_rate = 0.0
+        self.off = self.mean = self.usual = self.jump = 0.0
+        self.lag_power = self.likeness = self.power = 0.0
+        self.well_at = now
+
+    def compare(self, lag: float, share: float, bound: float) -> bool:
+        """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
+        off = self.off - self.usual
+        self.lag_power = power = self.lag_power + share * (lag * lag - self.lag_power)
+        self.likeness = likeness = self.likeness + share * (lag * off - self.likeness)
+        self.power += share * (off * off - self.power)
+        return power > _LEAST_LAG**2 and likeness > bound * power
+
+    @property
+    def slowness(self) -> float:
+        """Share of a slow regulator's deviation that this one has; 0 if the motion shows none."""
+        return self.likeness / self.lag_power if self.lag_power > _LEAST_LAG**2 else 0.0
+
+
+class PressureWatch:
+    """Compares the chambers' pressures with what healthy regulators would make of the setpoints.
+
+    What it cannot see: a regulator that is stuck or slow while its setpoint stands still, for it
+    does what it should; a leak that the regulator makes up for; and a monitor that was off
+    before the run by less than the permitted deviation, which is the calibration's to find.
+
+    Parameters
+    ----------
+    settings : PressureAlarm
+        How far and how long.
+    response : RegulatorModel
+        Of a healthy regulator: second order.
+    channels : sequence of str
+        For messages.
+    device : str
+        The regulators' name, for messages.
+    """
+
+    def __init__(
+        self,
+        settings: PressureAlarm,
+        response: RegulatorModel,
+        channels: Sequence[str],
+        device: str,
+    ) -> None:
+        self._settings = settings
+        self._stiffness = response.bandwidth**2
+        self._drag = 2.0 * response.damping * response.bandwidth
+        self._mean_time = _MEAN / response.bandwidth
+        self._names = tuple(channels)
+        self._device = device
+        self._channels: tuple[_Channel, ...] = ()
+        self._began = self._then = 0.0
+        self._setpoints: Sequence[float] = ()
+        self._pressures: Sequence[float] = ()
+
+    def send(self, setpoints: Sequence[float]) -> None:
+        """Take the setpoints of this cycle, Pa gauge."""
+        self._setpoints = setpoints
+
+    def check(self, pressures: Sequence[float], now: float) -> None:
+        """Take this cycle's readings (Pa gauge), and raise if one has been off for too long.
+
+        Raises
+        ------
+        SafetyError
+            It names the channel and the likeliest cause.
+        """
+        self._pressures = pressures
+        step = now - self._then
+        self._then = now
+        setpoints = self._setpoints
+        if not self._channels or not setpoints or step <= 0.0:
+            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
+            self._began = now
+            return
+        settings = self._settings
+        deviation, alike = settings.deviation, _ALIKE * settings.deviation
+        pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
+        slow_pull, slow_brake = 0.25 * pull, 1.0 / (1.0 + 0.5 * step * self._drag)
+        mean = step / (self._mean_time + step)
+        usual = step / (min(now - self._began + self._mean_time, _USUAL) + step)
+        share = step / (_SLOW + step)
+        most = settings.offset
+        long_off = strange = False
+        for k, channel in enumerate(self._channels):
+            expected, slow, pressure, before = (
+                channel.expected, channel.slow, pressures[k], channel.off,
+            )  # fmt: skip
+            channel.rate = rate = (channel.rate + pull * (setpoints[k] - expected)) * brake
+            channel.expected = expected = expected + step * rate
+            rate = (channel.slow_rate + slow_pull * (setpoints[k] - slow)) * slow_brake
+            channel.slow_rate = rate
+            channel.slow = slow = slow + step * rate
+            channel.off = off = pressure - expected
+            if -alike <= off <= alike:
+                channel.held = pressure
+            if -deviation <= off <= deviation:
+                channel.well_at = now
+            elif now - channel.well_at > settings.time:
+                long_off = True
+            if -most < off - channel.usual < most:
+                channel.jump = 0.0
+            elif abs(off - before) > abs(channel.jump):
+                channel.jump = off - before
+            channel.mean += mean * (off - channel.mean)
+            channel.usual += usual * (off - channel.usual)
+            if channel.compare(slow - expected, share, settings.slow) or not (
+                -most <= channel.mean - channel.usual <= most
+            ):
+                strange = True
+        if long_off:
+            self._raise_off(now)
+        if strange:
+            self._raise_strange()
+
+    def _raise_off(self, now: float) -> None:
+        settings = self._settings
+        k = min(range(len(self._channels)), key=lambda k: self._channels[k].well_at)
+        channel = self._channels[k]
+        raise SafetyError(
+            f"{self._device}: {self._explain()} [{self._names[k]}: "
+            f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
+            f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
+            f"healthy regulator for {now - channel.well_at:.3f} s, at most "
+            f"{settings.deviation * 1e-3:.0f} kPa for {settings.time:g} s]"
+        )
+
+    def _raise_strange(self) -> None:
+        settings, channels = self._settings, self._channels
+        k = max(
+            range(len(channels)),
+            key=lambda k: max(
+                abs(channels[k].mean - channels[k].usual) / settings.offset,
+                channels[k].slowness / settings.slow,
+            ),
+        )
+        name, channel = self._names[k], channels[k]
+        moved = (channel.mean - channel.usual) * 1e-3
+        raise SafetyError(
+            f"{self._device}: {self._explain_strange(k)} [{name}: "
+            f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint {self._setpoints[k] * 1e-3:.0f} kPa; "
+            f"the mean is {moved:+.1f} kPa off what is usual, at most "
+            f"{settings.offset * 1e-3:g} kPa; as far off as {channel.slowness:.2f} of a regulator "
+            f"of half the bandwidth, at most {settings.slow:g}]"
+        )
+
+    def _explain_strange(self, k: int) -> str:
+        name, channel, channels = self._names[k], self._channels[k], self._channels
+        bound = self._settings.offset
+        if self._is_slow(channel):
+            return f"the regulator of {name} is slow"
+        low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
+        if len(low) > 1 and k in low:
+            return (
+                f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
+            )
+        if abs(channel.off) > _ALIKE * self._settings.deviation:
+            return f"{self._explain()}, or it is slow"
+        return f"the regulator or the monitor of {name} is off, or its chamber leaks"
+
+    def _is_slow(self, channel: _Channel) -> bool:
+        """Return whether a deviation is that of a slow regulator in size and in shape."""
+        if channel.slowness <= self._settings.slow:
+            return False
+        return channel.likeness > math.sqrt(_LIKE_SLOW * channel.lag_power * channel.power)
+
+    def suspicion(self) -> str | None:
+        """Return what looks wrong now, before it has lasted; None if nothing does."""
+        worst = max((abs(channel.off) for channel in self._channels), default=0.0)
+        if worst <= _ALIKE * self._settings.deviation:
+            return None
+        k = max(range(len(self._channels)), key=lambda k: abs(self._channels[k].off))
+        return (
+            f"{self._device}: {self._explain()} [{self._names[k]}: "
+            f"{self._channels[k].off * 1e-3:+.0f} kPa off a healthy regulator, at most "
+            f"{self._settings.deviation * 1e-3:.0f} kPa]"
+        )
+
+    def _explain(self) -> str:
+        channels, names = self._channels, self._names
+        alike = _ALIKE * self._settings.deviation
+        low = [k for k, channel in enumerate(channels) if channel.off < -alike]
+        worst = max(range(len(channels)), key=lambda k: abs(channels[k].off))
+        channel, name = channels[worst], names[worst]
+        if len(low) > 1 and worst in low:
+            return f"the supply pressure is lost: {', '.join(names[k] for k in low)} fall short"
+        if self._is_slow(channel):
+            return f"the regulator of {name} is slow"
+        jumped = abs(channel.jump) > _JUMPED * abs(channel.off)
+        monitor = f", or the monitor of {name} has jumped" if jumped else ""
+        here = self._pressures[worst]
+        # Others with more pressure have it from the supply.
+        alone = all(pressure <= here + alike for pressure in self._pressures)
+        supply = ", or the supply pressure is lost" if alone else ""
+        change = here - channel.held
+        moved = _MOVED * self._settings.deviation
+        if channel.off > 0.0:
+            if change > moved:
+                return f"the regulator of {name} is stuck open: its pressure rises{monitor}"
+            return f"the regulator of {name} is stuck closed: its pressure stays{monitor}"
+        if change < -moved:
+            return (
+                f"the regulator of {name} is stuck venting, or its tube is off: "
+                f"its pressure falls{supply}{monitor}"
+            )
+        return (
+            f"the regulator of {name} is stuck closed, or its chamber leaks: "
+            f"its pressure stays{monitor}"
+        )
