@@ -98,6 +98,21 @@ def test_simulation_is_known_only_to_itself_and_two_modules():
     assert not broken, "\n".join(broken)
 
 
+def test_what_judges_safety_knows_the_truth_and_the_limits_only():
+    """The oracle may not learn from the program what is safe."""
+    allowed = {
+        "rig.faults.oracle": ("rig.hal",),
+        "drivers.sim.hazards": ("rig.hal", "drivers.sim.plants"),
+    }
+    broken = [
+        f"{MODULES[module].relative_to(ROOT)}:{line} imports {target}"
+        for module, packages in allowed.items()
+        for target, line, _ in imports(MODULES[module], module)
+        if not any(belongs(target, package) for package in packages)
+    ]
+    assert not broken, "\n".join(broken)
+
+
 def test_assembly_imports_drivers_lazily():
     broken = [
         f"line {line} imports {target} at module level"

@@ -1,5 +1,6 @@
 """What judges a rig: the truth of its plant against the hazards of its profile, nothing else."""
 
+import math
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
@@ -87,6 +88,7 @@ def _worst(
         kept = times >= safe_from
         times, values = times[kept], values[kept]
     excess = np.maximum(values - hazard.high, hazard.low - values)
+    excess[np.isnan(values)] = np.inf  # a plant that has left what numbers can say
     broken = np.flatnonzero(excess > 0.0)
     if not broken.size:
         return None
@@ -97,4 +99,7 @@ def _worst(
 
 
 def _excess(violation: Violation | None) -> float:
-    return -1.0 if violation is None else abs(violation.worst - violation.bound)
+    if violation is None:
+        return -1.0
+    excess = abs(violation.worst - violation.bound)
+    return math.inf if math.isnan(excess) else excess

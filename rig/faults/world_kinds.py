@@ -143,7 +143,7 @@ SENSORS = (
     _of_device("encoder_frozen", "An encoder repeats its position.", either, 0.5,
                fault="frozen", why="at rest nobody can tell", lasts=_MOMENT),
     _of_device("encoder_offset", "An encoder jumps and stays off.", _is_felt(4e-3), 0.1,
-               ("rod", "wire"), fault="jump",
+               ("rod", "wire"), fault="jump", why="wires give so much",
                magnitude=Magnitudes(0.1e-3, 20e-3, "m", signed=True)),
     _of_device("encoder_drift", "An encoder's zero wanders.", _is_felt(2e-3), 1.5,
                ("rod", "wire"), fault="drift",

@@ -1,0 +1,111 @@
+"""`rig faults`: a campaign that finds what is dangerous, says so, and is never wrongly content."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from rig.cli.faults import faults
+from rig.faults.unit import perform_unit
+
+SLOW_WATCHDOG = "heartbeat_timeout: 150 ms, heartbeat: 50 ms"
+
+
+def run(*arguments):
+    return CliRunner().invoke(faults, [*map(str, arguments)], standalone_mode=False)
+
+
+def campaign(out, seed):
+    return json.loads((out / f"seed-{seed}" / "campaign.json").read_text())
+
+
+def test_a_run_without_a_fault_is_no_failure(tmp_path):
+    result = run("run", "cylinder", "--only", "nothing", "--random", 4, "--out", tmp_path)
+    assert result.return_value == 0, result.output
+    (row,) = campaign(tmp_path, 0)["rows"]
+    assert (row["n"], row["hazards"], row["false trips"]) == (4, 0, 0)
+    assert not [path for path in (tmp_path / "seed-0").iterdir() if path.is_dir()]
+
+
+@pytest.mark.parametrize("seed", [3, 9])
+def test_a_fault_is_seen_named_and_written_down(tmp_path, seed):
+    """The same line gives the same case, with the same reaction."""
+    line = ("run", "cylinder", "--only", "encoder_alarm", "--seed", seed, "--out", tmp_path)
+    results, cases = [], []
+    for _ in range(2):
+        results.append(run(*line))
+        cases.append(campaign(tmp_path, seed)["cases"][0])
+    assert [result.return_value for result in results] == [0, 0], results[0].output
+    assert cases[0] == cases[1]
+    assert cases[0]["case"]["first"]["where"] in cases[0]["ending"]["message"]
+
+
+def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_notice):
+    """A killed master with slow watchdogs throws the pair into its end; nobody is left to say so."""
+    result = run(
+        "run", "cylinder-slow", "--only", "program_killed", "--random", 25, "--seed", 40_000,
+        "--configs", slow_to_notice, "--out", tmp_path,
+    )  # fmt: skip
+    assert result.return_value == 1, result.output
+    content = campaign(tmp_path, 40_000)
+    failed = [case for case in content["cases"] if case["hazard"]]
+    assert failed
+    for case in failed:
+        (violation, *_) = case["ending"]["violations"]
+        assert violation["t"] > case["ending"]["broke_at"]
+        assert re.fullmatch(
+            r"rig faults run cylinder-slow --only program_killed --seed \d+", case["again"]
+        )
+    folders = [path for path in (tmp_path / "seed-40000").iterdir() if path.is_dir()]
+    assert len(folders) == len(failed)
+    (run_folder,) = folders[0].iterdir()
+    events = [json.loads(line) for line in (run_folder / "events.jsonl").read_text().splitlines()]
+    (injected,) = [event for event in events if event["kind"] == "injected"]
+    assert injected["data"]["fault"] == "program_killed"
+    truth = np.load(run_folder / "truth.npz")
+    assert truth["t"][-1] >= failed[0]["ending"]["broke_at"] + 1.4  # as a rule not this one's case
+    assert "position" in truth["columns"]
+
+
+def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
+    monkeypatch.setattr("rig.faults.campaign.perform_unit", lambda *rest: None)
+    assert perform_unit is not None
+    result = run("run", "cylinder", "--only", "nothing", "--out", tmp_path)
+    assert result.return_value == 1
+    assert campaign(tmp_path, 0)["cases"][0]["crashed"]
+
+
+def test_the_page_shows_what_went_wrong_and_runs_nothing(tmp_path, slow_to_notice):
+    run(
+        "run", "cylinder-slow", "--only", "program_killed", "--random", 10, "--seed", 40_000,
+        "--configs", slow_to_notice, "--out", tmp_path,
+    )  # fmt: skip
+    page = (tmp_path / "seed-40000" / "campaign.html").read_text()
+    assert "default-src 'none'" in page
+    assert "program_killed" in page
+
+
+def test_every_fault_of_a_rig_is_listed():
+    listed = json.loads(run("list", "cylinder", "--json").output)
+    names = {entry["fault"] for entry in listed}
+    assert {"wire_cut", "regulator_slow", "setpoints_late", "program_killed"} <= names
+    assert all(entry["what"] and entry["where"] for entry in listed)
+
+
+@pytest.fixture
+def slow_to_notice(tmp_path):
+    """A cylinder whose nodes notice only after 150 ms that nobody commands them any more."""
+    configs = tmp_path / "configs"
+    for folder in ("rigs", "experiments"):
+        (configs / folder).mkdir(parents=True)
+    (configs / "rigs" / "cylinder-slow.yaml").write_text(
+        "extends: cylinder\nname: cylinder-slow\nbuses:\n  can0:\n"
+        "    heartbeat_timeout: 150 ms\n    heartbeat: 50 ms\n"
+    )
+    (configs / "experiments" / "sine-slow.yaml").write_text(
+        "name: sine-slow\nrig: cylinder-slow\ncontroller: cascade\nreference:\n  kind: sine\n"
+        "  amplitude: 9 mm\n  tones:\n    - {frequency: 1 Hz, periods: 5}\n"
+    )
+    return configs

@@ -1,0 +1,149 @@
+"""Drawn cases: the same from the same seed, possible on the rig, and as a file says."""
+
+import pytest
+
+from rig.faults.campaign import draw_each, draw_once, draw_random
+from rig.faults.case import UNIT, Moment
+from rig.faults.catalogue import KINDS, kinds_for
+from rig.faults.kind import Must, Sizes
+from rig.faults.scenario_file import case_of, load_scenario
+from rig.faults.subject import Subject
+from rig.hal import ConfigurationError
+from rig.hal.world import Frames
+
+SUBJECT = Subject(
+    rig="cylinder",
+    experiments=("sine", "step", "ramp"),
+    period=1e-3,
+    channels={"regulators": ("agonist", "antagonist"), "plant": ("agonist", "antagonist")},
+    knows={
+        "plant": ("wire_cut", "supply_lost", "agonist.regulator_slow", "antagonist.regulator_slow"),
+        "regulators": ("silent", "wire_break", "emergency_stop"),
+        "encoder": ("silent", "frozen", "jump"),
+        "can0": ("frame_loss", "bus_off"),
+    },
+    frames={
+        "regulators": Frames("can0", (0x210,), (0x290,), (0x710,)),
+        "encoder": Frames("can0", (), (0x1A0,), (0x720,)),
+    },
+    on_bus={"can0": ("regulators", "encoder")},
+    hazards=(),
+    connecting=0.5,
+    reading_age=15e-3,
+)
+
+
+def test_a_rig_suffers_only_what_it_has():
+    possible = kinds_for(SUBJECT)
+    assert {"wire_cut", "setpoints_lost", "sync_lost", "controller_nan"} <= set(possible)
+    assert not {"drive_fault", "unplugged", "blocked", "encoder_drift"} & set(possible)
+    where = {
+        name: [place.where for place in kind.places(SUBJECT)] for name, kind in possible.items()
+    }
+    assert where["wire_cut"] == ["plant agonist", "plant antagonist"]
+    assert where["regulator_slow"] == ["plant agonist", "plant antagonist"]
+    assert where["setpoints_lost"] == ["regulators"]  # an encoder takes none
+    assert where["bus_off"] == ["can0"]
+
+
+def test_the_same_seed_draws_the_same_cases_and_another_others():
+    assert draw_random(SUBJECT, 3, 40) == draw_random(SUBJECT, 3, 40)
+    assert draw_random(SUBJECT, 3, 40) != draw_random(SUBJECT, 4, 40)
+
+
+def test_a_case_is_drawn_again_from_its_own_line():
+    for case in (*draw_each(SUBJECT, 11, 3), *draw_random(SUBJECT, 12, 60)):
+        (again,) = draw_once(SUBJECT, case.kinds, case.drawn_with, 1)
+        assert again == case
+        assert case.command.endswith(f"--only {'+'.join(case.kinds)} --seed {case.drawn_with}")
+
+
+def test_cases_of_a_unit_share_experiment_and_seed_and_units_differ():
+    units = {}
+    for case in draw_each(SUBJECT, 5, 20):
+        units.setdefault(case.drawn_with // UNIT, set()).add((case.experiment, case.seed))
+    assert all(len(shared) == 1 for shared in units.values())
+    assert len(set.union(*units.values())) == len(units) > 5
+
+
+def test_everything_is_drawn_somewhere():
+    cases = draw_random(SUBJECT, 1, 2000)
+    assert {case.moment for case in cases} == set(Moment)
+    assert {case.first.where for case in cases if case.first.kind == "wire_cut"} == {
+        "plant agonist",
+        "plant antagonist",
+    }
+    assert {case.experiment for case in cases} == set(SUBJECT.experiments)
+    assert any(case.then is not None for case in cases)
+    for case in cases:
+        for item in case.breaks:
+            limits = item.row.magnitude
+            assert (limits is None) == (item.magnitude is None)
+            if limits is not None:
+                assert limits.low <= abs(item.magnitude) <= limits.high * (1 + 1e-12)
+
+
+def test_what_a_size_asks_for():
+    lost = KINDS["readings_lost"]
+    assert lost.must(Sizes(None, 5e-3), SUBJECT) is Must.EITHER
+    assert lost.must(Sizes(None, 0.5), SUBJECT) is Must.SAFE
+
+
+def test_what_may_go_unseen_says_why():
+    small = Sizes(1e-12, 0.0)
+    silent = [
+        name
+        for name, kind in KINDS.items()
+        if kind.must(small, SUBJECT) is Must.EITHER and not kind.why
+    ]
+    assert not silent
+
+
+def test_no_such_fault_is_said_with_the_nearest():
+    with pytest.raises(ConfigurationError, match="did you mean 'wire_cut'"):
+        draw_once(SUBJECT, ("wirecut",), 0, 1)
+    with pytest.raises(ConfigurationError, match="nothing that could suffer blocked"):
+        draw_once(SUBJECT, ("blocked",), 0, 1)
+
+
+SCENARIO = """\
+rig: cylinder
+experiment: sine
+seed: 7
+fault: wire_cut
+where: plant antagonist
+when: {phase: release, after: 31 ms}
+then: {fault: silent, where: encoder, lasts: 20 ms, after: 4 ms}
+"""
+
+
+def scenario(tmp_path, text=SCENARIO):
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    return case_of(load_scenario(path), SUBJECT)
+
+
+def test_a_file_says_what_breaks(tmp_path):
+    case = scenario(tmp_path)
+    assert case.kinds == ("wire_cut", "silent")
+    assert (case.moment, case.after) == (Moment.RELEASE, pytest.approx(31e-3))
+    assert (case.then.where, case.then.lasts, case.then_after) == ("encoder", 20e-3, 4e-3)
+    assert (case.experiment, case.seed) == ("sine", 7)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "said"),
+    [
+        ("wire_cut", "wire_cuts", "case.yaml:4:8: no fault is called 'wire_cuts'"),
+        ("plant antagonist", "antagonist", "there is plant agonist, plant antagonist"),
+        ("phase: release", "phase: relax", "case.yaml:6:15"),
+        ("seed: 7", "seed: -7", "case.yaml:3:7"),
+        ("fault: wire_cut", "fault: blocked", "nothing that could suffer blocked"),
+        ("where: plant antagonist", "where: plant agonist\nlasts: 1 s", "it cannot last 1 s"),
+        ("where: plant antagonist", "where: plant agonist\nmagnitude: 3", "has no magnitude"),
+        ("seed: 7", "sed: 7", "case.yaml:3:1"),
+    ],
+)  # fmt: skip
+def test_a_file_that_cannot_be_done_is_refused(tmp_path, wrong, right, said):
+    with pytest.raises(ConfigurationError, match=said.replace("?", r"\?")):
+        scenario(tmp_path, SCENARIO.replace(wrong, right))

@@ -1,0 +1,71 @@
+"""The oracle against a search by hand, on drawn truths and bounds."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+
+from rig.faults.oracle import judge
+from rig.hal.hazards import Hazard
+
+COLUMNS = ("a", "b", "c")
+
+
+def truth_of(chance: random.Random, count: int = 200):
+    times = np.cumsum([chance.uniform(0.5e-3, 1.5e-3) for _ in range(count)])
+    rows = np.array([[chance.gauss(0.0, 1.0) for _ in COLUMNS] for _ in range(count)])
+    return times, rows
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_bound_is_broken_where_a_search_by_hand_says(seed):
+    chance = random.Random(seed)
+    times, rows = truth_of(chance)
+    low, high = -chance.uniform(1.0, 3.5), chance.uniform(1.0, 3.5)
+    safe_from = chance.uniform(0.0, float(times[-1]))
+    only_safe = bool(seed % 2)
+    hazard = Hazard("x", "m", COLUMNS, low, high, only_safe=only_safe)
+    found = judge([hazard], COLUMNS, times, rows, safe_from=safe_from)
+    beyond = [
+        (max(value - high, low - value), column, t)
+        for t, row in zip(times, rows, strict=True)
+        for column, value in zip(COLUMNS, row, strict=True)
+        if not low <= value <= high and (t >= safe_from or not only_safe)
+    ]
+    assert bool(found) == bool(beyond)
+    if beyond:
+        excess, column, _ = max(beyond)
+        (violation,) = found
+        assert violation.column == column
+        assert abs(violation.worst - violation.bound) == pytest.approx(excess)
+        assert violation.t == min(t for _, name, t in beyond if name == column)
+
+
+def test_a_rate_is_that_of_the_column():
+    times = np.arange(0.0, 1.0, 1e-3)
+    rows = np.stack([3.0 * times, 5.0 * times, np.sin(times)], axis=1)
+    hazard = Hazard("rate", "rad/s", COLUMNS, -4.0, 4.0, is_rate=True)
+    (violation,) = judge([hazard], COLUMNS, times, rows, safe_from=0.0)
+    assert (violation.column, violation.worst) == ("b", pytest.approx(5.0))
+
+
+def test_what_is_bounded_may_be_made_of_a_column():
+    rows = np.array([[math.cos(tilt), 0.0, 0.0] for tilt in (0.1, 0.9, 0.2)])
+    hazard = Hazard("tilt", "rad", ("a",), -math.inf, 0.8, of=math.acos)
+    (violation,) = judge([hazard], COLUMNS, np.array([0.0, 1.0, 2.0]), rows, safe_from=0.0)
+    assert violation.worst == pytest.approx(0.9)
+    assert violation.t == 1.0
+
+
+def test_a_forgiven_hazard_is_not_judged_and_another_is():
+    rows = np.full((3, 3), 9.0)
+    hazards = [Hazard("speed", "m/s", ("a",), -1, 1), Hazard("pressure", "Pa", ("b",), 0, 1)]
+    found = judge(hazards, COLUMNS, np.arange(3.0), rows, safe_from=0.0, forgiven={"speed"})
+    assert [violation.hazard for violation in found] == ["pressure"]
+
+
+def test_a_value_that_is_no_number_is_beyond_every_bound():
+    rows = np.array([[0.0, 0.0, 0.0], [math.nan, 0.0, 0.0]])
+    found = judge([Hazard("x", "m", ("a",), -1, 1)], COLUMNS, np.arange(2.0), rows, safe_from=0.0)
+    assert found

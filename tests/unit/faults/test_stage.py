@@ -1,0 +1,82 @@
+"""The stage: cues come when they are due, and the truth is looked at every millisecond."""
+
+import itertools
+import random
+
+import pytest
+
+from rig.faults.stage import SAMPLE, Program, Stage
+
+
+class Plant:
+    def __init__(self):
+        self.t = 0.0
+
+    def truth(self):
+        return (self.t,)
+
+
+class World:
+    """A world that only keeps the time, and how it got there."""
+
+    def __init__(self):
+        self.time = 0.0
+        self.plant = Plant()
+
+    def advance(self, t):
+        assert t >= self.time
+        self.time = self.plant.t = t
+
+
+class Clock:
+    def __init__(self):
+        self.world = World()
+        self._now = 0.0
+
+    def now(self):
+        return self._now
+
+    def pause(self, duration):
+        self._now += duration
+
+    def sleep_until(self, t):
+        self.world.advance(t)
+        self._now = t
+
+
+def make_stage():
+    return Stage(Clock(), Program(lambda: None))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_cues_come_in_their_order_at_their_time(seed):
+    chance = random.Random(seed)
+    stage, came = make_stage(), []
+    times = [chance.uniform(0.0, 0.05) for _ in range(12)]
+    for at in times:
+        stage.cue(at, lambda at=at: came.append((at, stage.world.time)))
+    t = 0.0
+    while t < 0.06:
+        t += chance.uniform(0.1e-3, 7e-3)
+        stage.advance(t)
+    assert [at for at, _ in came] == sorted(times)
+    assert all(when == pytest.approx(at) for at, when in came)
+
+
+def test_the_truth_is_looked_at_every_millisecond_however_long_the_program_sleeps():
+    stage = make_stage()
+    stage.advance(0.1)
+    steps = [later - earlier for earlier, later in itertools.pairwise(stage.truth.times)]
+    assert max(steps) <= SAMPLE * (1 + 1e-9)
+    assert stage.truth.rows[-1] == (stage.truth.times[-1],)
+
+
+def test_a_cue_may_cue_another_and_what_is_forgotten_does_not_come():
+    stage, came = make_stage(), []
+    stage.cue(0.01, lambda: stage.cue(0.02, lambda: came.append("second")))
+    stage.cue(0.5, lambda: came.append("never"))
+    stage.advance(0.1)
+    stage.forget_cues()
+    stage.watch_on(1.0)
+    assert came == ["second"]
+    assert stage.truth.times[-1] == pytest.approx(1.1, abs=2 * SAMPLE)
