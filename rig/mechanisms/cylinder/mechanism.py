@@ -131,22 +131,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     def assemble(
         cls, settings: CylinderSettings, devices: Mapping[str, Device], period: float
     ) -> "AntagonisticPair":
-        """Pick the devices that the settings name.
-
-        Parameters
-        ----------
-        settings : CylinderSettings
-            See there.
-        devices : mapping
-            The rig's devices by name.
-        period : float
-            The loop's period, s.
-
-        Raises
-        ------
-        ConfigurationError
-            A device is not there, or cannot do what its role asks for.
-        """
+        """Pick the devices that the settings name; see `Mechanism.assemble`."""
         pick = DevicePicker("cylinder", devices)
         return cls(
             settings,

@@ -132,13 +132,7 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     def assemble(
         cls, settings: JointSettings, devices: Mapping[str, Device], period: float
     ) -> "SphericalJoint":
-        """Pick the devices that the settings name.
-
-        Raises
-        ------
-        ConfigurationError
-            A device is not there, or cannot do what its role asks for.
-        """
+        """Pick the devices that the settings name; see `Mechanism.assemble`."""
         pick = DevicePicker("joint", devices)
         return cls(
             settings,
