@@ -10,6 +10,9 @@ from typing import Literal, NamedTuple
 from controllers.arm.kinematics import Dimensions
 from controllers.motion import InfeasibleMotion
 
+_LEAST = 0.6
+"""Share of the constant of a dwell without ramps that one with ramps keeps at least."""
+
 
 class Switch(NamedTuple):
     """b and its rate where the hand enters the region; it leaves with ``b, -rate``.
@@ -138,23 +141,20 @@ class RampDwell:
         t_s, s.
     switch : Switch
         Values where the region is entered.
-    least : float
-        Share of the constant that a dwell without ramps would have, which it keeps at least.
 
     Notes
     -----
     The constant is ``(I - b0 T - b0' T^2 / 6) / (t_s - T)`` for a ramp of T seconds: T is the
-    longest one that leaves `least`, and at most a quarter of the dwell.
+    longest one that leaves `_LEAST` of what it is without ramps, and at most a quarter of the
+    dwell.
     """
 
-    def __init__(
-        self, integral: float, duration: float, switch: Switch, least: float = 0.6
-    ) -> None:
+    def __init__(self, integral: float, duration: float, switch: Switch) -> None:
         self.duration = duration
         self._switch = switch
         mean = integral / duration
         ramp = 0.25 * duration
-        while self._constant(integral, ramp) < least * mean:
+        while self._constant(integral, ramp) < _LEAST * mean:
             ramp *= 0.95
         self._ramp = ramp
         self.middle = self._constant(integral, ramp)

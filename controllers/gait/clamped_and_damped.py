@@ -114,10 +114,3 @@ class DampedLaw(RivalLaw[DampedGaitSettings]):
         damped = J @ J.T + self.settings.damping**2 * np.eye(6)
         moved: list[float] = (np.array(q) + J.T @ np.linalg.solve(damped, error)).tolist()
         return moved
-
-
-RIVALS: tuple[type[RivalLaw[NoSettings]] | type[RivalLaw[DampedGaitSettings]], ...] = (
-    ClampedLaw,
-    DampedLaw,
-)
-"""In the order in which they are compared, after the laws."""

@@ -93,11 +93,6 @@ class GaitLaw(
     def prepare(self, motion: LegsMotion) -> GaitPlan:
         """Work out a whole motion and check it; nothing moves.
 
-        Parameters
-        ----------
-        motion : WalkSettings or SquatSettings
-            What to do.
-
         Raises
         ------
         InfeasibleMotion

@@ -18,6 +18,8 @@ from controllers.gait.types import Joints
 from controllers.motion import InfeasibleMotion
 
 _REST: Joints = (0.0,) * 12
+_PIECES = 64
+"""Of a path whose length is asked for."""
 
 
 class PhaseCurve:
@@ -148,11 +150,11 @@ class PhaseCurve:
         raise InfeasibleMotion(f"{self.phase.name}: no joint moves the legs along this path.")
 
 
-def path_length(path: LegPath, pieces: int = 64) -> float:
+def path_length(path: LegPath) -> float:
     """Return the length of a leg's path, m (Simpson's rule; a straight line exactly)."""
     total = 0.0
-    for k in range(2 * pieces + 1):
-        x, y, z = path.tangent(k / (2 * pieces))
-        weight = 1.0 if k in (0, 2 * pieces) else 4.0 if k % 2 else 2.0
+    for k in range(2 * _PIECES + 1):
+        x, y, z = path.tangent(k / (2 * _PIECES))
+        weight = 1.0 if k in (0, 2 * _PIECES) else 4.0 if k % 2 else 2.0
         total += weight * math.sqrt(x * x + y * y + z * z)
-    return total / (6 * pieces)
+    return total / (6 * _PIECES)

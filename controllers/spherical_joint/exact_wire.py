@@ -123,13 +123,7 @@ def _row(wires: WireConstants, rotation: Rotation, wire: int) -> Vector:
 
 
 class ExactWires:
-    """Lengths, Jacobian and directions of the four wires.
-
-    Parameters
-    ----------
-    geometry : SphericalJointGeometry
-        Dimensions.
-    """
+    """Lengths, Jacobian and directions of the four wires."""
 
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         radius, distance = geometry.ball_radius, geometry.adjust_distance

@@ -66,13 +66,7 @@ def paper_wire_length(anchor: Vector, adjust: Vector, radius: float) -> float:
 
 
 class PaperWires:
-    """Lengths of the four wires after the paper.
-
-    Parameters
-    ----------
-    geometry : SphericalJointGeometry
-        Dimensions.
-    """
+    """Lengths of the four wires after the paper."""
 
     def __init__(self, geometry: SphericalJointGeometry) -> None:
         self._radius = geometry.ball_radius

@@ -30,15 +30,7 @@ _Tensions = tuple[Quadruple, Quadruple, Quadruple]
 
 @inlined
 def pose_tensions(wires: WireConstants, rotation: Rotation) -> _Tensions:
-    """Return what makes up the `PoseTensions` of a pose.
-
-    Parameters
-    ----------
-    wires : WireConstants
-        Of exact wires.
-    rotation : Rotation
-        The pose.
-    """
+    """Return what makes up the `PoseTensions` of a pose."""
     rows = wire_jacobian(wires, rotation)
     tilts = (
         _tilt(rotation, rows[0]),

@@ -106,13 +106,6 @@ class _Section:
 class Eds:
     """The content of one file.
 
-    Parameters
-    ----------
-    path : Path
-        What errors name.
-    text : str
-        All of it.
-
     Raises
     ------
     EdsError

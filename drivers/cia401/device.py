@@ -49,16 +49,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
 
     Channels with a lock valve follow `lock`; the others refuse it.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : Cia401Settings
-        See there.
-    bus : CanopenBus
-        The bus that it hangs on.
-    serial : int, optional
-        The serial number that it must report.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
     """
 
     Settings = Cia401Settings

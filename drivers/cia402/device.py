@@ -21,16 +21,7 @@ class Cia402Servos(ServoChain[Cia402Drive]):
     away in mid-motion, where gravity would take over. Connecting resets the drives, and that
     does take it away: support what has no brake before.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : Cia402Settings
-        See there.
-    bus : CanopenBus
-        The bus of all these drives; with the period of its cycle, which the drives must know.
-    serial : int, optional
-        The serial number of the drive, where there is one only; else each joint has its own.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
 
     Raises
     ------

@@ -33,16 +33,7 @@ _SPEED_UNIT: Final = 1e-5  # of 0x6005:2, m/s
 class Cia406Encoder(LinearEncoder):
     """One linear encoder; satisfies `rig.hal.LinearEncoder` with one channel.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : Cia406Settings
-        See there.
-    bus : CanopenBus
-        The bus that it hangs on.
-    serial : int, optional
-        The serial number that it must report.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
     """
 
     Settings = Cia406Settings

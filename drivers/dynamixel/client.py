@@ -29,17 +29,7 @@ class Identity(NamedTuple):
 
 
 class RegisterClient:
-    """Reads and writes one servo's control table; asks again if a packet gets lost.
-
-    Parameters
-    ----------
-    device, joint : str
-        Names, for messages.
-    servo : int
-        Its id.
-    bus : SerialBus
-        The chain.
-    """
+    """Reads and writes one servo's control table; asks again if a packet gets lost."""
 
     def __init__(self, device: str, joint: str, servo: int, bus: "SerialBus") -> None:
         self.device = device

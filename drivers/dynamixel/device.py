@@ -37,16 +37,7 @@ class DynamixelServos(ServoBus):
     last setpoint under torque, as a robot that stands would fall without (or, with
     ``after_stop: release``, to let go); connecting takes the torque away: support what falls.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : DynamixelSettings
-        See there.
-    bus : SerialBus
-        The chain that they hang on, with the period of its cycle.
-    serial : int, optional
-        These servos have none to compare.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
 
     Raises
     ------

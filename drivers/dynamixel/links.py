@@ -22,13 +22,6 @@ _DAMAGED: Final = "damaged"
 class ServoLink:
     """A record of one servo's answers.
 
-    Parameters
-    ----------
-    servo : int
-        Its id.
-    device, joint : str
-        Names, for messages.
-
     Attributes
     ----------
     data : bytes

@@ -114,13 +114,7 @@ class BlobSearch:
 
 
 class ArucoSearch:
-    """Finds the ArUco markers of the settings.
-
-    Parameters
-    ----------
-    settings : MarkerCameraSettings
-        Marker, lens and pose.
-    """
+    """Finds the ArUco markers of the settings."""
 
     def __init__(self, settings: MarkerCameraSettings) -> None:
         self._view = View(settings)
@@ -180,11 +174,6 @@ class MarkerDetector:
 
     A marker that was seen is expected where it would be at the speed that it had; the region
     round that place is searched first, a whole frame only if that fails.
-
-    Parameters
-    ----------
-    settings : MarkerCameraSettings
-        All of the camera.
     """
 
     def __init__(self, settings: MarkerCameraSettings) -> None:

@@ -35,18 +35,7 @@ class Reason(NamedTuple):
 class MarkerCameraDriver(MarkerCamera):
     """A camera that watches a marker; satisfies `rig.hal.MarkerCamera`.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : MarkerCameraSettings
-        See there.
-    clock : Clock
-        The rig's.
-    serial : int, optional
-        The serial number that the camera must report.
-    link : CameraLink, optional
-        What grabs and detects; by default a process of its own.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
     """
 
     Settings = MarkerCameraSettings

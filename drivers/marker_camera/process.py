@@ -28,11 +28,6 @@ class ProcessLink(PacketLink):
     It is a fresh interpreter. A fork would take the loop's locked memory and open devices along,
     and `multiprocessing` would run the main script again that started this one, which on a rig
     is more than a nuisance.
-
-    Parameters
-    ----------
-    settings : MarkerCameraSettings
-        All of the camera.
     """
 
     def __init__(self, settings: MarkerCameraSettings) -> None:

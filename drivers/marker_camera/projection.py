@@ -38,13 +38,7 @@ def rotation_from_vector(vector: Vector3) -> Matrix3:
 
 
 class View:
-    """A calibrated camera above a joint.
-
-    Parameters
-    ----------
-    settings : MarkerCameraSettings
-        Lens, pose and sphere.
-    """
+    """A calibrated camera above a joint."""
 
     def __init__(self, settings: MarkerCameraSettings) -> None:
         self._lens = settings.intrinsics

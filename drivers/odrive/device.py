@@ -22,16 +22,7 @@ class OdriveServos(ServoChain[OdriveAxis]):
     torque away. If the program dies instead, the watchdogs take it away at once. Both leave a
     joint that gravity pulls to its brake.
 
-    Parameters
-    ----------
-    name : str
-        The device's name in the profile.
-    settings : OdriveSettings
-        See there.
-    bus : OdriveBus
-        The bus of all these axes; with the period of its cycle.
-    serial : int, optional
-        The serial number of the ODrive, where there is one only; else each joint has its own.
+    Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
 
     Raises
     ------

@@ -16,11 +16,6 @@ class SimClock:
 
     Time stands still while the program computes, so a run depends neither on the machine's
     speed nor on its load.
-
-    Parameters
-    ----------
-    world : World
-        Advanced by each sleep.
     """
 
     def __init__(self, world: World) -> None:

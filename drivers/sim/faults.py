@@ -79,15 +79,7 @@ class FaultSchedule:
 
 
 class FaultyWorld:
-    """A world in which scheduled faults happen at their time, within a sleep or between two.
-
-    Parameters
-    ----------
-    world : World
-        What moves.
-    schedule : FaultSchedule
-        What breaks.
-    """
+    """A world in which scheduled faults happen at their time, within a sleep or between two."""
 
     def __init__(self, world: World, schedule: FaultSchedule) -> None:
         self._world = world

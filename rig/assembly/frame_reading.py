@@ -68,13 +68,7 @@ def read_frames(path: str | Path, profile: Profile) -> Iterator[LoggedFrame]:
 
 
 class Listener:
-    """Open CAN buses on which nothing is ever sent.
-
-    Parameters
-    ----------
-    buses : mapping of str to FastCanBus
-        By name.
-    """
+    """Open CAN buses on which nothing is ever sent."""
 
     def __init__(self, buses: Mapping[str, FastCanBus]) -> None:
 

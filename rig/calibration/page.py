@@ -23,15 +23,6 @@ _ROW = 42.0
 def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path]:
     """Draw one row per panel: data with the old and the new fit, and what the fit leaves.
 
-    Parameters
-    ----------
-    folder : Path
-        Where the figures go.
-    name : str
-        Of the file.
-    findings : sequence of Finding
-        What was found.
-
     Returns
     -------
     list of Path

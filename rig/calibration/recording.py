@@ -56,15 +56,7 @@ class Stretch(Mapping[str, Array]):
 
 
 class Recording:
-    """One or several runs of a procedure: a later one completes what an earlier one left out.
-
-    Parameters
-    ----------
-    runs : sequence of tuple
-        Log and segments of each.
-    paths : sequence of Path
-        The logs.
-    """
+    """One or several runs of a procedure: a later one completes what an earlier one left out."""
 
     def __init__(
         self, runs: Sequence[tuple[Log, Sequence[Segment]]], paths: Sequence[Path] = ()

@@ -40,13 +40,7 @@ class Diagnostic:
 
 
 class ProfileError(ConfigurationError):
-    """A profile, experiment or calibration is not valid; all of its errors at once.
-
-    Parameters
-    ----------
-    diagnostics : sequence of Diagnostic
-        At least one.
-    """
+    """A profile, experiment or calibration is not valid; all of its errors at once."""
 
     def __init__(self, diagnostics: Sequence[Diagnostic]) -> None:
         self.diagnostics = tuple(diagnostics)

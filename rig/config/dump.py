@@ -31,11 +31,6 @@ _Dumper.add_representer(str, _represent_text)
 def dump_resolved(resolved: Profile | Experiment) -> str:
     """Return a profile or experiment as YAML text.
 
-    Parameters
-    ----------
-    resolved : Profile or Experiment
-        What was loaded.
-
     Returns
     -------
     str

@@ -188,8 +188,8 @@ def pooled(windows: Windows, values: Callable[[Window], "Array"]) -> "Array":
     return np.concatenate([values(window) for window in windows])
 
 
-def local_slope(t: "Array", x: "Array", span: float = SLOPE_SPAN) -> "Array":
-    """Differentiate by straight lines fitted to `span` seconds around each sample.
+def local_slope(t: "Array", x: "Array") -> "Array":
+    """Differentiate by straight lines fitted to `SLOPE_SPAN` around each sample.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def local_slope(t: "Array", x: "Array", span: float = SLOPE_SPAN) -> "Array":
     n = len(t)
     if n < 2:
         return np.zeros(n)
-    half = max(1, round(0.5 * span * (n - 1) / float(t[-1] - t[0])))
+    half = max(1, round(0.5 * SLOPE_SPAN * (n - 1) / float(t[-1] - t[0])))
     width = min(2 * half + 1, n)
     times = np.lib.stride_tricks.sliding_window_view(t, width)
     times = times - times.mean(axis=1, keepdims=True)

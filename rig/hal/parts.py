@@ -94,7 +94,9 @@ class DriverParts:
         Dataclass of a device's section, a `rig.hal.DriverSettings`.
     device : Path
         The driver: ``Class(name, settings, bus, serial=)`` on a bus, and
-        ``Class(name, settings, clock, serial=, link=)`` of a device that hangs on none.
+        ``Class(name, settings, clock, serial=, link=)`` of a device that hangs on none. The name
+        is the profile's, the serial number the one that the device must report (None: any), and
+        the link what stands between device and program (None: its own).
     on_bus : bool
         Whether it hangs on a bus of the profile.
     simulation : Path, optional

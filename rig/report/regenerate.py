@@ -24,11 +24,6 @@ def write_report(path: str | Path) -> Path:
     It works on any run: of one that ended early, what its log holds is judged, and the report
     says what could not be and why.
 
-    Parameters
-    ----------
-    path : Path
-        The run folder.
-
     Returns
     -------
     Path

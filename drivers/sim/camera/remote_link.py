@@ -26,13 +26,7 @@ def camera_address(channel: str, camera: str) -> str:
 
 
 class ReachedCamera(PacketLink):
-    """A camera of `rig simulate`; satisfies `drivers.marker_camera.link.CameraLink`.
-
-    Parameters
-    ----------
-    address : str
-        See `camera_address`.
-    """
+    """A camera of `rig simulate`; satisfies `drivers.marker_camera.link.CameraLink`."""
 
     def __init__(self, address: str) -> None:
         super().__init__()

@@ -13,11 +13,6 @@ Distortion = Callable[[bytes], bytes]
 class Station:
     """One servo on the line, and what happens to what it says.
 
-    Parameters
-    ----------
-    servo : EmulatedServo
-        The servo.
-
     Attributes
     ----------
     twin : EmulatedServo or None

@@ -18,6 +18,8 @@ _TURN = 4096
 _VELOCITY_UNIT = 0.229 / 60.0 * math.tau  # rad/s
 _WATCHDOG_UNIT = 20e-3  # s
 _CURRENT_UNIT = 2.69e-3  # A
+_TORQUE_CONSTANT = 1.78  # N m/A
+_FIRMWARE = 48
 _MOST_WOUND = 0.1  # rad
 _VELOCITY_MODE, _MULTI_TURN_MODES = 1, (4, 5)
 
@@ -69,10 +71,8 @@ class EmulatedServo:
         The plant's joint that it turns.
     mounting : Mounting
         How it sits there.
-    model, firmware : int
+    model : int
         What it reports.
-    torque_constant : float
-        Of the servo, N m/A.
     indirect_data : int
         Where this model has its indirect data.
     """
@@ -85,15 +85,12 @@ class EmulatedServo:
         mounting: Mounting,
         *,
         model: int = 1020,
-        firmware: int = 48,
-        torque_constant: float = 1.78,
         indirect_data: int = 224,
     ) -> None:
         self.table = table.ControlTable(indirect_data)
         self._plant = plant
         self._channel = channel
         self._mounting = mounting
-        self._torque_constant = torque_constant
         self._now = 0.0
         self._rate = 0.0  # of its reference, rad/s
         self.due = inf
@@ -102,7 +99,7 @@ class EmulatedServo:
         self._registered: tuple[int, bytes] | None = None
         self.table[table.ID] = servo
         self.table[table.MODEL] = model
-        self.table[table.FIRMWARE] = firmware
+        self.table[table.FIRMWARE] = _FIRMWARE
         self.table[table.RETURN_DELAY] = 0
         self.table[table.VOLTAGE] = 120
         self.table[table.TEMPERATURE] = 35
@@ -282,6 +279,6 @@ class EmulatedServo:
         memory[table.PRESENT_POSITION] = self._counts()
         velocity = mounting.velocity_counts(plant.joint_velocity(channel))
         memory[table.PRESENT_VELOCITY] = velocity
-        current = plant.joint_torque(channel) / mounting.gear / self._torque_constant
+        current = plant.joint_torque(channel) / mounting.gear / _TORQUE_CONSTANT
         memory[table.PRESENT_CURRENT] = max(-2047, min(round(current / _CURRENT_UNIT), 2047))
         memory[table.MOVING] = int(abs(velocity) > memory[table.MOVING_THRESHOLD])

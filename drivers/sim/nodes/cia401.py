@@ -118,12 +118,10 @@ class EmulatedCia401(EmulatedNode):
     ``emergency_stop`` (value: 1 pressed, 0 released, default 1)
         The e-stop contact.
 
+    What is not said here is a parameter of `EmulatedNode`.
+
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    node_id : int
-        1 … 127.
     port : RegulatorPort
         The plant.
     regulators : sequence of RegulatorWiring

@@ -29,6 +29,8 @@ _VOLTAGE, _REMOTE, _LIMIT, _FOLLOWS, _BEHIND = 1 << 4, 1 << 9, 1 << 11, 1 << 12,
 _HALT = 1 << 8  # of the control word
 _IDLE_PERIOD = 10e-3  # how often a drive at rest looks at its following error, s
 _I32 = 0x7FFF_FFFF
+_RATED_TORQUE = 1.0  # of the motor, N m
+_SERVO_PERIOD = 1e-3  # of the drive's own loop, s
 
 
 class EmulatedCia402(EmulatedNode):
@@ -48,12 +50,10 @@ class EmulatedCia402(EmulatedNode):
     ``wrong_mode`` (value: mode, default 1)
         Changes its mode of operation although nobody asked for it.
 
+    What is not said here is a parameter of `EmulatedNode`.
+
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    node_id : int
-        1 … 127.
     port : ServoPort
         The plant.
     channel : int
@@ -66,10 +66,6 @@ class EmulatedCia402(EmulatedNode):
         The joint's angle where the encoder counts 0, rad.
     velocity_units, acceleration_units : float, optional
         Units for one turn per second (squared); None: position units.
-    rated_torque : float
-        Of the motor, N m.
-    servo_period : float
-        Of the drive's own loop, s.
     """
 
     def __init__(
@@ -84,8 +80,6 @@ class EmulatedCia402(EmulatedNode):
         zero: float = 0.0,
         velocity_units: float | None = None,
         acceleration_units: float | None = None,
-        rated_torque: float = 1.0,
-        servo_period: float = 1e-3,
         serial: int = 0,
     ) -> None:
         super().__init__(name, node_id, device_type=DEVICE_TYPE, product_code=402, serial=serial)
@@ -96,8 +90,6 @@ class EmulatedCia402(EmulatedNode):
         self._velocity_scale = (velocity_units or counts_per_turn) / counts_per_turn
         self._acceleration_scale = (acceleration_units or counts_per_turn) / counts_per_turn
         self._gear = gear
-        self._rated_torque = rated_torque
-        self._servo_period = servo_period
         self._motion = MotionReference()
         self._motion_due = self._node_due = -inf
         self._mode = 0
@@ -114,7 +106,7 @@ class EmulatedCia402(EmulatedNode):
         self.objects = DriveObjects(
             self.dictionary,
             turn=(turn.numerator, turn.denominator),
-            rated_torque=round(rated_torque * 1e3),
+            rated_torque=round(_RATED_TORQUE * 1e3),
             modes=(CSP, CSV),
             sample=lambda: self.sample_inputs(self.now),
             command=lambda: self.apply_outputs(self.now),
@@ -167,7 +159,7 @@ class EmulatedCia402(EmulatedNode):
                 self._limit_velocity(now)
             self._watch_following(now)
             self._pass_on(powered=True)
-        period = self._servo_period if motion.is_moving else _IDLE_PERIOD
+        period = _SERVO_PERIOD if motion.is_moving else _IDLE_PERIOD
         self._motion_due = now + period if machine.state in POWERED else inf
         self.due = min(self.due, self._motion_due)
 
@@ -333,7 +325,7 @@ class EmulatedCia402(EmulatedNode):
         objects.position.value = int(min(max(counts, -_I32 - 1), _I32))
         velocity = port.joint_velocity(channel) * self._counts * self._velocity_scale
         objects.velocity.value = round(min(max(velocity, -_I32), _I32))
-        share = port.joint_torque(channel) / self._gear / self._rated_torque
+        share = port.joint_torque(channel) / self._gear / _RATED_TORQUE
         objects.torque.value = round(min(max(1e3 * share, -0x7FFF), 0x7FFF))
         objects.following_error.value = (
             round(self._motion.position - counts) if self.machine.state in POWERED else 0

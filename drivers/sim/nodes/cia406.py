@@ -30,6 +30,7 @@ from drivers.sim.rod_faults import ROD_FAULTS, RodFaults
 DEVICE_TYPE_ABSOLUTE_LINEAR = 0x0008_0196
 
 _MOST_CHANNELS = 64
+_SPEED_WINDOW = 0.01  # the device derives speed over this time from its own samples, s
 _METRES_PER_STEP_UNIT = 1e-9  # 0x6005:1 and 0x6501 count nanometres
 _SPEED_PER_UNIT = 1e-5  # 0x6005:2 counts 0.01 mm/s
 _ALARM_POSITION_ERROR = 0x0001
@@ -61,12 +62,10 @@ class EmulatedCia406(EmulatedNode):
     those of `RodFaults`
         It measures wrongly and does not know.
 
+    What is not said here is a parameter of `EmulatedNode`.
+
     Parameters
     ----------
-    name : str
-        The device's name in the profile.
-    node_id : int
-        1 … 127.
     port : PositionPort
         The plant.
     channel : int
@@ -77,8 +76,6 @@ class EmulatedCia406(EmulatedNode):
         Measuring step, m; a whole number of nanometres.
     speed_step : float
         Step of the speed object, m/s; a whole number of 0.01 mm/s.
-    speed_window : float
-        The device derives speed over this time from its own samples, s.
     offset : float
         Reading at zero extension, m.
     reversed_direction : bool
@@ -95,7 +92,6 @@ class EmulatedCia406(EmulatedNode):
         stroke: float = 0.1,
         step: float = 1e-6,
         speed_step: float = 1e-5,
-        speed_window: float = 0.01,
         offset: float = 0.0,
         reversed_direction: bool = False,
         serial: int = 0,
@@ -111,7 +107,6 @@ class EmulatedCia406(EmulatedNode):
         self._channel = self._own_channel = channel
         self._step = step
         self._speed_step = speed_step
-        self._window = speed_window
         self._zero = offset
         self._samples: deque[tuple[float, float]] = deque()
         self._jump = 0.0
@@ -186,7 +181,7 @@ class EmulatedCia406(EmulatedNode):
         if samples and now <= samples[-1][0]:
             return
         samples.append((now, position))
-        while len(samples) > 2 and samples[1][0] <= now - self._window:
+        while len(samples) > 2 and samples[1][0] <= now - _SPEED_WINDOW:
             samples.popleft()
         started, first = samples[0]
         if now > started:

@@ -18,6 +18,9 @@ from drivers.sim.nodes.object_dictionary import (
     Variable,
 )
 
+_WATCHED = 4
+"""Sub-indices of 0x1016: nodes that can be watched."""
+
 
 class NmtState(IntEnum):
     """States as the heartbeat carries them."""
@@ -85,7 +88,7 @@ class HeartbeatConsumer:
     Parameters
     ----------
     dictionary : ObjectDictionary
-        Gets object 0x1016 with `entries` sub-indices.
+        Gets object 0x1016.
     lost : callable
         Takes the node whose heartbeat stopped.
     found : callable
@@ -100,7 +103,6 @@ class HeartbeatConsumer:
         lost: Callable[[int], None],
         found: Callable[[int], None],
         changed: Callable[[], None],
-        entries: int = 4,
     ) -> None:
         self._lost = lost
         self._found = found
@@ -108,7 +110,7 @@ class HeartbeatConsumer:
         self._watches: dict[int, _Watch] = {}
         self.due = inf
         self._entries: list[Variable] = []
-        for _ in range(entries):
+        for _ in range(_WATCHED):
             entry = Variable(UNSIGNED32, 0, changed=self.configure)
             entry.check = lambda value, entry=entry: self._check(entry, value)
             self._entries.append(entry)

@@ -13,6 +13,7 @@ from drivers.sim.nodes.object_dictionary import Abort, ObjectDictionary, SdoAbor
 
 # Client command specifiers (bits 7..5 of the first byte).
 _DOWNLOAD_SEGMENT, _INITIATE_DOWNLOAD, _INITIATE_UPLOAD, _UPLOAD_SEGMENT, _ABORT = range(5)
+_TIMEOUT = 1.0  # a segmented transfer that pauses for longer is aborted, s
 
 
 class SdoServer:
@@ -24,16 +25,11 @@ class SdoServer:
         What is read and written.
     send : callable
         Takes the 8 bytes of an answer.
-    timeout : float
-        A segmented transfer that pauses for longer is aborted, s.
     """
 
-    def __init__(
-        self, dictionary: ObjectDictionary, send: Callable[[bytes], None], timeout: float = 1.0
-    ) -> None:
+    def __init__(self, dictionary: ObjectDictionary, send: Callable[[bytes], None]) -> None:
         self._dictionary = dictionary
         self._send = send
-        self._timeout = timeout
         self.refused: dict[tuple[int, int], int] = {}
         self.due = inf
         self.reset()
@@ -77,7 +73,7 @@ class SdoServer:
             self._abort(abort.code)
             return
         under_way = self._upload is not None or self._download is not None
-        self.due = now + self._timeout if under_way else inf
+        self.due = now + _TIMEOUT if under_way else inf
         self._send(answer)
 
     def tick(self, now: float) -> None:

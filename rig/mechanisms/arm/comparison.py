@@ -8,17 +8,17 @@ import numpy as np
 from rig.experiment.metrics import facts_from_json
 from rig.hal.motion import Fact
 from rig.mechanisms.arm.figures import JOINTS, geometry_of, mark_region
-from rig.report.comparison import Comparison, ComparisonRow, write_value
+from rig.report.comparison import Comparison, ComparisonRow
+from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
-from rig.report.style import GREY, INK, PAGE, PALETTE, VERMILION, new_figure
+from rig.report.style import PAGE, PALETTE, VERMILION, new_figure
 from rig.run_folder import EVALUATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import ArrayLike
 
 _OUTCOMES = ("done", "halts", "stalls")
 _SHOWN = 2.4
@@ -51,30 +51,6 @@ _ROWS = (
     _Row("time_end", "time_end", "s"),
     _Row("time_over_optimum", "time_over_optimum", ""),
 )
-
-
-class _Cost(NamedTuple):
-    """A panel of bars on a logarithmic scale.
-
-    Parameters
-    ----------
-    title : str
-        With the unit.
-    factor : float
-        From SI to that unit.
-    floor : float
-        In that unit; less is as good as nothing.
-    bound : float, optional
-        In that unit; drawn as a line.
-    linear : bool
-        On a linear scale instead.
-    """
-
-    title: str
-    factor: float
-    floor: float
-    bound: float | None = None
-    linear: bool = False
 
 
 def tabulate_laws(runs: Sequence[RunData], labels: Sequence[str]) -> list[ComparisonRow]:
@@ -119,21 +95,21 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     ends = [_outcome(known) for known in facts]
     whole = ["" if end == "done" else end for end in ends]
     nearest, approaches = _closest(runs, facts)
-    panels_of_costs: list[tuple[_Cost, list[float], list[str]]] = [
-        (_Cost("peak rate over its limit", 1.0, 1e-2, 1.0), shares, [""] * len(runs)),
+    panels_of_costs: list[tuple[Cost, list[float], list[str]]] = [
+        (Cost("peak rate over its limit", 1.0, 1e-2, 1.0), shares, [""] * len(runs)),
         (
-            _Cost("off the path (mm)", 1e3, 1e-3),
+            Cost("off the path (mm)", 1e3, 1e-3),
             [known["path_deviation"].value for known in facts],
             [""] * len(runs),
         ),
         (
-            _Cost("off the path, measured (mm)", 1e3, 1e-3, 1.0),
+            Cost("off the path, measured (mm)", 1e3, 1e-3, 1.0),
             [_metric(run, "path_deviation_measured") or np.nan for run in runs],
             [""] * len(runs),
         ),
         (nearest, approaches, [""] * len(runs)),
         (
-            _Cost("time over the least one", 1.0, 0.0, 1.0, linear=True),
+            Cost("time over the least one", 1.0, 0.0, 1.0, linear=True),
             [known["time_over_optimum"].value for known in facts],
             whole,
         ),
@@ -141,7 +117,7 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     for axes, (cost, values, texts) in zip(
         costs.subplots(len(panels_of_costs), 1), panels_of_costs, strict=True
     ):
-        _draw_cost(axes, cost, np.array(values, float), texts, labels)
+        draw_cost(axes, cost, np.array(values, float), labels, texts)
     return figure
 
 
@@ -154,36 +130,6 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
         rate = run.log.column(f"command.velocity_{joint}")[run.followed]
         axes.plot(*envelope(t, rate / limit), color=color, lw=0.8, label=joint)
     mark_region(axes, run)
-
-
-def _draw_cost(
-    axes: "Axes", cost: _Cost, values: "ArrayLike", texts: Sequence[str], labels: Sequence[str]
-) -> None:
-    values = np.asarray(values, float)
-    values = np.where(np.isfinite(values), values * cost.factor, np.nan)
-    shown = np.maximum(values, cost.floor)
-    lengths = np.where(values > cost.floor, shown, 0.0)
-    axes.barh(range(len(values)), np.nan_to_num(lengths), 0.7, color=GREY)
-    for row, (value, end, text) in enumerate(zip(values, shown, texts, strict=True)):
-        if text:
-            write_value(axes, text, cost.floor, row)
-        elif np.isfinite(value):
-            write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
-    if cost.bound is not None:
-        axes.axvline(cost.bound, color=INK, lw=0.8, ls=(0, (3, 1.5)))
-    most = float(np.nanmax(shown)) if np.isfinite(shown).any() else 1.0
-    if cost.linear:
-        axes.set_xlim(left=0.0, right=1.25 * max(most, cost.bound or 0.0))
-    else:
-        # Limits first: where nothing is above the floor, there is nothing to scale to.
-        axes.set_xlim(left=0.7 * cost.floor, right=max(6.0 * most, 3.0 * (cost.bound or 0.0)))
-        axes.set_xscale("log")
-    axes.set_yticks(range(len(values)), labels=labels)
-    axes.tick_params(axis="y", labelsize=6.5, length=0)
-    axes.invert_yaxis()
-    axes.minorticks_off()
-    axes.grid(axis="y", visible=False)
-    axes.set_title(cost.title, loc="left", pad=2.0)
 
 
 def _facts(run: RunData) -> dict[str, Fact]:
@@ -215,16 +161,14 @@ def _in_words(facts: dict[str, Fact]) -> str:
     return text if crossed == "no" else f"{text}, crosses the singularity of the {crossed}"
 
 
-def _closest(
-    runs: Sequence[RunData], facts: Sequence[dict[str, Fact]]
-) -> tuple[_Cost, list[float]]:
+def _closest(runs: Sequence[RunData], facts: Sequence[dict[str, Fact]]) -> tuple[Cost, list[float]]:
     """Return how near each law comes to the singularity that the path is about."""
     geometry = geometry_of(runs[0])
     reach = geometry["a2"] + geometry["a3"]
     offered = (
-        ("closest_boundary", reach, _Cost("closest to the boundary (mm)", 1e3, 1e-2)),
-        ("closest_shoulder", reach, _Cost("closest to the axis of q1, |c| (mm)", 1e3, 1e-2)),
-        ("closest_wrist", 1.0, _Cost("closest to the wrist's, |sin q5|", 1.0, 1e-5)),
+        ("closest_boundary", reach, Cost("closest to the boundary (mm)", 1e3, 1e-2)),
+        ("closest_shoulder", reach, Cost("closest to the axis of q1, |c| (mm)", 1e3, 1e-2)),
+        ("closest_wrist", 1.0, Cost("closest to the wrist's, |sin q5|", 1.0, 1e-5)),
     )
     name, _, cost = min(
         offered, key=lambda entry: min(known[entry[0]].value for known in facts) / entry[1]

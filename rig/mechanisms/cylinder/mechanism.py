@@ -17,14 +17,12 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import DevicePicker, Margin, Mechanism
+from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
-from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
+from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
-from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
-from rig.mechanisms.stop_contact import StopContact
-from rig.runtime.limits import VectorLimiter
+from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -38,29 +36,12 @@ class EstimatingPairController(Controller[PairReference, PairState, PairCommand]
         ...
 
 
-class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, PairCommand]):
-    """The loop's view of one antagonistic pair.
-
-    Parameters
-    ----------
-    settings : CylinderSettings
-        Geometry and limits.
-    regulators : PressureRegulator
-        Channels ``agonist`` and ``antagonist``.
-    encoder_agonist, encoder_antagonist : LinearEncoder
-        One channel each.
-    emergency_stop : EmergencyStopInput, optional
-        The device that reads the emergency-stop contact.
-    period : float
-        The loop's period, s.
-
-    Raises
-    ------
-    ConfigurationError
-        The devices have other channels, or a range that does not hold the limits.
-    """
+class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairReference, PairCommand]):
+    """The loop's view of one antagonistic pair; parameters are those of `PneumaticMechanism`."""
 
     Settings = CylinderSettings
+    whose = "an antagonistic pair"
+    channels = CHANNELS
     law = EstimatingPairController
 
     # The reference comes first, where the loop's own column of that group ends: a log whose groups
@@ -93,20 +74,11 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         emergency_stop: EmergencyStopInput | None,
         period: float,
     ) -> None:
-        check_pneumatics(
-            "an antagonistic pair",
-            CHANNELS,
-            settings.limits.pressure,
-            settings.stroke,
-            regulators,
-            (encoder_agonist, encoder_antagonist),
-        )
-        self.settings = settings
+        encoders = (encoder_agonist, encoder_antagonist)
+        super().__init__(settings, regulators, encoders, emergency_stop, period)
         self.controller: EstimatingPairController | None = None
-        self._regulators = regulators
         self._encoder_agonist = encoder_agonist
         self._encoder_antagonist = encoder_antagonist
-        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
         limits = settings.limits
         self._limits = limits
         # What every cycle looks at, at hand.
@@ -116,13 +88,9 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         self._position_agonist = encoder_agonist.position
         self._position_antagonist = encoder_antagonist.position
         self._pressure = regulators.pressure
-        self._limiter = VectorLimiter(
-            "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
-        )
         self._max_difference = limits.pair_force / settings.area
         self._force_hits = 0
         self._extensions = (settings.home, settings.home)
-        self._age = 0.0
         self._watch = PairWatch(
             settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )
@@ -131,22 +99,7 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
     def assemble(
         cls, settings: CylinderSettings, devices: Mapping[str, Device], period: float
     ) -> "AntagonisticPair":
-        """Pick the devices that the settings name.
-
-        Parameters
-        ----------
-        settings : CylinderSettings
-            See there.
-        devices : mapping
-            The rig's devices by name.
-        period : float
-            The loop's period, s.
-
-        Raises
-        ------
-        ConfigurationError
-            A device is not there, or cannot do what its role asks for.
-        """
+        """Pick the devices that the settings name; see `Mechanism.assemble`."""
         pick = DevicePicker("cylinder", devices)
         return cls(
             settings,
@@ -160,11 +113,6 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
             ),
             period=period,
         )
-
-    @classmethod
-    def limits_of(cls, settings: CylinderSettings) -> CylinderLimits:
-        """Return the limits that `rig check` shows."""
-        return settings.limits
 
     @classmethod
     def wiring(cls, settings: CylinderSettings) -> dict[str, str]:
@@ -232,10 +180,6 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
             raise StaleReading(device.name, age, self._oldest_reading)
         self._extensions = (agonist, antagonist)
         return _new(PairState, (now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist))
-
-    def stop_input(self) -> EmergencyStopInput | None:
-        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
-        return self._stop_contact.device
 
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
@@ -343,8 +287,4 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
 
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
-        return {
-            "pressure range": self._limiter.range_hits,
-            "pressure rate": self._limiter.rate_hits,
-            "pair force": self._force_hits,
-        }
+        return {**super().limit_hits(), "pair force": self._force_hits}

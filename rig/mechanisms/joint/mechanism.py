@@ -25,16 +25,14 @@ from rig.hal import (
     PressureRegulator,
     StaleReading,
 )
-from rig.hal.mechanism import DevicePicker, Margin, Mechanism
+from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
-from rig.mechanisms.joint.settings import JointLimits, JointSettings
+from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.watch import JointWatch
-from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
-from rig.mechanisms.stop_contact import StopContact
-from rig.runtime.limits import VectorLimiter
+from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -55,31 +53,15 @@ class EstimatingPoseController(Controller[JointReference, JointState, JointComma
         ...
 
 
-class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointCommand]):
+class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReference, JointCommand]):
     """The loop's view of the spherical joint.
 
-    Parameters
-    ----------
-    settings : JointSettings
-        Geometry and limits.
-    regulators : PressureRegulator
-        Channels ch1 … ch4.
-    encoders : sequence of LinearEncoder
-        One for each channel, in order.
-    camera : MarkerCamera, optional
-        Sees the marker.
-    emergency_stop : EmergencyStopInput, optional
-        The device that reads the emergency-stop contact.
-    period : float
-        The loop's period, s.
-
-    Raises
-    ------
-    ConfigurationError
-        The devices have other channels, or ranges that do not hold the limits.
+    Parameters are those of `PneumaticMechanism`, and the camera that may see the marker.
     """
 
     Settings = JointSettings
+    whose = "the joint"
+    channels = CHANNELS
     law = EstimatingPoseController
 
     columns = JOINT_COLUMNS
@@ -94,22 +76,14 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         emergency_stop: EmergencyStopInput | None,
         period: float,
     ) -> None:
-        check_pneumatics(
-            "the joint", CHANNELS, settings.limits.pressure, settings.stroke, regulators, encoders
-        )
+        super().__init__(settings, regulators, encoders, emergency_stop, period)
         if camera is not None:
             check_camera(settings, camera)
-        self.settings = settings
         self.controller: EstimatingPoseController | None = None
         self.motion: PosedMotion | None = None
-        self._regulators = regulators
         self._encoders = encoders
         self._camera = camera
-        self._stop_contact = StopContact(emergency_stop, settings.limits.reading_age)
-        self._limits = limits = settings.limits
-        self._limiter = VectorLimiter(
-            "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
-        )
+        self._limits = settings.limits
         self._watch = JointWatch(
             settings,
             regulators.name,
@@ -125,20 +99,13 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         self._marker = settings.geometry.marker
         self._positions = tuple(encoder.position for encoder in encoders)
         self._sample: CameraSample | None = None
-        self._age = 0.0
         self._tensions: Quadruple = (0.0,) * 4
 
     @classmethod
     def assemble(
         cls, settings: JointSettings, devices: Mapping[str, Device], period: float
     ) -> "SphericalJoint":
-        """Pick the devices that the settings name.
-
-        Raises
-        ------
-        ConfigurationError
-            A device is not there, or cannot do what its role asks for.
-        """
+        """Pick the devices that the settings name; see `Mechanism.assemble`."""
         pick = DevicePicker("joint", devices)
         return cls(
             settings,
@@ -155,11 +122,6 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
     def geometry_of(cls, settings: JointSettings) -> SphericalJointGeometry:
         """Return the dimensions that the plant is made with."""
         return settings.geometry
-
-    @classmethod
-    def limits_of(cls, settings: JointSettings) -> JointLimits:
-        """Return the limits that `rig check` shows."""
-        return settings.limits
 
     @classmethod
     def wiring(cls, settings: JointSettings) -> dict[str, str]:
@@ -240,10 +202,6 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         first, second, third, fourth = pressures
         self._tensions = (area * first, area * second, area * third, area * fourth)
         return _new(JointState, (now, (*rods,), pressures, self._sample))
-
-    def stop_input(self) -> EmergencyStopInput | None:
-        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
-        return self._stop_contact.device
 
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
@@ -350,10 +308,3 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
             Margin("slack wire", min(self._tensions) / lower - 1.0 if lower else 1.0),
             key=lambda margin: margin.fraction,
         )
-
-    def limit_hits(self) -> dict[str, int]:
-        """Return how often each limit was hit since the start."""
-        return {
-            "pressure range": self._limiter.range_hits,
-            "pressure rate": self._limiter.rate_hits,
-        }

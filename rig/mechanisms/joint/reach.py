@@ -47,13 +47,7 @@ class PoseFacts(NamedTuple):
 
 
 class JointReach:
-    """Reach of the joint, load of its wires there, and how wrong the paper's wires are.
-
-    Parameters
-    ----------
-    settings : JointSettings
-        Geometry and limits.
-    """
+    """Reach of the joint, load of its wires there, and how wrong the paper's wires are."""
 
     def __init__(self, settings: JointSettings) -> None:
         geometry = settings.geometry

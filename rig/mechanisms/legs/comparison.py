@@ -1,12 +1,13 @@
 """Walks under several laws: both knees' rates one above the other, and what each law costs."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rig.mechanisms.legs.figures.base import COLORS, mark_phases
-from rig.report.comparison import Comparison, metric_values, write_value
+from rig.report.comparison import Comparison, metric_values
+from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
@@ -17,33 +18,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class _Cost(NamedTuple):
-    """A metric as a panel of bars on a logarithmic scale.
-
-    Parameters
-    ----------
-    metric : str
-        Its name.
-    title : str
-        With the unit.
-    factor : float
-        From SI to that unit.
-    floor : float
-        In that unit; less is as good as nothing.
-    """
-
-    metric: str
-    title: str
-    factor: float
-    floor: float
-
-
 _COSTS = (
-    _Cost("peak_knee_rate", "peak knee rate (rad/s)", 1.0, 1e-2),
-    _Cost("rate_jump", "greatest jump in 1 ms (rad/s)", 1.0, 1e-4),
-    _Cost("path_deviation", "off the path (mm)", 1e3, 1e-3),
-    _Cost("leg_mismatch", "legs disagree by (mm)", 1e3, 1e-3),
-    _Cost("tilt", "soles tilt by (mrad)", 1e3, 1e-3),
+    ("peak_knee_rate", Cost("peak knee rate (rad/s)", 1.0, 1e-2)),
+    ("rate_jump", Cost("greatest jump in 1 ms (rad/s)", 1.0, 1e-4)),
+    ("path_deviation", Cost("off the path (mm)", 1e3, 1e-3)),
+    ("leg_mismatch", Cost("legs disagree by (mm)", 1e3, 1e-3)),
+    ("tilt", Cost("soles tilt by (mrad)", 1e3, 1e-3)),
 )
 
 
@@ -69,11 +49,15 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     panels[-1].set_xlabel(TIME_LABEL)
     walks.supylabel("knee rate (rad/s)", fontsize=8.5)
     place_legend(panels[0], 2)
-    known = [cost for cost in _COSTS if np.isfinite(metric_values(runs, cost.metric)).any()]
-    for axes, cost in zip(
+    known = [
+        (cost, values)
+        for metric, cost in _COSTS
+        if np.isfinite(values := metric_values(runs, metric)).any()
+    ]
+    for axes, (cost, values) in zip(
         costs.subplots(max(len(known), 1), 1, squeeze=False)[:, 0], known, strict=False
     ):
-        _draw_cost(axes, cost, runs, labels)
+        draw_cost(axes, cost, values, labels)
     return figure
 
 
@@ -86,24 +70,6 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
     axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
     axes.margins(y=0.12)
     mark_phases(axes, run)
-
-
-def _draw_cost(axes: "Axes", cost: _Cost, runs: Sequence[RunData], labels: Sequence[str]) -> None:
-    values = metric_values(runs, cost.metric) * cost.factor
-    shown = np.maximum(values, cost.floor)
-    lengths = np.where(values > cost.floor, shown, 0.0)
-    axes.set_xscale("log")
-    axes.set_xlim(left=0.7 * cost.floor, right=6.0 * float(np.nanmax(shown)))
-    axes.barh(range(len(runs)), lengths, 0.7, color=GREY)
-    for row, (value, end) in enumerate(zip(values, shown, strict=True)):
-        if np.isfinite(value):
-            write_value(axes, f"{value:.3g}" if value > cost.floor else "0", end, row)
-    axes.set_yticks(range(len(runs)), labels=labels)
-    axes.tick_params(axis="y", labelsize=6.5, length=0)
-    axes.invert_yaxis()
-    axes.minorticks_off()
-    axes.grid(axis="y", visible=False)
-    axes.set_title(cost.title, loc="left", pad=2.0)
 
 
 LEGS_COMPARISON = Comparison(

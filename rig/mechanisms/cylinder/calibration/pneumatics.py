@@ -17,13 +17,7 @@ _SOFT = 0.3
 
 
 class PairPneumatics(Pneumatics[PairReference, PairCommand]):
-    """The pneumatic side of a pair.
-
-    Parameters
-    ----------
-    profile : Profile
-        Of a ``cylinder``.
-    """
+    """The pneumatic side of a pair."""
 
     locked_share = 0.5
     still = PairReference(0.0, 0.0, 0.0)

@@ -61,13 +61,7 @@ _POSE_EVERY: Final = 10
 
 
 class JointPneumatics(Pneumatics[JointReference, JointCommand]):
-    """The pneumatic side of a joint.
-
-    Parameters
-    ----------
-    profile : Profile
-        Of a ``joint``.
-    """
+    """The pneumatic side of a joint."""
 
     locked_share = 0.75
     still = JointReference((0.0, 0.0, 1.0), _ZERO, _ZERO)

@@ -1,0 +1,78 @@
+"""The part of the loop's view that all mechanisms with pneumatic cylinders have in common."""
+
+from collections.abc import Sequence
+from typing import ClassVar, TypeVar
+
+from rig.hal import EmergencyStopInput, LinearEncoder, PressureRegulator
+from rig.hal.mechanism import Command, Mechanism, Reference, State
+from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
+from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
+from rig.mechanisms.stop_contact import StopContact
+from rig.runtime.limits import VectorLimiter
+
+Chosen = TypeVar("Chosen", bound=PneumaticSettings)
+
+
+class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
+    """A mechanism that pneumatic cylinders move.
+
+    Parameters
+    ----------
+    settings : PneumaticSettings
+        Geometry and limits.
+    regulators : PressureRegulator
+        Of all chambers, in the order of `channels`.
+    encoders : sequence of LinearEncoder
+        One to each rod.
+    emergency_stop : EmergencyStopInput, optional
+        The device that reads the emergency-stop contact.
+    period : float
+        The loop's period, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The devices have other channels, or ranges that do not hold the limits.
+    """
+
+    whose: ClassVar[str]
+    """The mechanism, as a message names it: ``"the joint"``."""
+
+    channels: ClassVar[tuple[str, ...]]
+    """Its chambers."""
+
+    def __init__(
+        self,
+        settings: Chosen,
+        regulators: PressureRegulator,
+        encoders: Sequence[LinearEncoder],
+        emergency_stop: EmergencyStopInput | None,
+        period: float,
+    ) -> None:
+        limits = settings.limits
+        check_pneumatics(
+            self.whose, self.channels, limits.pressure, settings.stroke, regulators, encoders
+        )
+        self.settings = settings
+        self._regulators = regulators
+        self._stop_contact = StopContact(emergency_stop, limits.reading_age)
+        self._limiter = VectorLimiter(
+            "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
+        )
+        self._age = 0.0
+
+    @classmethod
+    def limits_of(cls, settings: Chosen) -> PneumaticLimits:
+        """Return the limits that `rig check` shows."""
+        return settings.limits
+
+    def stop_input(self) -> EmergencyStopInput | None:
+        """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
+        return self._stop_contact.device
+
+    def limit_hits(self) -> dict[str, int]:
+        """Return how often each limit was hit since the start."""
+        return {
+            "pressure range": self._limiter.range_hits,
+            "pressure rate": self._limiter.rate_hits,
+        }
