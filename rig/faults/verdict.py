@@ -100,8 +100,10 @@ class Verdict:
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data, with what is wrong in words."""
+        violations = [violation._asdict() for violation in self.ending.violations]
         return asdict(self) | {
             "case": self.case.as_json(),
+            "ending": asdict(self.ending) | {"violations": violations},
             "wrongs": list(self.wrongs()),
             "again": self.case.command,
         }

@@ -2,15 +2,15 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from rig.cli.faults import faults
-from rig.faults.unit import perform_unit
 
-SLOW_WATCHDOG = "heartbeat_timeout: 150 ms, heartbeat: 50 ms"
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def run(*arguments):
@@ -43,7 +43,7 @@ def test_a_fault_is_seen_named_and_written_down(tmp_path, seed):
 
 
 def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_notice):
-    """A killed master with slow watchdogs throws the pair into its end; nobody is left to say so."""
+    """A killed master with slow watchdogs throws the pair into its end, and nobody says so."""
     result = run(
         "run", "cylinder-slow", "--only", "program_killed", "--random", 25, "--seed", 40_000,
         "--configs", slow_to_notice, "--out", tmp_path,
@@ -65,13 +65,12 @@ def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_n
     (injected,) = [event for event in events if event["kind"] == "injected"]
     assert injected["data"]["fault"] == "program_killed"
     truth = np.load(run_folder / "truth.npz")
-    assert truth["t"][-1] >= failed[0]["ending"]["broke_at"] + 1.4  # as a rule not this one's case
     assert "position" in truth["columns"]
+    assert truth["t"][-1] >= min(case["ending"]["broke_at"] for case in failed) + 1.4
 
 
 def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
     monkeypatch.setattr("rig.faults.campaign.perform_unit", lambda *rest: None)
-    assert perform_unit is not None
     result = run("run", "cylinder", "--only", "nothing", "--out", tmp_path)
     assert result.return_value == 1
     assert campaign(tmp_path, 0)["cases"][0]["crashed"]
@@ -100,9 +99,11 @@ def slow_to_notice(tmp_path):
     configs = tmp_path / "configs"
     for folder in ("rigs", "experiments"):
         (configs / folder).mkdir(parents=True)
+    text = (CONFIGS / "rigs" / "cylinder.yaml").read_text().replace("name: cylinder\n", "", 1)
+    slower = re.sub(r"heartbeat(_timeout)?: \d+ ms", "", text)
+    bus = "bitrate: 1 Mbit/s\n    heartbeat: 50 ms\n    heartbeat_timeout: 150 ms\n"
     (configs / "rigs" / "cylinder-slow.yaml").write_text(
-        "extends: cylinder\nname: cylinder-slow\nbuses:\n  can0:\n"
-        "    heartbeat_timeout: 150 ms\n    heartbeat: 50 ms\n"
+        "name: cylinder-slow\n" + slower.replace("bitrate: 1 Mbit/s\n", bus)
     )
     (configs / "experiments" / "sine-slow.yaml").write_text(
         "name: sine-slow\nrig: cylinder-slow\ncontroller: cascade\nreference:\n  kind: sine\n"
