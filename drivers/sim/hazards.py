@@ -9,7 +9,7 @@ from typing import Protocol
 
 from drivers.sim.plants.legs_model import CHANNELS as LEG_CHANNELS
 from drivers.sim.plants.spherical_joint_truth import CHANNELS as JOINT_CHANNELS
-from rig.hal.hazards import Hazard
+from rig.hal.hazards import ENERGY_LEFT, Hazard
 
 POSITION_MARGIN = 0.1
 """Of a pair's range."""
@@ -142,7 +142,7 @@ def _pressures(limits: _PneumaticLimits, channels: tuple[str, ...]) -> tuple[Haz
     high = limits.pressure[1] + PRESSURE_MARGIN
     return (
         Hazard("pressure", "Pa", columns, -math.inf, high),
-        Hazard("energy left", "Pa", columns, -math.inf, RESIDUAL_PRESSURE, only_safe=True),
+        Hazard(ENERGY_LEFT, "Pa", columns, -math.inf, RESIDUAL_PRESSURE, only_safe=True),
     )
 
 

@@ -12,11 +12,12 @@ import numpy as np
 from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
-from rig.faults.oracle import judge
+from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, Stage
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Controller
+from rig.hal.hazards import ENERGY_LEFT
 from rig.run_folder import EVENTS, LOG
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState
@@ -84,6 +85,7 @@ class Performance(Watcher):
         self._seen_at: float | None = None
         self._running_from: float | None = None
         self._ended = False
+        self._said: list[str] = []
         self._stage: Stage
 
     # What the run tells ------------------------------------------------------------------
@@ -105,6 +107,10 @@ class Performance(Watcher):
         """Take note of the run folder."""
         self.folder = path
         self._program.log = path / LOG
+
+    def said(self, sentence: str) -> None:
+        """Take note of what the operator is told beside the message."""
+        self._said.append(sentence)
 
     def moved(self, state: RigState, t: float | None) -> None:
         """Set the cues of the phase that begins."""
@@ -201,11 +207,19 @@ class Performance(Watcher):
             self.subject.hazards, self._columns, times, rows,
             safe_from=safe_from, forgiven=forgiven,
         )  # fmt: skip
-        ending = CaseEnding(code, message, self._broke_at, self._seen_at, tuple(violations))
+        told = " ".join((message, *self._said))
+        wrong = tuple(v for v in violations if not _is_confessed(v, told))
+        ending = CaseEnding(code, message, self._broke_at, self._seen_at, wrong)
         verdict = give_verdict(self._case, ending, self.subject)
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
         return verdict
+
+
+def _is_confessed(violation: Violation, told: str) -> bool:
+    """Return whether the operator was told that this chamber is not safe: no false promise."""
+    _, _, channel = violation.column.partition("_")
+    return violation.hazard == ENERGY_LEFT and f"{channel} still holds" in told
 
 
 def _lead_in() -> float:

@@ -39,7 +39,7 @@ class _Look(Watcher):
 
 
 def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
-    """Return the experiments whose rig this is, by name.
+    """Return the experiments whose rig this is, or else those of its mechanism, by name.
 
     Raises
     ------
@@ -48,8 +48,17 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     """
     search = find_configs(configs)
     find_file(rig, "rigs", search)  # an unknown rig is not one without experiments
-    names = list_files("experiments", search)
-    found = tuple(n for n in names if load_experiment(n, REGISTRY, [], search).rig == rig)
+    rigs = {
+        n: load_experiment(n, REGISTRY, [], search).rig for n in list_files("experiments", search)
+    }
+    found = tuple(name for name, own in rigs.items() if own == rig)
+    if not found:  # then what its mechanism does on another rig
+        mechanism = load_profile(rig, REGISTRY, [], search).mechanism
+        alike = {
+            own: load_profile(own, REGISTRY, [], search).mechanism == mechanism
+            for own in set(rigs.values())
+        }
+        found = tuple(name for name, own in rigs.items() if alike[own])
     if not found:
         raise ConfigurationError(f"no experiment runs on {rig}: nothing to break it in")
     return found

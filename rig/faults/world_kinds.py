@@ -14,6 +14,9 @@ from rig.faults.subject import Subject
 _PLANT = "plant"
 _ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension"})
 """What a cut wire does before anybody can act: the mechanical stop bears it."""
+_ALONE = frozenset({*_ON_A_WIRE, "pressure"})
+"""What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
+alone, with what the supply gives, until the mechanical stop bears it."""
 
 
 def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
@@ -121,9 +124,10 @@ PNEUMATIC = (
     _of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-9, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    _of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2),
+    _of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
+              forgives=_ALONE),
     _of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
-              why="a shut chamber is a spring, and holds where it is"),
+              why="a shut chamber is a spring, and holds where it is", forgives=_ALONE),
     _of_plant("leak", "The tube of a chamber is off.", safe, 0.3),
     _of_plant("wire_cut", "A wire breaks.", safe, 0.1, ("wire",), forgives=_ON_A_WIRE),
     _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),

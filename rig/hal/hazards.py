@@ -3,6 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+ENERGY_LEFT = "energy left"
+"""Name of the hazard that a chamber holds pressure when its rig is said to be safe."""
+
 
 def _as_it_is(value: float) -> float:
     return value

@@ -141,6 +141,10 @@ def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
         inflow = mass_flow(
             state.opening * p.conductance_in, p.critical_ratio, supply, state.pressure
         )
+        # A valve that stands open lets the chamber empty into a supply that was vented.
+        outflow += mass_flow(
+            state.opening * p.conductance_in, p.critical_ratio, state.pressure, supply
+        )
     else:
         outflow += mass_flow(
             -state.opening * p.conductance_out, p.critical_ratio, state.pressure, ATMOSPHERE
