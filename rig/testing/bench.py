@@ -45,6 +45,10 @@ class Bench(Protocol[Tested]):
         """Make safe in each of so many cycles."""
         ...
 
+    def restart(self) -> None:
+        """Close the device, connect it and arm it again, with all that has to be told along."""
+        ...
+
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault of the device happen now."""
         ...
@@ -125,6 +129,14 @@ class ProfileBench(Generic[Tested]):
             for bus in self._rig.buses.values():
                 bus.receive(now)
             self._send(now)
+
+    def restart(self) -> None:
+        """Close, connect and arm all devices: one alone leaves the others without a master."""
+        for device in self._rig.devices.values():
+            device.close()
+        for device in self._rig.devices.values():
+            device.connect()
+        self._rig.arm()
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault of the device happen now."""

@@ -116,9 +116,7 @@ class DeviceSuite(Generic[Tested]):
 
     def test_a_second_start_after_a_stop(self, bench: Bench[Tested]) -> None:
         bench.safe_cycles(5)
-        bench.device.close()
-        bench.device.connect()
-        bench.device.arm()
+        bench.restart()
         bench.run(20)
 
 
@@ -206,9 +204,7 @@ class PressureRegulatorSuite(DeviceSuite[PressureRegulator]):
         self, bench: Bench[PressureRegulator]
     ) -> None:
         bench.safe_cycles(5)
-        bench.device.close()
-        bench.device.connect()
-        bench.device.arm()
+        bench.restart()
         wanted = self.somewhere(bench.device)
         self.hold(bench, wanted)
         assert self.pressures(bench) == pytest.approx(wanted, abs=self.tolerance)
