@@ -215,6 +215,11 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         slowed = rate * rate * acceleration + change * velocity
         return PairReference(position, rate * velocity, slowed)
 
+    @classmethod
+    def pace_of(cls, reference: PairReference) -> float:
+        """Return the speed, m/s."""
+        return abs(reference.velocity)
+
     def attach(self, controller: EstimatingPairController, motion: Motion[PairReference]) -> None:
         """Take the controller whose estimate is logged."""
         self.controller = controller
