@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Interval, MinLen, Unit
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.mapping import Entry, Layout, layout_size, pack
 from drivers.canopen.node_settings import NodeSettings
+from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
 from drivers.cia401.described import describe_channels, typed_objects
 from rig.hal import Address
@@ -165,6 +166,10 @@ class Cia401Settings(NodeSettings):
     def channel_names(self) -> tuple[str, ...]:
         """Return the regulators' names."""
         return tuple(self.channels)
+
+    def acts_after(self, bus: object) -> float | None:
+        """Return after how long without the program it makes itself safe, s: its heartbeat."""
+        return bus.heartbeat_timeout if isinstance(bus, CanBusSettings) else None
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the module's node."""

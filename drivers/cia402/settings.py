@@ -8,6 +8,7 @@ from annotated_types import Gt, Interval, MinLen, Unit
 from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.canopen.node_settings import NodeSettings
+from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
 from drivers.servos.axis_settings import FollowingAxisSettings
@@ -140,6 +141,10 @@ class Cia402Settings(NodeSettings):
     def resolution(self, channel: str) -> float:
         """Return the angle of one count of a joint, rad."""
         return 1.0 / abs(self.joints[channel].counts_per_radian)
+
+    def acts_after(self, bus: object) -> float | None:
+        """Return after how long without the program it makes itself safe, s: its heartbeat."""
+        return bus.heartbeat_timeout if isinstance(bus, CanBusSettings) else None
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the node of each joint's drive."""

@@ -238,6 +238,10 @@ class DynamixelSettings(DriverSettings):
         """Return the angle of one count of a joint, rad."""
         return 1.0 / abs(self.joints[channel].counts_per_radian)
 
+    def acts_after(self, bus: object) -> float | None:
+        """Return after how long without the program it makes itself safe, s: its watchdog."""
+        return self.watchdog
+
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return each joint's servo, which has no serial number."""
         return tuple(Address(f"{device}.{name}", its.id) for name, its in self.joints.items())

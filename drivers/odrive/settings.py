@@ -148,6 +148,10 @@ class OdriveSettings(CanDeviceSettings):
         """Return the joints' names, in order."""
         return tuple(self.joints)
 
+    def acts_after(self, bus: object) -> float | None:
+        """Return after how long without the program it makes itself safe, s: its watchdog."""
+        return self.watchdog
+
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return each joint's axis."""
         return tuple(

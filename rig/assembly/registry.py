@@ -132,6 +132,11 @@ class InstalledParts:
                 return found
         return None
 
+    def is_restorable(self, plant: str) -> bool:
+        """Return whether a plant can be taken back to where it was."""
+        rows = [row.plants[plant] for row in _additions() if plant in row.plants]
+        return any(row.is_restorable for row in rows)
+
     # What mechanisms add to the frameworks ----------------------------------------------
 
     def measures(self, mechanism: str | None, kind: type[Thing]) -> Mapping[str, Thing]:

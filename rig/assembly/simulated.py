@@ -126,12 +126,12 @@ def board_renderer(
     return BoardRenderer(camera.scene, camera.optics, columns, rows, square, of.seed).render
 
 
-def build_sim(profile: Profile) -> Rig:
-    """Build a rig whose devices stand straight on the plant."""
+def build_sim(profile: Profile, plant: Any = None) -> Rig:
+    """Build a rig whose devices stand straight on the plant, the profile's own or a given one."""
     from drivers.sim.clock import SimClock
     from drivers.sim.faults import FaultSchedule, FaultyWorld
 
-    plant = make_plant(profile)
+    plant = make_plant(profile) if plant is None else plant
     devices: dict[str, Any] = {}
     clock = SimClock(plant)
     for name, entry in profile.devices.items():

@@ -49,6 +49,7 @@ def check(
     """
     from rig.cli.description import (
         describe_experiment,
+        describe_frozen,
         describe_profile,
         experiment_tables,
         profile_tables,
@@ -65,6 +66,7 @@ def check(
         tables = profile_tables(described)
     else:
         experiment = describe_experiment(plan)
+        experiment["frozen"] = describe_frozen(plan)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
     if as_json:

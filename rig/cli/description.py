@@ -6,6 +6,8 @@ import dataclasses
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
+import click
+
 from rig.cli.tables import Table
 from rig.config.calibration_state import CalibrationState, calibration_states
 from rig.config.formats import format_against, format_quantity
@@ -168,6 +170,41 @@ def describe_experiment(plan: Plan) -> dict[str, Any]:
     }
 
 
+def describe_frozen(plan: Plan) -> dict[str, Any]:
+    """Return for how long setpoints may stay as they are, and for how long they would, in SI."""
+    from rig.experiment.frozen import NoBound, longest_freeze, slowest_device
+    from rig.hal import Freeze
+
+    bound, slowest = longest_freeze(plan, _say), slowest_device(plan.profile)
+    return {
+        "unknown": bound.why if isinstance(bound, NoBound) else None,
+        **(dict.fromkeys(Freeze._fields) if isinstance(bound, NoBound) else bound._asdict()),
+        "device": None if slowest is None else slowest._asdict(),
+    }
+
+
+def _say(sentence: str) -> None:
+    click.echo(sentence, err=True)
+
+
+def _frozen_table(frozen: dict[str, Any]) -> Table:
+    longest, device = frozen["longest"], frozen["device"]
+    if frozen["unknown"]:
+        permitted = f"unknown: {frozen['unknown']}"
+    elif not frozen["what"]:
+        permitted = f"at least {format_quantity(longest, 's')}"
+    else:
+        at = format_quantity(frozen["at"], "s")
+        permitted = f"{format_quantity(longest, 's')}, from {at} on: {frozen['what']}"
+    acts = "unknown"
+    if device is not None:
+        acts = f"{format_quantity(device['after'], 's')} ({device['device']})"
+        if longest is not None and device["after"] > longest:
+            acts += ", which is too late: refused on hardware"
+    rows = [("setpoints may stay for", permitted), ("its devices act after", acts)]
+    return Table("if the program dies", ("what", "value"), rows)
+
+
 def profile_tables(profile: dict[str, Any]) -> list[Table]:
     """Return a described profile as tables."""
     plant = profile["plant"]
@@ -252,6 +289,7 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         Table(f"experiment {experiment['name']}", ("what", "value"), facts),
         Table("segments", ("segment", "start", "end"), segments),
         Table("metrics", ("metric", "what", "segments", "bound"), metrics),
+        _frozen_table(experiment["frozen"]),
     ]
 
 

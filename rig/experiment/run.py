@@ -21,6 +21,7 @@ from rig.experiment.ending import (
     Ending,
     fault_of,
 )
+from rig.experiment.frozen import refuse_slow_devices
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
@@ -95,7 +96,8 @@ def run_experiment(
     frames : str, optional
         Record the CAN buses, in one of `rig.assembly.frame_recording.FORMATS`.
     heed_calibrations : bool
-        Refuse hardware whose calibration does not hold; False: it is being mended.
+        Refuse hardware whose calibration does not hold, or whose devices act too late by
+        themselves; False: it is being calibrated.
 
     Returns
     -------
@@ -107,11 +109,14 @@ def run_experiment(
     ConfigurationError
         The run folder cannot be made, or the profile does not run on this backend.
     DeviceError
-        On hardware: a calibration does not hold; with the command that would mend it.
+        On hardware: a calibration does not hold; with the command that would mend it. Or a
+        device would keep its setpoints for too long if the program died.
     """
     watcher = watcher or Watcher()
     doubts = _check_calibrations(plan, backend) if heed_calibrations else []
     with StopRequests() as stop:
+        if backend is Backend.HARDWARE and heed_calibrations:
+            refuse_slow_devices(plan, watcher.said)
         if not backend.is_simulated:
             rehearse(plan)
         frame_log = None if frames is None else make_frame_log(plan.profile, backend)

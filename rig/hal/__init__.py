@@ -35,9 +35,9 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import DevicePicker, Margin, Mechanism, pick_device
+from rig.hal.mechanism import DevicePicker, Freeze, Margin, Mechanism, pick_device
 from rig.hal.motion import Fact, Motion, Segment
-from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant
+from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
 from rig.hal.reading import Reading
 
 __all__ = [
@@ -65,6 +65,7 @@ __all__ = [
     "FastCanBus",
     "Frame",
     "FrameLoad",
+    "Freeze",
     "Law",
     "LimitExceeded",
     "LinearEncoder",
@@ -81,6 +82,7 @@ __all__ = [
     "Plant",
     "PressureRegulator",
     "Reading",
+    "RestorablePlant",
     "RigError",
     "SafetyError",
     "Segment",

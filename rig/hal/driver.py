@@ -88,6 +88,18 @@ class DriverSettings:
         """
         return ()
 
+    def acts_after(self, bus: object) -> float | None:
+        """Return after how long without the program the device makes itself safe, s.
+
+        None: it takes no setpoints.
+
+        Parameters
+        ----------
+        bus : object
+            The settings of its bus; None if it is on none.
+        """
+        return None
+
     @classmethod
     def read_description(cls, path: Path) -> DeviceFile | None:
         """Read the file that the device's key ``eds`` names; None: the driver reads none.

@@ -25,6 +25,24 @@ class Margin(NamedTuple):
     fraction: float
 
 
+class Freeze(NamedTuple):
+    """The longest time that setpoints may stay as they are, and the rig within its limits.
+
+    Parameters
+    ----------
+    longest : float
+        s.
+    at : float
+        The instant of the motion at which more would be too much, s.
+    what : str
+        What would pass its limit then; empty if nothing would in the longest time looked at.
+    """
+
+    longest: float
+    at: float
+    what: str
+
+
 class Mechanism(Protocol[Settings, State, Reference, Command]):
     """The loop's view of a rig's mechanics.
 
@@ -135,6 +153,33 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
             Of that share, 1/s.
         """
         return cls.approach(reference, reference, 1.0, 1.0)
+
+    @classmethod
+    def pace_of(cls, reference: Reference) -> float:
+        """Return how fast a reference moves, by any measure: where it is great is looked first."""
+        return 0.0
+
+    @classmethod
+    def longest_freeze(
+        cls, settings: Settings, motion: Motion[Reference], period: float
+    ) -> Freeze | None:
+        """Return for how long setpoints may stay frozen, if that follows from the motion alone.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        motion : Motion
+            What is followed.
+        period : float
+            The loop's period, s.
+
+        Returns
+        -------
+        Freeze or None
+            None: it takes the plant to find out.
+        """
+        return None
 
     def attach(self, controller: Any, motion: Motion[Reference]) -> None:
         """Take the controller and the motion of the run that begins, for what is logged of them."""

@@ -26,11 +26,14 @@ class PlantModel:
     hazards : Path, optional
         ``hazards(settings)``, which makes `rig.hal.hazards.Hazard`s of the mechanism's settings;
         without it `rig faults` cannot judge the rig.
+    is_restorable : bool
+        It is a `rig.hal.RestorablePlant`; without that nothing is known of frozen setpoints.
     """
 
     settings: Path
     plant: Path
     hazards: Path | None = None
+    is_restorable: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

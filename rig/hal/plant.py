@@ -56,6 +56,26 @@ class MeasuredPlant:
         return 0.0
 
 
+class RestorablePlant(Plant, Protocol):
+    """A plant that can be taken back to where it was, to go another way from there.
+
+    That it can is said in its row, `PlantModel.is_restorable`.
+    """
+
+    time: float
+    """How far it has been integrated, s."""
+
+    @abstractmethod
+    def snapshot(self) -> object:
+        """Return all that moves, as it is now."""
+        ...
+
+    @abstractmethod
+    def restore(self, snapshot: object) -> None:
+        """Go back to a snapshot of this plant."""
+        ...
+
+
 class PhysicsSettings(Protocol):
     """The settings of a plant. Inherit it: what has a default need not be written."""
 

@@ -1,9 +1,9 @@
 """An orderly stop in the midst of a motion: the reference comes to rest on its own path."""
 
 from collections.abc import Callable
-from typing import Any, Generic
+from typing import Generic
 
-from rig.hal.mechanism import Mechanism, Reference
+from rig.hal.mechanism import Reference
 
 
 class Braking(Generic[Reference]):
@@ -14,8 +14,8 @@ class Braking(Generic[Reference]):
 
     Parameters
     ----------
-    mechanism : Mechanism
-        Says what a reference is like that is passed more slowly.
+    slow_down : callable
+        `Mechanism.slow_down`: says what a reference is like that is passed more slowly.
     path : callable
         ``path(t)``: the reference at a time of the motion, s.
     start, end : float
@@ -26,13 +26,13 @@ class Braking(Generic[Reference]):
 
     def __init__(
         self,
-        mechanism: Mechanism[Any, Any, Reference, Any],
+        slow_down: Callable[[Reference, float, float], Reference],
         path: Callable[[float], Reference],
         start: float,
         end: float,
         duration: float,
     ) -> None:
-        self._mechanism = mechanism
+        self._slow_down = slow_down
         self._path = path
         self._start = start
         self._end = end
@@ -46,6 +46,4 @@ class Braking(Generic[Reference]):
         rate = 1.0 - share * share * (3.0 - 2.0 * share)
         change = -6.0 * share * (1.0 - share) / duration if duration > 0.0 else 0.0
         gone = duration * (share - share**3 + 0.5 * share**4)
-        return self._mechanism.slow_down(
-            self._path(min(self._start + gone, self._end)), rate, change
-        )
+        return self._slow_down(self._path(min(self._start + gone, self._end)), rate, change)

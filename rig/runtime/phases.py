@@ -148,7 +148,7 @@ class Phases(Generic[State, Reference, Command]):
             path, at, end = self._motion.at, self.reference_time, self.duration
             if self.phase is _APPROACH:
                 path, at, end = self._approach, t - timings.energise, timings.approach
-            self._braking = Braking(self._mechanism, path, at, end, timings.brake)
+            self._braking = Braking(self._mechanism.slow_down, path, at, end, timings.brake)
         self.phase = _STOP
         self._stop_at = t
         self._states.move(RigState.STOPPING)

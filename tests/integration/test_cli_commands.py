@@ -73,6 +73,28 @@ def test_check_shows_an_experiment_and_its_bounds(capsys):
     assert experiment["duration"] == experiment["segments"][-1]["end"]
     bounds = {metric["name"]: metric["max"] for metric in experiment["metrics"]}
     assert bounds["tracking_rms"] == 0.15e-3
+    frozen = experiment["frozen"]
+    assert frozen["device"] == {"device": "regulators", "after": 0.03}
+    assert frozen["what"] == "position"
+    assert frozen["device"]["after"] < frozen["longest"] < 0.1
+
+
+def test_check_tells_people_what_happens_if_the_program_dies(capsys):
+    code, out, _ = run(capsys, "check", "arm-shoulder-circle", "--configs", CONFIGS)
+    assert code == 0
+    assert "# if the program dies" in out
+    assert "setpoints may stay for" in out
+    assert " on: range of q5" in out
+    assert "0.15 s (drives)" in out
+
+
+def test_check_says_which_device_acts_too_late(capsys):
+    late = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
+    sets = [part for option in late for part in ("--set", option)]
+    code, out, err = run(capsys, "check", "cylinder-sine", "--configs", CONFIGS, *sets)
+    assert code == 0
+    assert "0.15 s (regulators), which is too late: refused on hardware" in out
+    assert "trying on the plant" in err
 
 
 def test_check_applies_options(capsys):

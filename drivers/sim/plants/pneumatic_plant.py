@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,18 @@ WIDTH = len(STATE.names or ())
 """How many there are."""
 
 
+Array = NDArray[Any]
+
+
+class _Snapshot(NamedTuple):
+    steps: int
+    arrays: tuple[Array, ...]
+    supply_open: bool
+    modes: tuple[float, ...]
+    locked: tuple[bool, ...]
+    shown: tuple[tuple[int, float], ...]
+
+
 class PneumaticPlant(ABC):
     """Channels at rest at home, vented and with the supply closed.
 
@@ -73,7 +85,7 @@ class PneumaticPlant(ABC):
         *,
         units: np.random.Generator,
         monitors: np.random.Generator,
-        line: NDArray[Any],
+        line: Array,
     ) -> None:
         self._common = settings
         self._full_scale = settings.regulator.full_scale
@@ -131,6 +143,31 @@ class PneumaticPlant(ABC):
         self._integrate(steps)
         self._steps += steps
         self._next_noise()
+
+    def snapshot(self) -> _Snapshot:
+        """Return all that moves, as it is now; faults are not in it."""
+        return _Snapshot(
+            self._steps,
+            tuple(array.copy() for array in self._moving()),
+            self._supply_open,
+            tuple(self._modes),
+            tuple(self._locked),
+            tuple(self._shown),
+        )
+
+    def restore(self, snapshot: object) -> None:
+        """Go back to a snapshot of this plant."""
+        assert isinstance(snapshot, _Snapshot)
+        self._steps = snapshot.steps
+        for array, then in zip(self._moving(), snapshot.arrays, strict=True):
+            array[...] = then
+        self._supply_open = snapshot.supply_open
+        self._modes, self._locked = list(snapshot.modes), list(snapshot.locked)
+        self._shown = list(snapshot.shown)
+
+    def _moving(self) -> tuple[Array, ...]:
+        """Return the arrays that change as the plant moves."""
+        return self.channels, self._line
 
     @abstractmethod
     def _integrate(self, steps: int) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.parameters import scale_seals
-from drivers.sim.plants.pneumatic_plant import PneumaticPlant
+from drivers.sim.plants.pneumatic_plant import Array, PneumaticPlant
 from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
 from drivers.sim.plants.spherical_joint_parameters import (
     WIRES,
@@ -109,6 +109,9 @@ class SphericalJointPlant(PneumaticPlant):
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it, after the last step."""
         return tuple(self._truth.tolist())
+
+    def _moving(self) -> tuple[Array, ...]:
+        return *super()._moving(), self.wires, self._truth
 
     def _integrate(self, steps: int) -> None:
         advance_joint(

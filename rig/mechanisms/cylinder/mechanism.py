@@ -160,6 +160,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         slowed = rate * rate * acceleration + change * velocity
         return PairReference(position, rate * velocity, slowed)
 
+    @classmethod
+    def pace_of(cls, reference: PairReference) -> float:
+        """Return the speed, m/s."""
+        return abs(reference.velocity)
+
     def attach(self, controller: EstimatingPairController, motion: Motion[PairReference]) -> None:
         """Take the controller whose estimate is logged."""
         self.controller = controller

@@ -26,6 +26,7 @@ PARTS = MechanismParts(
             "drivers.sim.plants.settings:PlantSettings",
             "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
             "drivers.sim.hazards:pair_hazards",
+            is_restorable=True,
         )
     },
     measures=(f"{_HERE}.measures:PAIR_MEASURES",),

@@ -1,5 +1,6 @@
 """The spherical joint: a ring on a ball, turned by four wires and their cylinders."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, Protocol
 
@@ -170,6 +171,11 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
                 squared * c + change * w,
             ),
         )
+
+    @classmethod
+    def pace_of(cls, reference: JointReference) -> float:
+        """Return the speed of the ring's axis, rad/s."""
+        return math.hypot(*reference.velocity)
 
     def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
         """Take the controller whose estimate is logged, and the motion if its poses are known."""

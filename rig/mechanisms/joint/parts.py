@@ -27,6 +27,7 @@ PARTS = MechanismParts(
             f"{_PLANTS}.spherical_joint_settings:SphericalJointPlantSettings",
             f"{_PLANTS}.spherical_joint:SphericalJointPlant",
             "drivers.sim.hazards:joint_hazards",
+            is_restorable=True,
         )
     },
     measures=(

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Self, TypeVar
 
 from controllers.base import PlanningLaw
-from rig.hal import Device
+from rig.hal import Device, Freeze
 from rig.hal.motion import Followed, Motion
 from rig.mechanisms.servo.axes import (
     AxisLimits,
@@ -16,6 +16,9 @@ from rig.mechanisms.servo.axes import (
     State,
 )
 from rig.mechanisms.servo.settings import ServoSettings
+
+_LONGEST_FREEZE = 10.0
+"""Frozen setpoints are not looked at for longer, s."""
 
 Planned = TypeVar("Planned", bound=ServoSettings)
 
@@ -81,6 +84,29 @@ class PlannedAxes(ServoAxes[Planned, State, Reference, Command]):
     @abstractmethod
     def axis_limits(cls, settings: Planned) -> AxisLimits:
         """Return the axes and what they may do."""
+
+    @classmethod
+    def longest_freeze(
+        cls, settings: Planned, motion: Motion[Reference], period: float
+    ) -> Freeze | None:
+        """Return when the first joint would leave its limits that went on as it was.
+
+        These are the range and `ServoLimits.following`, as in `ServoAxes.check`. Drives that
+        follow positions stop sooner, at their last setpoint.
+        """
+        joints, slack = cls.axis_limits(settings), settings.limits.following
+        found = Freeze(_LONGEST_FREEZE, 0.0, "")
+        for tick in range(round(motion.duration / period) + 1):
+            t = min(tick * period, motion.duration)
+            reference = motion.at(t)
+            for name, angle, speed, lower, upper in zip(
+                joints.names, reference.positions, reference.velocities,
+                joints.lower, joints.upper, strict=True,
+            ):  # fmt: skip
+                room = slack + (upper - angle if speed > 0.0 else angle - lower)
+                if room < found.longest * abs(speed):
+                    found = Freeze(max(room, 0.0) / abs(speed), t, f"range of {name}")
+        return found
 
     @classmethod
     def assemble(cls, settings: Planned, devices: Mapping[str, Device], period: float) -> Self:

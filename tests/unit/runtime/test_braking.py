@@ -30,7 +30,7 @@ def vector(values):
 @pytest.mark.parametrize("start", [DRAWN.uniform(0.1, 2.5) for _ in range(6)])
 def test_velocity_and_acceleration_are_those_of_the_slowed_path(kind, start):
     mechanism, motion, place = kind
-    braking = Braking(mechanism, motion.at, start, motion.duration, DURATION)
+    braking = Braking(mechanism.slow_down, motion.at, start, motion.duration, DURATION)
     assert vector(place(braking.at(0.0))) == pytest.approx(vector(place(motion.at(start))))
     assert vector(braking.at(0.0).velocity) == pytest.approx(vector(motion.at(start).velocity))
     for t in (DRAWN.uniform(0.02, 0.23) for _ in range(5)):
@@ -47,16 +47,18 @@ def test_velocity_and_acceleration_are_those_of_the_slowed_path(kind, start):
 
 
 def test_path_ends_where_the_motion_ends():
-    braking = Braking(AntagonisticPair, SINE.at, SINE.duration - 0.02, SINE.duration, DURATION)
+    braking = Braking(
+        AntagonisticPair.slow_down, SINE.at, SINE.duration - 0.02, SINE.duration, DURATION
+    )
     assert braking.at(1.0) == PairReference(10e-3, 0.0, 0.0)
 
 
 def test_without_a_duration_the_reference_stays_where_it_is():
-    braking = Braking(AntagonisticPair, SINE.at, 0.3, SINE.duration, 0.0)
+    braking = Braking(AntagonisticPair.slow_down, SINE.at, 0.3, SINE.duration, 0.0)
     assert braking.at(0.0) == PairReference(SINE.at(0.3).position, 0.0, 0.0)
 
 
 def test_mechanism_that_says_nothing_is_braked_on_its_path_at_rest():
-    braking = Braking(FakeMechanism(), lambda t: 100.0 * t, 1.0, 9.0, DURATION)
+    braking = Braking(FakeMechanism.slow_down, lambda t: 100.0 * t, 1.0, 9.0, DURATION)
     assert braking.at(0.0) == 100.0
     assert braking.at(DURATION) == pytest.approx(100.0 + 100.0 * DURATION / 2.0)
