@@ -175,7 +175,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             It does not answer, is another device, or did not take a setting.
         """
         self._armed = self._was_pressed = False
-        self._pressed = True  # until the circuit is seen closed
+        self._pressed, self._pressed_at = True, -inf  # until the circuit is seen closed
         self._forget_setpoints()
         settings, node = self.settings, self._node
         node.connect(

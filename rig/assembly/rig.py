@@ -1,8 +1,9 @@
 """A rig that has been built: buses, devices and mechanism on one backend."""
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
+from math import inf
 from typing import Any
 
 from rig.config import Profile
@@ -118,6 +119,38 @@ class Rig:
         if self.buses:
             self.clock.sleep_until(now + self.profile.loop.period)
         self._check_stop()
+
+    @contextmanager
+    def watching_stop(self) -> Iterator[Callable[[], bool | None]]:
+        """Connect who reads the emergency stop, and nobody else; yield what tells its state.
+
+        Nothing is armed. The state is that of the look before; None: nobody has told it yet.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer.
+        """
+        stop = self._stop
+        assert stop is not None, "the rig has a contact"
+
+        def is_pressed() -> bool | None:
+            now = self.clock.now()
+            for bus in self.buses.values():
+                bus.receive(now)
+            stop.look()
+            pressed, t = stop.emergency_stop()
+            return pressed if t > -inf else None
+
+        try:
+            for bus in self.buses.values():
+                bus.open()
+            for name, device in self.devices.items():
+                if self._reads_stop(name):
+                    device.connect()
+            yield is_pressed
+        finally:
+            self.close()
 
     def _reads_stop(self, name: str) -> bool:
         device: object = self.devices[name]

@@ -20,8 +20,10 @@ _ROW = 42.0
 """Height of a row, mm."""
 
 
-def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path]:
+def draw_page(folder: Path, name: str, findings: Sequence[Finding], origin: str) -> list[Path]:
     """Draw one row per panel: data with the old and the new fit, and what the fit leaves.
+
+    At its edge stands the `origin` of what was measured.
 
     Returns
     -------
@@ -52,4 +54,4 @@ def draw_page(folder: Path, name: str, findings: Sequence[Finding]) -> list[Path
             rest.set_ylabel(panel.residual_label)
             if number == 0:
                 place_legend(data, 3)
-        return save(figure, folder, name)
+        return save(figure, folder, name, origin)

@@ -194,7 +194,7 @@ def conclude(
     # What is true of a simulated rig, and how it is drawn, is no business of an identification.
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
     findings, name = procedure.identify(seen, data, readings), procedure.name
-    figures = draw_page(folder / FIGURES, f"calibration-{name}", findings)
+    figures = draw_page(folder / FIGURES, f"calibration-{name}", findings, circumstances.origin)
     files = []
     contents = []
     for finding in findings:

@@ -14,7 +14,7 @@ from rig.calibration.arrays import Array
 from rig.calibration.procedure import Evidence, Finding
 from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
-from rig.config.calibration import HISTORY, check_seal, find_calibration, seal
+from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
 from rig.config.yaml_loader import read_source
 from rig.hal import ConfigurationError
@@ -44,12 +44,23 @@ class Circumstances(NamedTuple):
         Temperature, supply pressure, instruments, remarks.
     now : datetime
         When.
+    backend : str
+        On what.
+    seed : int or None
+        Of the simulation; None on hardware.
     """
 
     operator: str
     valid_for: float
     conditions: Mapping[str, str]
     now: datetime
+    backend: str
+    seed: int | None
+
+    @property
+    def origin(self) -> str:
+        """Where it was measured, for a figure."""
+        return HARDWARE if self.backend == HARDWARE else f"simulation ({self.backend})"
 
 
 def compose(
@@ -79,6 +90,8 @@ def compose(
         "procedure": procedure,
         "date": date,
         "operator": circumstances.operator,
+        "backend": origin_of([circumstances.backend, *(m.get("backend", UNKNOWN) for m in kept)]),
+        "seed": circumstances.seed,
         "serial": None if entry is None else entry.serial,
         "samples": data.samples,
         "blocks": finding.blocks,
@@ -103,6 +116,7 @@ def compose(
             "std": _short(e.std),
             "interval": [_short(e.low, 9), _short(e.high, 9)],
             "procedure": procedure,
+            "backend": circumstances.backend,
             "date": date,
             "valid_until": until.date().isoformat(),
         }
@@ -114,6 +128,11 @@ def compose(
         "measured": [*kept, *measured],
         "provenance": {key: value for key, value in provenance.items() if value is not None},
     }
+
+
+def origin_of(backends: Sequence[str]) -> str:
+    """Return where values were measured: not on hardware, if one of them was not."""
+    return next((backend for backend in backends if backend != HARDWARE), HARDWARE)
 
 
 def check_not_worse(finding: Finding, procedure: str, old: Content | None) -> None:
@@ -163,10 +182,7 @@ def write(configs: Path, rig: str, target: str, content: Content) -> Path:
             suffix += 1
             kept = kept.with_name(f"{stamp}-{suffix}.yaml")
         for place in (kept, path):  # the copy first: the old file is in force until all is kept
-            place.parent.mkdir(parents=True, exist_ok=True)
-            temporary = place.with_name(f".{place.name}.{os.getpid()}")
-            temporary.write_text(text, encoding="utf-8")
-            temporary.replace(place)
+            _put(place, text)
     except OSError as error:
         raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
     return path
@@ -206,6 +222,47 @@ def find(search: Sequence[Path], rig: str, name: str) -> Path:
         if place.is_file():
             return place
     raise ConfigurationError(f"no calibration of the rig {rig} is called {name!r}")
+
+
+def restore(search: Sequence[Path], rig: str, target: str, date: str) -> Path:
+    """Put a kept calibration in force again; the one before it stays among the kept ones.
+
+    Parameters
+    ----------
+    search : sequence of Path
+        The configuration folders; the file is written into the first.
+    rig, target : str
+        Whose calibration.
+    date : str
+        How its time starts, as its file's name has it.
+
+    Raises
+    ------
+    ConfigurationError
+        None or several are of that date, or it cannot be written.
+    ProfileError
+        Its seal does not fit.
+    """
+    found = [path for path in history(search, rig, target) if path.stem.startswith(date)]
+    if len(found) != 1:
+        raise ConfigurationError(
+            f"{len(found)} calibrations of {target} are of {date}; "
+            f"list them with: rig calibrate {rig} --restore {target}"
+        )
+    load(found[0])  # its seal
+    path = search[0] / "calibration" / rig / f"{target}.yaml"
+    try:
+        _put(path, found[0].read_text(encoding="utf-8"))
+    except OSError as error:
+        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+    return path
+
+
+def _put(path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary.write_text(text, encoding="utf-8")
+    temporary.replace(path)
 
 
 def in_force(profile: Profile, search: Sequence[Path], target: str) -> Content | None:

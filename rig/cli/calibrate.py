@@ -30,7 +30,10 @@ _DAY = 86_400.0
 @click.argument("rig", shell_complete=complete_rig)
 @click.argument("procedures", nargs=-1, metavar="[PROCEDURE]...")
 @click.option("--all", "every", is_flag=True, help="Every procedure of the rig, in order.")
-@click.option("--yes", is_flag=True, help="Ask nothing.")
+@click.option(
+    "--yes", is_flag=False, flag_value="", metavar="[NAME]",
+    help="Ask nothing; on hardware with the rig's name.",
+)  # fmt: skip
 @click.option("--dry-run", is_flag=True, help="Show what would move and how far; open nothing.")
 @click.option(
     "--on", "on", type=OnBackend(), default="virtual", show_default=True,
@@ -59,6 +62,10 @@ _DAY = 86_400.0
 @click.option("--supply", help="Supply pressure, for the record, as in '7 bar'.")
 @click.option("--valid-for", type=click.IntRange(1), default=365, show_default=True, help="Days.")
 @click.option("--history", "history_of", metavar="DEVICE", help="Show every kept calibration.")
+@click.option(
+    "--restore", "restored", metavar="DEVICE[/DATE]",
+    help="Put the calibration of that date in force again; without a date, list them.",
+)  # fmt: skip
 @click.option("--diff", nargs=2, metavar="A B", help="Compare two calibration files.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
               help="Where run folders live.")  # fmt: skip
@@ -77,6 +84,8 @@ def calibrate(rig: str, **options: Any) -> int:
     search = find_configs(options["configs"])
     if options["diff"]:
         return _diff(search, rig, *options["diff"])
+    if options["restored"]:
+        return _restore(search, rig, options["restored"])
     if options["history_of"]:
         return _history(search, rig, options["history_of"])
     from rig.assembly import REGISTRY
@@ -126,7 +135,7 @@ def _calibrate(
             folders = []
             data, folder = procedure.read_files(profile, files)
         else:
-            if not options["yes"] and not _agreed():
+            if not _agreed(profile.name, backend, options["yes"]):
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
@@ -134,12 +143,13 @@ def _calibrate(
         readings = read_instruments(
             procedure, profile, folders,
             simulated=backend.is_simulated, readings=options["readings"],
-            prompt=None if options["yes"] or not sys.stdin.isatty() else click.prompt,
+            prompt=None if options["yes"] is not None or not sys.stdin.isatty() else click.prompt,
         )  # fmt: skip
         if excitation is not None:
             data, folder = recorded(folders), folders[-1]
         calibrated = conclude(
-            procedure, profile, data, folder, readings, _circumstances(options), search,
+            procedure, profile, data, folder, readings,
+            _circumstances(options, profile, _measured_on(folders, backend)), search,
             replace=options["replace"],
         )  # fmt: skip
     except NoFiles as lack:
@@ -163,7 +173,7 @@ def _record(
         return record(
             procedure, profile, backend, options["out"],
             on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
-            place=None if backend.is_simulated else _Placing(asks=not options["yes"]),
+            place=None if backend.is_simulated else _Placing(asks=options["yes"] is None),
         )  # fmt: skip
 
 
@@ -192,7 +202,17 @@ def _tell_refused(
     return 1
 
 
-def _circumstances(options: dict[str, Any]) -> Circumstances:
+def _measured_on(folders: Sequence[Path], backend: Backend) -> str:
+    """Return where runs were recorded; a recording of long ago is not what `--on` says now."""
+    from rig.calibration.store import origin_of
+    from rig.run_folder import RunFolder
+
+    backends = [RunFolder.open(path).manifest.get("backend", "") for path in folders]
+    return origin_of(backends or [backend.value])
+
+
+def _circumstances(options: dict[str, Any], profile: Profile, measured_on: str) -> Circumstances:
+    from rig.assembly import Backend
     from rig.calibration.store import Circumstances
 
     said = {"temperature": options["temperature"], "supply pressure": options["supply"]}
@@ -201,6 +221,8 @@ def _circumstances(options: dict[str, Any]) -> Circumstances:
         options["valid_for"] * _DAY,
         {key: value for key, value in said.items() if value is not None},
         datetime.now(UTC),
+        measured_on,
+        None if measured_on == Backend.HARDWARE else profile.simulation.seed,
     )
 
 
@@ -219,7 +241,16 @@ class _Placing:
         return self._count == 1
 
 
-def _agreed() -> bool:
+def _agreed(rig: str, backend: Backend, yes: str | None) -> bool:
+    from rig.assembly import Backend
+    from rig.cli.confirm import confirm
+    from rig.experiment.fault_latch import FaultLatch
+
+    if backend is Backend.HARDWARE:
+        FaultLatch(rig).check()
+        return confirm(rig, yes)
+    if yes is not None:
+        return True
     if not sys.stdin.isatty():
         click.echo("there is no terminal to ask: say --yes, or look first with --dry-run", err=True)
         return False
@@ -254,11 +285,26 @@ def _history(search: Sequence[Path], rig: str, target: str) -> int:
         of = load(path)["provenance"]
         residual = f"{of.get('residual_rms', '-')} {of.get('unit', '')}"
         rows.append(
-            (str(of["date"]), of["operator"], of.get("procedure", "-"), residual,
-             str(of.get("valid_until", "-")), str(path))
+            (str(of["date"]), of["operator"], of.get("procedure", "-"),
+             of.get("backend", "-"), residual, str(of.get("valid_until", "-")), str(path))
         )  # fmt: skip
-    head = ("date", "operator", "procedure", "residual rms", "valid until", "file")
+    head = ("date", "operator", "procedure", "measured on", "residual rms", "valid until", "file")
     print_tables([Table(f"calibrations of {target}", head, rows)])
+    return 0
+
+
+def _restore(search: Sequence[Path], rig: str, name: str) -> int:
+    from rig.calibration.store import restore
+
+    target, slash, date = name.rpartition("/")
+    if not slash:
+        _history(search, rig, name)
+        click.echo(
+            f"put one in force again with: rig calibrate {rig} --restore {name}/DATE", err=True
+        )
+        return 0
+    path = restore(search, rig, target, date)
+    click.echo(f"in force again: {path}", err=True)
     return 0
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import click
@@ -19,7 +20,7 @@ EXIT_DIFFERENT = 3
 
 def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
     """Show who answers on the CAN buses of a profile; return the exit code."""
-    from rig.assembly import parse_interfaces
+    from rig.assembly import Backend, backend_of, parse_interfaces
     from rig.assembly.survey import survey_buses
 
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
@@ -34,11 +35,22 @@ def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
         who = answer.name or "an unknown device"
         what = ", ".join(answer.differences)
         click.echo(f"{who} (bus {answer.bus}, node 0x{answer.node:02X}): {what}", err=True)
+    refused = _refused_calibrations(profile) if backend_of(on) is Backend.HARDWARE else []
+    for sentence in refused:
+        click.echo(sentence, err=True)
     if not different:
         click.echo(f"{len(answers)} of {len(answers)} nodes are as the profile says", err=True)
-        return 0
+        return EXIT_DIFFERENT if refused else 0
     click.echo(_advise(profile, on, answers), err=True)
     return EXIT_DIFFERENT
+
+
+def _refused_calibrations(profile: Profile) -> list[str]:
+    """Return why calibrations in force keep the rig from being run on hardware."""
+    from rig.config.calibration_state import calibration_states
+
+    states = calibration_states(profile, datetime.now(UTC).date(), on_hardware=True)
+    return [f"{state.name}: {state.sentence}" for state in states if state.problems]
 
 
 def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:

@@ -5,6 +5,7 @@ COMMANDS = {
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
+    "reset": ("rig.cli.reset:reset", "Reset a rig's latched fault."),
     "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),
     "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
     "faults": ("rig.cli.faults:faults", "Break a rig in simulation, and judge what comes of it."),

@@ -16,6 +16,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    yes_option,
 )  # fmt: skip
 from rig.cli.tables import print_data
 
@@ -59,6 +60,7 @@ class _Job(NamedTuple):
 @out_option
 @configs_option
 @click.option("--json", "as_json", is_flag=True, help="Print the table as JSON.")
+@yes_option
 def compare(
     experiment: str,
     controllers: str | None,
@@ -70,12 +72,14 @@ def compare(
     out: Path,
     configs: Path | None,
     as_json: bool,
+    yes: str | None,
 ) -> int:
     """Run EXPERIMENT once under each controller or setting; one table, one figure.
 
     A controller that refuses the motion is told, with its reason. Simulated runs go on at the same
     time, one per processor; a physical rig takes them one after the other.
     """
+    from rig.cli.announce import may_move
     from rig.experiment.plan import load_plan
     from rig.report.compare import compare_metrics, draw_comparison
 
@@ -83,6 +87,8 @@ def compare(
     if seed is not None:
         options.append(f"simulation.seed={seed}")
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
+    if not may_move(plan, backend, yes):
+        return 2
     names: tuple[str, ...] = (plan.experiment.controller,)
     if controllers is not None or vary is None:
         names = _chosen(controllers, tuple(plan.profile.controllers))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 import click
 
 from rig.cli.tables import Table
+from rig.config.calibration import HARDWARE
 from rig.config.calibration_state import CalibrationState, calibration_states
 from rig.config.formats import format_against, format_quantity
 
@@ -81,12 +82,13 @@ def _calibration(state: CalibrationState) -> dict[str, Any]:
         "name": state.name,
         "file": state.calibration.file,
         "state": list(state.problems),
+        "on_hardware": of.backend == HARDWARE,
         "remedy": state.remedy if state.problems else None,
         **{
             key: getattr(of, key)
             for key in (
-                "procedure", "date", "operator", "valid_until", "residual_rms", "residual_bound",
-                "unit",
+                "procedure", "backend", "seed", "date", "operator", "valid_until",
+                "residual_rms", "residual_bound", "unit",
             )
         },
     }  # fmt: skip
@@ -102,12 +104,17 @@ def _calibration_row(of: dict[str, Any]) -> tuple[str, ...]:
     mend = f"; mend it with: {of['remedy']}" if of["state"] else ""
     return (
         of["name"],
-        ("; ".join(of["state"]) or "holds") + mend,
+        ("; ".join(of["state"]) or _where(of)) + mend,
         of["date"],
         of["valid_until"] or "-",
         residual,
         of["file"],
     )
+
+
+def _where(of: dict[str, Any]) -> str:
+    """Return where a calibration holds: one that was not measured on hardware does not there."""
+    return "holds" if of["on_hardware"] else "holds in simulation, refused on hardware"
 
 
 def _quantities(settings: Any) -> list[dict[str, Any]]:

@@ -191,4 +191,7 @@ runs_option = click.option(
     help="Where run folders live.",
 )  # fmt: skip
 """Where a run is looked for by its name."""
+yes_option = click.option(
+    "--yes", metavar="NAME", help="The rig's name: on hardware, in the place of typing it."
+)
 json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")

@@ -17,6 +17,7 @@ from rig.cli.names import (
     rig_option,
     seed_option,
     set_option,
+    yes_option,
 )  # fmt: skip
 from rig.cli.on_option import FrameFormat, OnBackend
 from rig.cli.tables import print_data
@@ -52,6 +53,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 )  # fmt: skip
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+@yes_option
 def run(
     experiment: str,
     on: str,
@@ -64,15 +66,19 @@ def run(
     frames: str | None,
     no_report: bool,
     as_json: bool,
+    yes: str | None,
 ) -> int:
     """Run EXPERIMENT and leave a run folder with log, metrics, figures and report.
+
+    Hardware moves only when the rig's name was typed, or given by --yes.
 
     EXPERIMENT is a name from `rig list` or the path of a YAML file. Ctrl-C stops the rig in an
     orderly way, a second Ctrl-C at once; both leave it safe.
     """
     from rig.assembly import Backend, backend_of
+    from rig.cli.announce import may_move
     from rig.cli.progress import ProgressLine
-    from rig.experiment.ending import EXIT_PREFLIGHT
+    from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
     from rig.experiment.plan import load_plan
     from rig.experiment.run import run_experiment
 
@@ -84,6 +90,8 @@ def run(
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")
+    if not may_move(plan, on, yes):
+        return EXIT_USAGE
     line = ProgressLine(plan.experiment.name, on)
     with line:
         result = run_experiment(

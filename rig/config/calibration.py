@@ -28,6 +28,10 @@ COMMON_KEYS: Final = ("driver", "bus", "serial", "calibration")
 HISTORY: Final = "history"
 """Folder beside a rig's calibrations that keeps every one that was ever written."""
 
+HARDWARE: Final = "hardware"
+UNKNOWN: Final = "unknown"
+"""Where a value was measured: on the rig itself; nobody has written it down."""
+
 _KEYS: Final = ("values", "provenance")
 _OTHER_KEYS: Final = ("measured", "seal")
 

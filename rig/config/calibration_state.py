@@ -3,6 +3,7 @@
 from datetime import date, datetime
 from typing import NamedTuple
 
+from rig.config.calibration import HARDWARE, UNKNOWN
 from rig.config.models import Calibration, Profile
 
 
@@ -32,7 +33,9 @@ class CalibrationState(NamedTuple):
         return f"its calibration {'; '.join(self.problems)}; mend it with: {self.remedy}"
 
 
-def calibration_states(profile: Profile, today: date) -> tuple[CalibrationState, ...]:
+def calibration_states(
+    profile: Profile, today: date, *, on_hardware: bool = False
+) -> tuple[CalibrationState, ...]:
     """Return the state of every calibration in force.
 
     Parameters
@@ -41,6 +44,8 @@ def calibration_states(profile: Profile, today: date) -> tuple[CalibrationState,
         As loaded.
     today : date
         The day to judge it at.
+    on_hardware : bool
+        It is to hold on the rig itself: what was measured in simulation does not.
     """
     found = []
     for name, calibration in profile.calibrations.items():
@@ -49,8 +54,20 @@ def calibration_states(profile: Profile, today: date) -> tuple[CalibrationState,
         procedure = calibration.provenance.procedure or "--all"
         remedy = f"rig calibrate {profile.name} {procedure} --replace --on hardware"
         problems = _problems(calibration, serial, today)
+        if on_hardware:
+            problems = (*_strangeness(calibration), *problems)
         found.append(CalibrationState(name, calibration, problems, remedy))
     return tuple(found)
+
+
+def _strangeness(calibration: Calibration) -> tuple[str, ...]:
+    of = calibration.provenance
+    if of.backend == HARDWARE:
+        return ()
+    if of.backend in (None, UNKNOWN):
+        return ("does not say whether it was measured on hardware",)
+    seed = "" if of.seed is None else f", seed {of.seed}"
+    return (f"was measured in simulation ({of.backend}{seed}), not on hardware",)
 
 
 def _problems(calibration: Calibration, serial: int | None, today: date) -> tuple[str, ...]:

@@ -60,6 +60,11 @@ class Provenance:
         When it was taken, ISO 8601.
     operator : str
         Who took it.
+    backend : str, optional
+        Where it was measured: ``hardware``, or what simulated it. Of several values the one that
+        was not measured on hardware, if there is one.
+    seed : int, optional
+        Of the simulation.
     serial : int, optional
         Serial number of the device that was calibrated.
     samples : int, optional
@@ -88,6 +93,8 @@ class Provenance:
 
     date: str
     operator: Annotated[str, MinLen(1)]
+    backend: str | None = None
+    seed: int | None = None
     serial: Annotated[int, Ge(0)] | None = None
     samples: Annotated[int, Ge(1)] | None = None
     blocks: Annotated[int, Ge(1)] | None = None

@@ -3,14 +3,12 @@
 import contextlib
 import shlex
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
-from rig.config.calibration_state import calibration_states
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -21,13 +19,15 @@ from rig.experiment.ending import (
     Ending,
     fault_of,
 )
+from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
 from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
+from rig.experiment.permission import check_permitted
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import DeviceError, RigError
+from rig.hal import RigError
 from rig.run_folder import EVALUATION, RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import LogError, read_log
@@ -109,11 +109,12 @@ def run_experiment(
     ConfigurationError
         The run folder cannot be made, or the profile does not run on this backend.
     DeviceError
-        On hardware: a calibration does not hold; with the command that would mend it. Or a
-        device would keep its setpoints for too long if the program died.
+        On hardware: a calibration does not hold, or a fault is latched; with the command that
+        would mend it. Or a device would keep its setpoints for too long if the program died.
     """
     watcher = watcher or Watcher()
-    doubts = _check_calibrations(plan, backend) if heed_calibrations else []
+    doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
+    latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
     with StopRequests() as stop:
         if backend is Backend.HARDWARE and heed_calibrations:
             refuse_slow_devices(plan, watcher.said)
@@ -135,8 +136,11 @@ def run_experiment(
                 watcher.said(sentence)
                 _Events(folder)(None, "calibration", sentence, {})
             stopwatch = Stopwatch(rig.clock)
-            ending = _run(plan, rig, folder, watcher, stop, stopwatch)
+            ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
             stop.shield()  # what is left is bookkeeping; it is not to be torn either
+            latched = None if latch is None else latch.settle(folder.path, ending)
+            if latched is not None:
+                watcher.said(latched)
             counts: dict[str, Any] = {"buses": rig.statistics()}
             if frame_log is not None:
                 counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
@@ -169,17 +173,6 @@ def _report(path: Path, watcher: Watcher) -> None:
         write_report(path)
     except (RigError, OSError) as error:
         watcher.said(f"there is no report: {error}; draw it later with: rig report {path}")
-
-
-def _check_calibrations(plan: Plan, backend: Backend) -> list[str]:
-    """Return what is doubtful in a simulation; on hardware it is refused."""
-    doubts = []
-    for state in calibration_states(plan.profile, datetime.now(UTC).date()):
-        if state.problems and backend is Backend.HARDWARE:
-            raise DeviceError(state.name, state.sentence)
-        if state.problems:
-            doubts.append(f"{state.name}: {state.sentence}")
-    return doubts
 
 
 def _create_folder(
@@ -261,6 +254,7 @@ def _run(
     watcher: Watcher,
     stop: StopRequests,
     stopwatch: Stopwatch,
+    latch: FaultLatch | None,
 ) -> Ending:
     """Connect, arm, loop; return how it ended."""
     events = _Events(folder)
@@ -294,6 +288,8 @@ def _run(
                 for sentence in refused:
                     watcher.said(sentence)
                     events(None, "real-time", sentence, {})
+                if latch is not None:
+                    latch.set(folder.path)
                 rig.arm(torque=plan.motion.has_torque)
                 energised = True
                 with stopwatch:

@@ -6,7 +6,7 @@ from pathlib import Path
 from rig.hal import ConfigurationError
 from rig.report.comparison import ComparisonRow
 from rig.report.comparisons import comparison_of
-from rig.report.data import RunData, load_run
+from rig.report.data import RunData, load_run, origin_of
 from rig.report.style import paper_style, save
 
 
@@ -72,7 +72,9 @@ def draw_comparison(
     """
     runs = _load(paths, labels)
     with paper_style():
-        return save(comparison_of(runs).draw(runs, labels), Path(folder), "compare")
+        figure = comparison_of(runs).draw(runs, labels)
+        origins = dict.fromkeys(origin_of(run.folder) for run in runs)
+        return save(figure, Path(folder), "compare", "; ".join(origins))
 
 
 def _load(paths: Sequence[str | Path], labels: Sequence[str]) -> list[RunData]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rig.config.calibration import HARDWARE
 from rig.experiment.measure import PHASE_RUN
 from rig.experiment.metrics import evaluation_from_json
 from rig.hal.motion import Segment
@@ -70,6 +71,14 @@ def mechanism_of(folder: RunFolder) -> str | None:
     """Return the mechanism of the rig that a run was recorded on; None if it is not noted."""
     mechanism = folder.read_json(EVALUATION).get("mechanism")
     return mechanism if isinstance(mechanism, str) else None
+
+
+def origin_of(folder: RunFolder) -> str:
+    """Say where a run's data come from: the rig itself, or which simulation of it."""
+    backend, seed = folder.manifest.get("backend"), folder.manifest.get("seed")
+    if backend is None or backend == HARDWARE:
+        return backend or ""
+    return f"simulation ({backend})" if seed is None else f"simulation ({backend}, seed {seed})"
 
 
 def load_run(path: str | Path) -> RunData:

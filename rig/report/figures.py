@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from rig.assembly import REGISTRY
-from rig.report.data import load_run
+from rig.report.data import load_run, origin_of
 from rig.report.figure import FigureKind
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
@@ -53,5 +53,7 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[P
         for name in chosen:
             figure = known[name].draw(run)
             if figure is not None:
-                written += save(figure, run.folder.path / FIGURES_FOLDER, name)
+                written += save(
+                    figure, run.folder.path / FIGURES_FOLDER, name, origin_of(run.folder)
+                )
     return written

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import cast
 
 from rig.config import format_against
-from rig.report.data import mechanism_of
+from rig.report.data import mechanism_of, origin_of
 from rig.report.figures import known_figures
 from rig.report.timing import Spread, TimingSummary
 from rig.run_folder import (
@@ -60,6 +60,7 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     """
     manifest = folder.manifest
     title = f"{manifest.get('experiment', folder.path.name)} on {manifest.get('backend', '?')}"
+    title += ", a simulation" if origin_of(folder).startswith("simulation") else ""
     sections = [
         _header(folder, title),
         _metrics(folder.metrics(), problems),

@@ -71,6 +71,8 @@ _RC: "dict[RcKeyType, object]" = {
 
 SEGMENT_TEXT = 7.0
 """Size of the labels of segments, pt."""
+ORIGIN_TEXT = 4.5
+"""Size of where the data come from, pt."""
 
 
 @contextmanager
@@ -89,8 +91,19 @@ def new_figure(width: float, height: float) -> "Figure":
     return Figure(figsize=(width / 25.4, height / 25.4))
 
 
-def save(figure: "Figure", folder: Path, name: str) -> list[Path]:
+def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
     """Write a figure as PNG and SVG; return both paths.
+
+    Parameters
+    ----------
+    figure : Figure
+        Drawn.
+    folder : Path
+        Where the files go.
+    name : str
+        Theirs, without suffix.
+    origin : str
+        Where its data come from, written at its edge: a figure is passed on without its folder.
 
     Raises
     ------
@@ -100,6 +113,9 @@ def save(figure: "Figure", folder: Path, name: str) -> list[Path]:
     paths = [folder / f"{name}.png", folder / f"{name}.svg"]
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        figure.text(
+            1.0, 0.0, origin, ha="right", va="bottom", fontsize=ORIGIN_TEXT, color="#4a5560"
+        )
         figure.savefig(paths[0])
         figure.set_layout_engine("none")  # both files have the layout of the first
         figure.savefig(paths[1], metadata={"Date": None})

@@ -30,7 +30,9 @@ class IllegalMove(RigError):
 
 
 class StateMachine:
-    """The rig's state; FAULT is latched and only an operator's reset leaves it.
+    """The rig's state in one process; nothing leaves FAULT.
+
+    Beyond the process, on hardware, `rig.experiment.fault_latch` keeps it.
 
     Parameters
     ----------
@@ -61,12 +63,6 @@ class StateMachine:
         if self.state is not RigState.FAULT:
             self.fault = fault
             self._set(RigState.FAULT)
-
-    def operator_reset(self) -> None:
-        """Leave FAULT for DISCONNECTED: every device is identified and read back again."""
-        if self.state is RigState.FAULT:
-            self.fault = None
-            self._set(RigState.DISCONNECTED)
 
     def _set(self, to: RigState) -> None:
         old, self.state = self.state, to

@@ -39,7 +39,9 @@ def calibrated(configs, *, now=None, days=365, rms=10e-6):
     estimate = Estimate("offset", 1e-3, "m", 2e-6, 0.996e-3, 1.004e-3)
     residuals = rms * np.array([1.0, -1.0] * 6)
     found = Finding(ENCODER, {"offset": "1 mm"}, (estimate,), residuals, "m", 50e-6, 12, ())
-    said = store.Circumstances("me", days * 86_400.0, {}, now or datetime.now(UTC))
+    said = store.Circumstances(
+        "me", days * 86_400.0, {}, now or datetime.now(UTC), "hardware", None
+    )
     content = store.compose(found, "encoders", profile, Recording([]), said, None)
     content["provenance"]["samples"] = 12
     return store.write(configs, "cylinder", ENCODER, content)

@@ -39,7 +39,7 @@ def refused(request, tmp_path, capfd):
 
     def run(on):
         runs = tmp_path / "runs"
-        options = ["--out", str(runs)] if request.param == "run" else []
+        options = ["--out", str(runs), "--yes", "cylinder"] if request.param == "run" else []
         code = invoke([*COMMANDS[request.param], "--on", on, *options])
         said = capfd.readouterr().err
         assert code == 3, said

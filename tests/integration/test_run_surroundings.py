@@ -20,7 +20,7 @@ LIMIT = 300_000
 
 def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
     code = invoke(
-        [*BASE, "--on", "hardware", "--out", str(tmp_path),
+        [*BASE, "--on", "hardware", "--yes", "cylinder", "--out", str(tmp_path),
          "--set", "buses.can0.channel=nocan7", "--set", "loop.priority=0"]
     )  # fmt: skip
     said = capsys.readouterr().err

@@ -23,6 +23,7 @@ from rig.mechanisms.arm.facts import INDICES, facts_of_plan
 from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
+from rig.mechanisms.servo.settings import ServoLimits
 
 SETTLING = 0.25
 """For how long the end of the motion is held before the run ends, s: the arm gets there later."""
@@ -123,6 +124,11 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     def geometry_of(cls, settings: ArmSettings) -> ArmGeometry:
         """Return the dimensions that the plant is made with."""
         return settings.geometry
+
+    @classmethod
+    def limits_of(cls, settings: ArmSettings) -> ServoLimits:
+        """Return the limits; see `Mechanism.limits_of`."""
+        return settings.limits
 
     @classmethod
     def model_of(cls, settings: ArmSettings) -> ArmGeometry:

@@ -17,6 +17,7 @@ from rig.mechanisms.legs.halt import Halt
 from rig.mechanisms.legs.settings import LegsSettings
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
+from rig.mechanisms.servo.settings import ServoLimits
 
 _FINE = 1e-3
 """Peak rates are differences over this time, s, whatever the loop's rate: a plain inverse's peak
@@ -113,6 +114,11 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     def geometry_of(cls, settings: LegsSettings) -> LegGeometry:
         """Return the dimensions that the plant is made with."""
         return settings.geometry
+
+    @classmethod
+    def limits_of(cls, settings: LegsSettings) -> ServoLimits:
+        """Return the limits; see `Mechanism.limits_of`."""
+        return settings.limits
 
     @classmethod
     def model_of(cls, settings: LegsSettings) -> GaitModel:

@@ -39,7 +39,9 @@ def calibrate(configs, when="2026-11-21", days=365, **how):
     profile = load(configs, SERIAL)
     found = finding(**how)
     now = datetime.fromisoformat(when).replace(tzinfo=UTC)
-    said = store.Circumstances("A. N. Other", days * 86_400.0, {"temperature": "23 degC"}, now)
+    said = store.Circumstances(
+        "A. N. Other", days * 86_400.0, {"temperature": "23 degC"}, now, "hardware", None
+    )
     old = store.in_force(profile, [configs], found.target)
     store.check_not_worse(found, "encoders", old)
     content = store.compose(found, "encoders", profile, Recording([]), said, old)
@@ -62,7 +64,7 @@ def test_the_values_are_used_and_what_they_replaced_is_kept(configs):
 
 def test_a_mechanism_is_calibrated_like_a_device(configs):
     found = Finding("cylinder", {"friction": {"coulomb": "9.1 N"}}, (), np.ones(4), "N", 2.0, 4, ())
-    said = store.Circumstances("me", 1e6, {}, datetime.now(UTC))
+    said = store.Circumstances("me", 1e6, {}, datetime.now(UTC), "hardware", None)
     content = store.compose(found, "friction", load(configs), Recording([]), said, None)
     content["provenance"]["samples"] = 4
     store.write(configs, "cylinder", "cylinder", content)
@@ -151,17 +153,17 @@ def test_what_does_not_hold_is_told_with_what_would_mend_it(configs):
 def test_hardware_is_refused_and_a_simulation_warned(configs):
     from rig.calibration.catalogue import procedures
     from rig.calibration.session import plan_of
-    from rig.experiment.run import _check_calibrations
+    from rig.experiment.permission import check_permitted
     from rig.hal import DeviceError
 
     calibrate(configs)
     profile = load(configs, "devices.encoder-agonist.serial=8")
     procedure = procedures(profile)["response"]
     plan = plan_of(procedure, procedure.excite(profile, ()))
-    (warning,) = _check_calibrations(plan, Backend.SIM)
+    (warning,) = check_permitted(plan, Backend.SIM)
     assert warning.startswith("encoder-agonist: its calibration is of serial number 7")
     with pytest.raises(DeviceError, match="mend it with: rig calibrate"):
-        _check_calibrations(plan, Backend.HARDWARE)
+        check_permitted(plan, Backend.HARDWARE)
 
 
 @pytest.mark.parametrize("backend", [Backend.SIM, Backend.VIRTUAL])
@@ -190,7 +192,7 @@ def test_values_of_another_procedure_stay(configs):
     found = Finding(
         "encoder-agonist", {"overtravel": "3 mm"}, (), np.full(4, 1e-6), "m", 1e-3, 4, ()
     )
-    said = store.Circumstances("me", 1e6, {}, datetime.now(UTC))
+    said = store.Circumstances("me", 1e6, {}, datetime.now(UTC), "hardware", None)
     old = store.in_force(profile, [configs], "encoder-agonist")
     store.check_not_worse(found, "jig", old)
     content = store.compose(found, "jig", profile, Recording([]), said, old)

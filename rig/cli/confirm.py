@@ -1,0 +1,34 @@
+"""An operator's word that a rig may move: its name, typed."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+
+def confirm(rig: str, yes: str | None) -> bool:
+    """Return whether the operator has named the rig; say what is missing if not.
+
+    Parameters
+    ----------
+    rig : str
+        Its name.
+    yes : str or None
+        What `--yes` said.
+    """
+    if yes is not None:
+        if yes == rig:
+            return True
+        click.echo(f"--yes {yes}: this is the rig {rig}", err=True)
+        return False
+    if not sys.stdin.isatty():
+        click.echo(f"there is no terminal to ask: say --yes {rig}", err=True)
+        return False
+    if (
+        click.prompt("Type the rig's name to go on", default="", show_default=False, err=True)
+        == rig
+    ):
+        return True
+    click.echo("that is not its name: nothing was done", err=True)
+    return False
