@@ -5,9 +5,10 @@ from typing import Any
 from rig.assembly.buses import bus_loads, make_bus
 from rig.assembly.on_interfaces import parse_interfaces
 from rig.assembly.production import make_devices, make_mechanism
+from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
-from rig.hal import ConfigurationError, MonotonicClock
+from rig.hal import ConfigurationError, DeviceError, MonotonicClock
 
 
 def check_profile(profile: Profile) -> None:
@@ -50,8 +51,12 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     ------
     ConfigurationError
         The profile cannot be run on this backend.
+    DeviceError
+        It must not move hardware: what that takes is not declared.
     """
     check_profile(profile)
+    if backend is Backend.HARDWARE:
+        _check_fitness(profile)
     if backend.is_simulated:
         from rig.assembly.simulated import build_sim, build_virtual
 
@@ -78,3 +83,10 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         devices=devices,
         mechanism=make_mechanism(profile, devices),
     )
+
+
+def _check_fitness(profile: Profile) -> None:
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    reason = mechanism.unfit(profile.mechanism_settings)
+    if reason is not None:
+        raise DeviceError(profile.name, reason)

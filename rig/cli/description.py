@@ -24,7 +24,9 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
     from rig.assembly import REGISTRY, bus_loads
 
     loads = bus_loads(profile)
-    limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
+    mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    limits = mechanism.limits_of(profile.mechanism_settings)
+    expected = mechanism.expected_of(profile.mechanism_settings)
     plant = profile.plant
     return {
         "name": profile.name,
@@ -38,6 +40,7 @@ def describe_profile(profile: Profile) -> dict[str, Any]:
             _calibration(state) for state in calibration_states(profile, datetime.now(UTC).date())
         ],
         "limits": [] if limits is None else _quantities(limits),
+        "expected": [quantity._asdict() for quantity in expected],
         "controllers": list(profile.controllers),
         "plant": None
         if plant is None
@@ -215,6 +218,7 @@ def _frozen_table(frozen: dict[str, Any]) -> Table:
 def profile_tables(profile: dict[str, Any]) -> list[Table]:
     """Return a described profile as tables."""
     plant = profile["plant"]
+    expected = [(of["name"], _text(of["value"], of["unit"])) for of in profile["expected"]]
     physics = "-" if plant is None else " ".join(filter(None, (plant["model"], plant["seals"])))
     facts = [
         ("description", profile["description"] or "-"),
@@ -242,6 +246,11 @@ def profile_tables(profile: dict[str, Any]) -> list[Table]:
             "limits",
             ("limit", "value"),
             [(limit["name"], _text(limit["value"], limit["unit"])) for limit in profile["limits"]],
+        ),
+        *(
+            [Table("what to expect if a part breaks", ("what", "value"), expected)]
+            if expected
+            else []
         ),
     ]
 
@@ -312,5 +321,7 @@ def _bound(metric: dict[str, Any]) -> str:
 def _text(value: Any, unit: str) -> str:
     if isinstance(value, tuple | list):
         return " … ".join(_text(item, unit) for item in value)
+    if value is None:
+        return "-"
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     return format_quantity(value, unit or "1") if is_number else str(value)

@@ -18,6 +18,24 @@ Command = TypeVar("Command")
 Kind = TypeVar("Kind")
 
 
+class Expected(NamedTuple):
+    """A quantity that follows from a profile's settings.
+
+    Parameters
+    ----------
+    name : str
+        The quantity, for people.
+    value : float
+        SI.
+    unit : str
+        Its unit of SI.
+    """
+
+    name: str
+    value: float
+    unit: str
+
+
 class Margin(NamedTuple):
     """The distance of a quantity from its limit: 1 is far, 0 is on it."""
 
@@ -97,6 +115,16 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @classmethod
     def limits_of(cls, settings: Settings) -> object | None:
         """Return the dataclass of limits that `rig check` shows; if any."""
+        return None
+
+    @classmethod
+    def expected_of(cls, settings: Settings) -> tuple[Expected, ...]:
+        """Return what else `rig check` shows: what the settings lead to if something breaks."""
+        return ()
+
+    @classmethod
+    def unfit(cls, settings: Settings) -> str | None:
+        """Say why a profile must not move hardware; None: it may."""
         return None
 
     @classmethod

@@ -23,3 +23,18 @@ def test_every_rig_is_shown_to_people_and_to_programs(capsys, name):
         assert bus["channel"]
         assert bus["bitrate"] > 0
         assert 0.0 < bus["load"] <= bus["max_load"]
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_check_says_what_a_cut_wire_comes_to(capsys, name):
+    """Servos have no wires."""
+    assert invoke(["check", name, "--configs", str(CONFIGS)]) == 0
+    shown = capsys.readouterr().out
+    assert invoke(["check", name, "--configs", str(CONFIGS), "--json"]) == 0
+    expected = json.loads(capsys.readouterr().out)["profile"]["expected"]
+    pneumatic = name.startswith(("cylinder", "joint"))
+    assert [item["unit"] for item in expected] == (
+        ["m/s", "J", "Pa", "m/s", "J", "Pa", "N s/m"] if pneumatic else []
+    )
+    assert ("what to expect if a part breaks" in shown) is pneumatic
+    assert all(item["name"] in shown for item in expected)

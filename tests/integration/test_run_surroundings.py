@@ -7,6 +7,8 @@ import sys
 import time
 from pathlib import Path
 
+import pytest
+
 from rig.cli import invoke
 from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
@@ -21,7 +23,8 @@ LIMIT = 300_000
 def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
     code = invoke(
         [*BASE, "--on", "hardware", "--yes", "cylinder", "--out", str(tmp_path),
-         "--set", "buses.can0.channel=nocan7", "--set", "loop.priority=0"]
+         "--set", "buses.can0.channel=nocan7", "--set", "loop.priority=0",
+         "--set", "cylinder.limits.stop_energy=1 J"]
     )  # fmt: skip
     said = capsys.readouterr().err
     assert code == 3
@@ -29,6 +32,27 @@ def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
     assert "ip link" in said or "modprobe" in said
     (folder,) = tmp_path.iterdir()
     assert RunFolder.open(folder).status.value == "faulted"
+
+
+@pytest.mark.parametrize(
+    ("experiment", "declared", "words"),
+    [
+        ("cylinder-sine", [], ("limits.stop_energy is not declared", "with up to 0.218 J")),
+        ("cylinder-sine", ["cylinder.limits.stop_energy=0.2 J"], ("limits.stop_energy is 0.2 J",)),
+        ("joint-circle", [], ("limits.stop_energy is not declared", "1.5 J", "496 kPa")),
+        ("joint-circle", ["joint.limits.stop_energy=1.4 J"], ("limits.stop_energy is 1.4 J",)),
+    ],
+)
+def test_hardware_without_a_stop_that_bears_a_cut_wire_is_refused(
+    tmp_path, capsys, experiment, declared, words
+):
+    options = [part for option in declared for part in ("--set", option)]
+    base = ["run", experiment, "--configs", str(CONFIGS), "--out", str(tmp_path)]
+    assert invoke([*base, "--on", "hardware", *options]) == 3
+    said = " ".join(capsys.readouterr().err.split())
+    for word in (*words, "cut", "mechanical stop"):
+        assert word in said
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_place_that_cannot_be_written_is_refused_before_anything_opens(capsys):

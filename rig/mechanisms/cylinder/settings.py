@@ -129,3 +129,12 @@ class CylinderSettings(PneumaticSettings):
         sticking = self.friction.breakaway / self.wire_stiffness
         stretch = self.area * self.base_pressure / self.wire_stiffness
         return sticking + 0.01 * 0.5 * (upper - lower) + 0.3 * stretch
+
+    @property
+    def greatest_pressure(self) -> float:
+        """The greatest pressure that a chamber is given, Pa gauge: ``limits.pair_force`` clips it.
+
+        The laws keep the mean of both chambers at the base pressure.
+        """
+        clipped = self.base_pressure + 0.5 * self.limits.pair_force / self.area
+        return min(clipped, self.limits.pressure[1])

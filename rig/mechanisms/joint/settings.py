@@ -114,3 +114,8 @@ class JointSettings(PneumaticSettings):
         PneumaticSettings.__post_init__(self)
         if len(set(self.encoders)) != len(self.encoders):
             raise ValueError("encoders: one device is named for two channels.")
+
+    @property
+    def greatest_pressure(self) -> float:
+        """The greatest pressure that a chamber is given, Pa gauge: that of the greatest tension."""
+        return min(self.limits.tension[1] / self.area, self.limits.pressure[1])

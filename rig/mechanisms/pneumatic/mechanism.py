@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from typing import ClassVar, TypeVar
 
 from rig.hal import EmergencyStopInput, LinearEncoder, PressureRegulator
-from rig.hal.mechanism import Command, Mechanism, Reference, State
+from rig.hal.mechanism import Command, Expected, Mechanism, Reference, State
+from rig.mechanisms.pneumatic.cut_wire import expect_cut_wire, refuse_weak_stop
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
 from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
 from rig.mechanisms.stop_contact import StopContact
@@ -65,6 +66,16 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
         """Return the limits that `rig check` shows."""
         return settings.limits
+
+    @classmethod
+    def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:
+        """Return what a cut wire comes to; see `Mechanism.expected_of`."""
+        return expect_cut_wire(settings, len(cls.channels), settings.greatest_pressure)
+
+    @classmethod
+    def unfit(cls, settings: Chosen) -> str | None:
+        """Say that the declared mechanical stop does not bear a cut wire; see `Mechanism.unfit`."""
+        return refuse_weak_stop(settings, len(cls.channels), settings.greatest_pressure)
 
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""

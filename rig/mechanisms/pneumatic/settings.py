@@ -59,12 +59,16 @@ class PneumaticLimits:
         Greatest change of a setpoint, Pa/s; beyond is clipped.
     reading_age : float
         Oldest reading of encoders and regulators that control may use, s; older is a fault.
+    stop_energy : float, optional
+        What the mechanical stop bears, J. Nothing but a stop holds the mechanism when a wire is
+        cut: without one that bears it, hardware is refused. `rig check` says how much it is.
     """
 
     speed: Annotated[float, Unit("m/s"), Gt(0)]
     pressure: tuple[Pressure, Pressure]
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
     reading_age: Annotated[float, Unit("s"), Gt(0)]
+    stop_energy: Annotated[float, Unit("J"), Gt(0)] | None = None
 
     def __post_init__(self) -> None:
         check_order("pressure", self.pressure)
@@ -127,6 +131,11 @@ class PneumaticSettings:
     def area(self) -> float:
         """Effective piston area on the rod side, m²."""
         return math.pi / 4 * (self.bore**2 - self.rod**2)
+
+    @property
+    def greatest_pressure(self) -> float:
+        """The greatest pressure that a chamber is given, Pa gauge."""
+        return self.limits.pressure[1]
 
     def told(self) -> dict[str, float]:
         """Return what the laws of any such mechanism are told of it, SI."""

@@ -233,6 +233,7 @@ def test_the_camera_has_its_own_graces(by, twist, silent, words):
 def explain(error, before, last, now, pressure=BASE):
     """Return what becomes of an error, given the rods of two cycles and of the one of the error."""
     bench = JointBench()
+    bench.place(before)
     bench.joint.start_limiting(bench.cycles(1))
     bench.joint.write((BASE,) * 4)
     for rods in (before, last):

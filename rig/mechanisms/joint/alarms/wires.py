@@ -30,6 +30,11 @@ _AT_REST = 0.05
 """A rod below this speed (m/s) is pulling on something again."""
 _CLEAR_RUN = 2.0
 """A rod that was faster than its opposite by this factor is the one that let go."""
+_BEGINS = 0.1
+"""A run begins when one of two opposite rods exceeds this speed, m/s …"""
+_FIRST = 3
+"""… and shows in so many cycles which one leads: where a wire is cut, its rod moves itself
+alone, and the opposite one the ring as well."""
 _END = 1e-3
 """A rod is at the end of its cylinder from here on, m."""
 _ROUNDS = 60
@@ -173,10 +178,12 @@ class WireWatch:
         rods, unstretched : tuple of float
             As for `check`.
         k : int
-            Which rod, 0 … 3.
+            Which rod, 0 … 3; or the opposite one let go and this one only follows.
         """
-        if self._residual_of(unstretched) <= self._limits.residual:
+        # It has just begun: the rods are about to disagree by more.
+        if self._residual_of(unstretched) <= _EXPLAINED * self._limits.residual:
             return None
+        k = self._leader(k)
         _, off = self._without(unstretched, k)
         if not off > 0.0:
             return None
@@ -293,6 +300,26 @@ class WireWatch:
             ),
             default=0.0,
         )
+
+    def _leader(self, k: int) -> int:
+        """Return which of a rod and its opposite one began to run first.
+
+        What is off does not tell them apart near upright. Their speeds do not either: the one whose
+        chamber has more pressure is soon the faster one.
+        """
+        both = k, (k + 2) % 4
+        steps = [
+            (t - then, [rods[i] - before[i] for i in both])
+            for (then, before), (t, rods) in itertools.pairwise(self._runs)
+        ]
+        began = len(steps)
+        while began and max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0]:
+            began -= 1
+        if began == len(steps):
+            return k
+        first = steps[max(began - 1, 0) : began + _FIRST]
+        ways = [sum(way[i] for _, way in first) for i in range(2)]
+        return both[0] if ways[0] >= ways[1] else both[1]
 
     def _residual_of(self, rods: Quadruple) -> float:
         self._diagnosis.reset()

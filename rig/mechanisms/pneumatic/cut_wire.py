@@ -1,0 +1,135 @@
+"""How fast a mechanism gets, and with what energy it meets its stop, if a wire is cut.
+
+What is left of the mechanism is pulled by the chamber opposite the cut wire. The wire is cut at
+rest, so nothing has to happen for that: half a metre a second is passed before anything could be
+measured. Venting comes too late to change the speed, and the profile's numbers alone say it.
+"""
+
+from typing import NamedTuple
+
+from rig.hal.mechanism import Expected
+from rig.mechanisms.pneumatic.settings import PneumaticSettings
+
+_STEP = 1e-4
+"""Of the integration, s: a tenth of the cycle at 1 kHz, a thirtieth of mass over damping."""
+_SEEN = 6e-3
+"""From the cut to vented setpoints, s: what the alarms take on the simulated rigs."""
+_LONGEST = 0.5
+"""A regulator has vented its chamber by then, s."""
+_PART = 1.0 / 3.0
+"""Share of `moving_mass` that is one piston; as much is what two of them move. E."""
+
+_SWING = 1.5
+"""What the pair and the joint have at most, over the energy at the rod's own speed: wires are
+springs, and let what they pull swing ahead. On the simulated pair it is 1.2, on the joint 1.4."""
+
+
+class Whip(NamedTuple):
+    """Speed and energy after a wire is cut.
+
+    Parameters
+    ----------
+    speed : float
+        Greatest speed of the rod opposite the cut wire, m/s.
+    energy : float
+        Greatest kinetic energy of all that still moves, J: the stop may be anywhere on its way.
+    """
+
+    speed: float
+    energy: float
+
+
+def compute_whip(settings: PneumaticSettings, wires: int, pressure: float) -> Whip:
+    """Return what a wire that is cut comes to while the opposite chamber is at a pressure.
+
+    Parameters
+    ----------
+    settings : PneumaticSettings
+        Dimensions, friction and regulators.
+    wires : int
+        How many the mechanism has.
+    pressure : float
+        Of the chamber opposite the cut wire, Pa gauge.
+    """
+    friction, response = settings.friction, settings.regulator_response
+    # One of the pair's two rods slides on, with half of the pair's friction.
+    coulomb, viscous = 0.5 * friction.coulomb, 0.5 * friction.viscous
+    mass = 2.0 * _PART * settings.moving_mass
+    pull, drag = _STEP * response.bandwidth**2, 2.0 * response.damping * response.bandwidth
+    here, rate, speed, way, fastest = pressure, 0.0, 0.0, 0.0, 0.0
+    for k in range(round(_LONGEST / _STEP)):
+        if k * _STEP >= _SEEN:
+            rate = (rate - pull * here) / (1.0 + _STEP * drag)
+            here += _STEP * rate
+        force = settings.area * here - coulomb
+        speed = max((speed + _STEP * force / mass) / (1.0 + _STEP * viscous / mass), 0.0)
+        way += _STEP * speed
+        fastest = max(fastest, speed)
+        if way > settings.stroke:
+            break
+    # All pistons but the one whose wire is cut, and what they move, at that rod's speed.
+    moves = wires * _PART * settings.moving_mass
+    return Whip(fastest, _SWING * 0.5 * moves * fastest**2)
+
+
+def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
+    """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge."""
+    low, high = 0.0, settings.limits.pressure[1]
+    while high - low > 100.0:
+        middle = 0.5 * (low + high)
+        if compute_whip(settings, wires, middle).speed > settings.limits.speed:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def compute_damper(settings: PneumaticSettings, pressure: float) -> float:
+    """Return the damper at a rod that keeps ``limits.speed`` after a cut, N s/m; 0: needs none."""
+    force = settings.area * pressure - 0.5 * settings.friction.coulomb
+    return max(force / settings.limits.speed - 0.5 * settings.friction.viscous, 0.0)
+
+
+def expect_cut_wire(
+    settings: PneumaticSettings, wires: int, greatest: float
+) -> tuple[Expected, ...]:
+    """Return what `rig check` says of a cut wire.
+
+    Parameters
+    ----------
+    settings : PneumaticSettings
+        Of the mechanism.
+    wires : int
+        How many it has.
+    greatest : float
+        The greatest pressure that the profile permits in the chamber opposite, Pa gauge.
+    """
+    base = compute_whip(settings, wires, settings.base_pressure)
+    most = compute_whip(settings, wires, greatest)
+    return (
+        Expected("a cut wire at base_pressure: speed up to", base.speed, "m/s"),
+        Expected("a cut wire at base_pressure: energy up to", base.energy, "J"),
+        Expected("greatest pressure opposite a wire", greatest, "Pa"),
+        Expected("a cut wire at the greatest pressure: speed up to", most.speed, "m/s"),
+        Expected("a cut wire at the greatest pressure: energy up to", most.energy, "J"),
+        Expected(
+            "base_pressure that keeps limits.speed", compute_calm_pressure(settings, wires), "Pa"
+        ),
+        Expected(
+            "or a damper at each rod", compute_damper(settings, settings.base_pressure), "N s/m"
+        ),
+    )
+
+
+def refuse_weak_stop(settings: PneumaticSettings, wires: int, greatest: float) -> str | None:
+    """Say why the declared mechanical stop does not do for a cut wire; None: it does."""
+    energy = compute_whip(settings, wires, greatest).energy
+    declared = settings.limits.stop_energy
+    if declared is not None and declared >= energy:
+        return None
+    has = "is not declared" if declared is None else f"is {declared:g} J"
+    return (
+        f"limits.stop_energy {has}: a wire that is cut throws the mechanism into its mechanical "
+        f"stop with up to {energy:.3g} J ({greatest * 1e-3:.0f} kPa opposite it). Give the energy "
+        "that the stop bears, once it has been built and tried"
+    )

@@ -1,0 +1,146 @@
+"""A wire that is cut: speed and energy as the profile foretells them, against the plant's truth."""
+
+import math
+
+import numpy as np
+import pytest
+from joint_fakes import joint_limits, joint_settings
+from pneumatic_fakes import pair_limits, pair_settings
+
+from controllers.spherical_joint.geometry import SphericalJointGeometry
+from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
+from drivers.sim.plants.settings import PlantSettings
+from drivers.sim.plants.spherical_joint import SphericalJointPlant
+from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
+from rig.mechanisms.cylinder.settings import FrictionModel
+from rig.mechanisms.joint.settings import JointFriction
+from rig.mechanisms.pneumatic.cut_wire import (
+    compute_calm_pressure,
+    compute_damper,
+    compute_whip,
+    expect_cut_wire,
+    refuse_weak_stop,
+)
+
+# As the shipped profiles have them.
+PAIR = pair_settings(
+    moving_mass=0.138, bore=16e-3, rod=5e-3, friction=FrictionModel(10.4, 13.4, 8e-3, 50.0)
+)
+JOINT = joint_settings(moving_mass=0.138, friction=JointFriction(7.0, 10.0, 8e-3, 50.0))
+SEEN = 6e-3
+PISTON = 0.045
+
+
+def whip(plant, pressure, cut, stop_at):
+    """Return the fastest rod but the cut one, m/s, and the energy of all that moves, J."""
+    count = len(plant.channel_names)
+    plant.set_supply(True)
+    for channel in range(count):
+        plant.set_pressure_setpoint(channel, pressure)
+    plant.advance(1.5)
+    plant.inject("wire_cut", cut)
+    began, fastest, energy = plant.time, 0.0, 0.0
+    others = [k for k in range(count) if k != cut]
+    while plant.time < began + 0.15 and min(plant.position(k) for k in others) > stop_at:
+        plant.advance(plant.time + 2e-4)
+        if plant.time - began >= SEEN:
+            for channel in range(count):
+                plant.set_pressure_setpoint(channel, 0.0)
+        speeds = [abs(plant.speed(k)) for k in others]
+        fastest = max(fastest, *speeds)
+        pistons = sum(0.5 * PISTON * speed**2 for speed in speeds)
+        energy = max(energy, pistons + carried(plant))
+    return fastest, energy
+
+
+def carried(plant):
+    """Return the energy of carriage or ring, J."""
+    truth = dict(zip([name for name, _ in plant.truth_columns], plant.truth(), strict=True))
+    if "velocity" in truth:
+        return 0.5 * plant.settings.carriage.mass * truth["velocity"] ** 2
+    rates = [plant.joint[0][name] for name in ("rate_x", "rate_y")]
+    return 0.5 * plant.joint_parameters[0]["inertia_tilt"] * (rates[0] ** 2 + rates[1] ** 2)
+
+
+def pair_plant(seed):
+    return AntagonisticPairPlant(PlantSettings(friction_spread=0.0), seed)
+
+
+def joint_plant(seed):
+    settings = SphericalJointPlantSettings(friction_spread=0.0)
+    return SphericalJointPlant(settings, seed, SphericalJointGeometry())
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    ("make", "settings", "wires", "low", "high"),
+    [(pair_plant, PAIR, 2, 80e3, 260e3), (joint_plant, JOINT, 4, 80e3, 300e3)],
+    ids=["pair", "joint"],
+)
+def test_the_plant_gets_as_fast_as_the_profile_says(make, settings, wires, low, high, seed):
+    """And has no more energy; the joint's rods have different forces, and its ring a stop."""
+    rng = np.random.default_rng(seed)
+    pressure, cut = rng.uniform(low, high), int(rng.integers(wires))
+    fastest, energy = whip(make(seed), pressure, cut, stop_at=1e-3)
+    said = compute_whip(settings, wires, pressure)
+    assert said.speed == pytest.approx(fastest, rel=0.15)
+    assert energy <= said.energy <= 2.0 * energy
+
+
+def test_a_chamber_that_friction_holds_throws_nothing():
+    held = 0.5 * PAIR.friction.coulomb / PAIR.area
+    assert compute_whip(PAIR, 2, 0.99 * held) == (0.0, 0.0)
+    assert compute_whip(PAIR, 2, 1.05 * held).speed > 0.0
+
+
+def test_the_energy_is_of_what_still_moves():
+    speed, energy = compute_whip(PAIR, 2, 120e3)
+    assert energy == pytest.approx(1.5 * 0.5 * (2 / 3) * PAIR.moving_mass * speed**2)
+    speed, energy = compute_whip(JOINT, 4, 200e3)
+    assert energy == pytest.approx(1.5 * 0.5 * (4 / 3) * JOINT.moving_mass * speed**2)
+
+
+def test_the_calm_pressure_and_the_damper_keep_the_speed():
+    for settings, wires in ((PAIR, 2), (JOINT, 4)):
+        calm = compute_calm_pressure(settings, wires)
+        assert compute_whip(settings, wires, calm).speed <= settings.limits.speed
+        assert compute_whip(settings, wires, calm + 200.0).speed > settings.limits.speed
+        damper = compute_damper(settings, 200e3)
+        pull = settings.area * 200e3 - 0.5 * settings.friction.coulomb
+        held = settings.limits.speed * (damper + 0.5 * settings.friction.viscous)
+        assert held == pytest.approx(pull)
+        assert compute_damper(settings, 0.5 * calm) == 0.0
+
+
+def test_a_stop_must_be_declared_and_bear_what_comes():
+    energy = compute_whip(PAIR, 2, PAIR.greatest_pressure).energy
+    assert f"up to {energy:.3g} J" in refuse_weak_stop(PAIR, 2, PAIR.greatest_pressure)
+    assert "is not declared" in refuse_weak_stop(PAIR, 2, PAIR.greatest_pressure)
+    for declared, refused in ((math.nextafter(energy, 0.0), True), (energy, False)):
+        settings = pair_settings(
+            pair_limits(stop_energy=declared),
+            moving_mass=0.138,
+            bore=16e-3,
+            rod=5e-3,
+            friction=FrictionModel(10.4, 13.4, 8e-3, 50.0),
+        )
+        assert (refuse_weak_stop(settings, 2, settings.greatest_pressure) is not None) is refused
+
+
+def test_the_greatest_pressure_is_what_the_limits_leave():
+    clipped = 120e3 + 0.5 * PAIR.limits.pair_force / PAIR.area
+    assert PAIR.greatest_pressure == min(clipped, PAIR.limits.pressure[1])
+    strong = joint_settings(joint_limits(tension=(5.0, 300.0)))
+    assert strong.greatest_pressure == strong.limits.pressure[1]
+    assert JOINT.greatest_pressure == min(
+        JOINT.limits.tension[1] / JOINT.area, JOINT.limits.pressure[1]
+    )
+
+
+def test_check_shows_both_pressures():
+    expected = expect_cut_wire(PAIR, 2, 285e3)
+    values = {quantity.name: quantity.value for quantity in expected}
+    base = compute_whip(PAIR, 2, PAIR.base_pressure)
+    assert values["a cut wire at base_pressure: speed up to"] == base.speed
+    assert values["a cut wire at the greatest pressure: energy up to"] > base.energy
+    assert {quantity.unit for quantity in expected} == {"m/s", "J", "Pa", "N s/m"}
