@@ -105,9 +105,7 @@ class Rig:
         # A camera waits for its first image; what hangs on a bus would grow stale meanwhile.
         waits = {name: self.profile.devices[name].bus is None for name in self.devices}
         # Who reads the emergency stop comes before whoever is energised by being armed.
-        order = sorted(
-            self.devices, key=lambda name: (not waits[name], not self._reads_stop(name))
-        )
+        order = sorted(self.devices, key=lambda name: (not waits[name], not self._reads_stop(name)))
         for name in order:
             device = self.devices[name]
             device.arm() if torque else device.listen()

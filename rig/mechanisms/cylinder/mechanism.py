@@ -22,7 +22,7 @@ from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderLimits, CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
-from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
+from rig.mechanisms.pneumatic.devices import check_asked_pressures, check_pneumatics, settable
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
@@ -284,6 +284,10 @@ class AntagonisticPair(Mechanism[CylinderSettings, PairState, PairReference, Pai
         """Start the rate limit from the measured pressures."""
         self._limiter.reset((state.agonist, state.antagonist))
         self._watch.restart()
+
+    def check_command(self, reference: PairReference, command: PairCommand) -> None:
+        """See `Mechanism.check_command`; the reference says nothing of pressures."""
+        check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

@@ -32,7 +32,7 @@ from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
 from rig.mechanisms.joint.settings import JointLimits, JointSettings
 from rig.mechanisms.joint.watch import JointWatch
-from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
+from rig.mechanisms.pneumatic.devices import check_asked_pressures, check_pneumatics, settable
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
@@ -286,6 +286,10 @@ class SphericalJoint(Mechanism[JointSettings, JointState, JointReference, JointC
         """Start the rate limit from the measured pressures."""
         self._limiter.reset(state.pressures)
         self._watch.restart()
+
+    def check_command(self, reference: JointReference, command: JointCommand) -> None:
+        """See `Mechanism.check_command`; the reference says nothing of pressures."""
+        check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""
