@@ -281,6 +281,18 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """Make the measured state the one that the rate limit starts from."""
         ...
 
+    def check_command(self, reference: Reference, command: Command) -> None:
+        """Raise `SafetyError` if the controller asks for what it never may.
+
+        Called with each command of a controller, before `limit`, which clamps what is only a
+        little too much.
+
+        Raises
+        ------
+        SafetyError
+            It names the controller and what it asks for.
+        """
+
     @abstractmethod
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied; the one choke point."""

@@ -137,9 +137,11 @@ class Phases(Generic[State, Reference, Command]):
 
     def _control(self, state: State, reference: Reference) -> Command:
         try:
-            return self._controller.update(state, reference)
+            command = self._controller.update(state, reference)
         except ValueError as error:
             raise SafetyError(f"the controller cannot go on: {error}") from error
+        self._mechanism.check_command(reference, command)
+        return command
 
     def _begin_stop(self, t: float) -> None:
         timings = self._timings

@@ -19,9 +19,12 @@ AFTER = 3
 
 
 class Stopped:
-    """A run with one request to stop at an instant of its motion, s; None: at its end."""
+    """A run with one request to stop at an instant of its motion, s; None: at its end.
 
-    def __init__(self, experiment, options, backend, at):
+    Another controller may stand before the plan's: what `spoil` makes of it.
+    """
+
+    def __init__(self, experiment, options, backend, at, spoil=lambda controller: controller):
         plan = load_plan(experiment, [*options, "metrics={}", "figures=[]"], configs=CONFIGS)
         self.plan = plan
         states, stop = StateMachine(), StopRequests()
@@ -43,7 +46,7 @@ class Stopped:
             loop = Loop(
                 clock=rig.clock, period=period, buses=tuple(rig.buses.values()),
                 devices=tuple(rig.devices.values()), mechanism=rig.mechanism,
-                controller=plan.controller, states=states,
+                controller=spoil(plan.controller), states=states,
             )  # fmt: skip
             self.outcome = loop.run(
                 plan.motion,

@@ -22,6 +22,7 @@ from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
+from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -233,6 +234,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """Start the rate limit from the measured pressures."""
         self._limiter.reset((state.agonist, state.antagonist))
         self._watch.restart()
+
+    def check_command(self, reference: PairReference, command: PairCommand) -> None:
+        """See `Mechanism.check_command`; the reference says nothing of pressures."""
+        check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

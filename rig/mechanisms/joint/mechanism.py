@@ -33,6 +33,7 @@ from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.watch import JointWatch
+from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -250,6 +251,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Start the rate limit from the measured pressures."""
         self._limiter.reset(state.pressures)
         self._watch.restart()
+
+    def check_command(self, reference: JointReference, command: JointCommand) -> None:
+        """See `Mechanism.check_command`; the reference says nothing of pressures."""
+        check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""

@@ -3,11 +3,15 @@
 from collections.abc import Sequence
 from typing import Final
 
-from rig.hal import ConfigurationError, LinearEncoder, PressureRegulator
+from rig.hal import ConfigurationError, LinearEncoder, PressureRegulator, SafetyError
 
 _CLAMPED: Final = 0.05
 """Share of a regulator's range by which a limit may exceed it: a calibrated module ends a little
 above or below what its maker says, and is clamped there."""
+
+_FAR: Final = 10.0
+"""A command of so many times the greatest pressure is no law's doing: in the shipped experiments
+they ask for 0.94 of it at most."""
 
 
 def settable(limits: tuple[float, float], regulators: PressureRegulator) -> tuple[float, float]:
@@ -17,6 +21,36 @@ def settable(limits: tuple[float, float], regulators: PressureRegulator) -> tupl
     """
     lowest, highest = regulators.pressure_range
     return max(limits[0], lowest), min(limits[1], highest)
+
+
+def check_asked_pressures(
+    channels: Sequence[str], pressures: Sequence[float], greatest: float
+) -> None:
+    """Raise if a controller asks for pressures that no law in its right mind asks for.
+
+    What is only beyond the range is clamped later: a law with an integral may well ask for it.
+
+    Parameters
+    ----------
+    channels : sequence of str
+        The chambers.
+    pressures : sequence of float
+        What is asked for, Pa gauge.
+    greatest : float
+        That is permitted, Pa gauge.
+
+    Raises
+    ------
+    SafetyError
+        One is far outside, or no number.
+    """
+    far = _FAR * greatest
+    for k, pressure in enumerate(pressures):
+        if not -far <= pressure <= far:
+            raise SafetyError(
+                f"the controller's command of {channels[k]} is {pressure:.4g} Pa, "
+                f"{-far:.4g} … {far:.4g} Pa is allowed"
+            )
 
 
 def check_pneumatics(

@@ -6,7 +6,6 @@ from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
-    ConfigurationError,
     Device,
     EmergencyStopInput,
     LimitExceeded,
@@ -17,7 +16,9 @@ from rig.hal import (
 )
 from rig.hal.columns import Column
 from rig.hal.mechanism import DevicePicker, Margin, Mechanism, Settings
+from rig.mechanisms.servo.asked import AskedPositions
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
+from rig.mechanisms.servo.wiring import wire_axes
 from rig.mechanisms.stop_contact import StopContact
 
 
@@ -116,11 +117,12 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._stop_contact = StopContact(emergency_stop, limits.reading_age)
         self._kinds = kinds
         self._period = period
-        self._order, self._shares = _wire(joints.names, self._servos)
+        self._order, self._shares = wire_axes(joints.names, self._servos)
         count = len(joints.names)
         self._still: Vector = (0.0,) * count
         self._applied: Vector | None = None
         self._speeds: Vector = self._still
+        self._asked = AskedPositions(joints.names, joints.rates, limits.following, period)
         self._stop: Command | None = None
         self._braking = False
         self._limited = False
@@ -229,6 +231,12 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._applied = state.positions
         self._speeds = self._still
         self._braking = False
+        self._stop = None
+        self._asked.restart(state.positions)
+
+    def check_command(self, reference: Reference, command: Command) -> None:
+        """See `AskedPositions.check`."""
+        self._asked.check(reference.positions, command.positions)
 
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied: each joint's range and speed."""
@@ -266,15 +274,20 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         return self._kinds.command(self._applied, self._speeds)
 
     def _slow_down(self, speed: float, before: float, distance: float) -> float:
-        """Return the speed towards a place to rest, under the limit of acceleration."""
+        """Return the speed towards a place to rest, under the limit of acceleration.
+
+        It is the greatest from which the way that is left is enough for speeds that fall by one
+        step a period: n of them go (n + 1) u - n (n + 1) / 2 steps of way in all.
+        """
         step = self.limits.acceleration * self._period
-        if abs(speed - before) <= step:
-            return speed
-        self._hits["joint acceleration"] += 1
-        # The speed from which the joint can still come to rest there.
-        safe = math.sqrt(2.0 * self.limits.acceleration * abs(distance))
+        left = abs(distance) / self._period
+        falls = int(0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-9)
+        safe = left / (falls + 1) + 0.5 * step * falls
         wanted = math.copysign(min(abs(speed), safe), distance)
-        return min(max(wanted, before - step), before + step)
+        allowed = min(max(wanted, before - step), before + step)
+        if allowed != speed:
+            self._hits["joint acceleration"] += 1
+        return allowed
 
     def write(self, applied: Command) -> None:
         """Hand the positions to the drives as this cycle's setpoints, if they went through `limit`.
@@ -365,29 +378,4 @@ def servo_columns(names: Sequence[str]) -> tuple[Column, ...]:
         *each("command.velocity", "rad/s", "velocity that the law wants of {}"),
         *each("applied.position", "rad", "position that was sent to {}"),
         *each("applied.velocity", "rad/s", "velocity of what was sent to {}"),
-    )
-
-
-def _wire(
-    names: Sequence[str], servos: Sequence[ServoBus]
-) -> tuple[tuple[int, ...], tuple[tuple[int, ...], ...]]:
-    """Return where each joint stands among the devices' readings, and each device's joints."""
-    offered = [(name, servo.name) for servo in servos for name in servo.axis_names]
-    found = [name for name, _ in offered]
-    for name, device in offered:
-        if name not in names:
-            raise ConfigurationError(
-                f"{device}: the mechanism has no joint {name!r}; it has {', '.join(names)}"
-            )
-        if found.count(name) > 1:
-            raise ConfigurationError(f"{device}: two drives move the joint {name!r}")
-    for name in names:
-        if name not in found:
-            raise ConfigurationError(
-                f"no servo device has the joint {name!r}; they have {', '.join(found)}"
-            )
-    index = {name: k for k, name in enumerate(names)}
-    return (
-        tuple(found.index(name) for name in names),
-        tuple(tuple(index[name] for name in servo.axis_names) for servo in servos),
     )
