@@ -115,6 +115,7 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     tripped = ending.code in (REFUSED, FAULTED, OURS)
     seen = tripped or ending.code is None
     happened = ending.broke_at is not None
+    stopping = case.moment in (Moment.RELEASE, Moment.STOP)  # then it is made safe anyway
     named = not happened or _is_named(case, ending, subject)
     reaction = ending.reaction
     late = (
@@ -129,7 +130,7 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
         must,
         hazard=bool(ending.violations),
         unseen=happened and must is Must.SAFE and not seen,
-        misnamed=tripped and must is not Must.RIDE and not named,
+        misnamed=tripped and must is not Must.RIDE and not stopping and not named,
         false_trip=tripped and (must is Must.RIDE or not happened),
         late=late,
         period=subject.period,

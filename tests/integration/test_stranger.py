@@ -180,3 +180,16 @@ def test_it_passes_the_suites_of_the_contract(lab):
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-3000:]
     assert "failed" not in done.stdout
+
+
+def test_faults_break_it_and_its_own_hazards_judge(lab):
+    listed = lab.rig("faults", "list", "crank", "--json")
+    assert listed.returncode == 0, listed.stderr
+    assert {"drive_fault", "setpoints_lost"} <= {
+        kind["fault"] for kind in json.loads(listed.stdout)
+    }
+    done = lab.rig("faults", "run", "crank", "--random", "6", "--json")
+    assert done.returncode in (0, 1), done.stderr
+    verdicts = json.loads(done.stdout)
+    assert len(verdicts) == 6
+    assert not any(verdict["crashed"] for verdict in verdicts), done.stderr

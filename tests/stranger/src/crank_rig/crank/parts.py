@@ -13,7 +13,13 @@ PARTS = MechanismParts(
         "independent": f"{_HERE}.laws:Independent",
     },
     references={"crank-turns": f"{_HERE}.references:CrankTurns"},
-    plants={"crank": PlantModel(f"{_HERE}.plant:CrankPlantSettings", f"{_HERE}.plant:CrankPlant")},
+    plants={
+        "crank": PlantModel(
+            f"{_HERE}.plant:CrankPlantSettings",
+            f"{_HERE}.plant:CrankPlant",
+            f"{_HERE}.hazards:crank_hazards",
+        )
+    },
     measures=(f"{_HERE}.measures:CRANK_MEASURES",),
     figures=(f"{_HERE}.figures:CRANK_FIGURES",),
     comparisons=(f"{_HERE}.figures:CRANK_COMPARISON",),
