@@ -32,9 +32,12 @@ TRUTH = "truth.npz"
 class _Spoilt(Controller[Any, Any, Any]):
     """A controller whose commands the stage may spoil."""
 
-    def __init__(self, inner: Controller[Any, Any, Any], program: Program) -> None:
+    def __init__(
+        self, inner: Controller[Any, Any, Any], program: Program, felt: Callable[[], None]
+    ) -> None:
         self._inner = inner
         self._program = program
+        self._felt = felt
 
     def reset(self, state: Any) -> None:
         """Start from the measured state."""
@@ -44,7 +47,10 @@ class _Spoilt(Controller[Any, Any, Any]):
         """Return the command, spoilt if it is to be."""
         command = self._inner.update(state, reference)
         spoils = self._program.spoils
-        return command if spoils is None else spoils(command)
+        if spoils is None:
+            return command
+        self._felt()  # a law that nobody follows yet, while the rig is energised, harms nobody
+        return spoils(command)
 
 
 class Performance(Watcher):
@@ -85,6 +91,7 @@ class Performance(Watcher):
         self._seen_at: float | None = None
         self._running_from: float | None = None
         self._ended = False
+        self._is_felt = False
         self._said: list[str] = []
         self._stage: Stage
 
@@ -101,7 +108,7 @@ class Performance(Watcher):
 
     def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
         """Have the loop run a controller that can be spoilt."""
-        return _Spoilt(controller, self._program)
+        return _Spoilt(controller, self._program, self._feel)
 
     def started(self, path: Path) -> None:
         """Take note of the run folder."""
@@ -158,6 +165,12 @@ class Performance(Watcher):
         lead_in = _lead_in() if case.moment is Moment.CONNECT else 0.0
         self._stage.cue(now + lead_in + case.then_after + HORIZON, self._stage.interrupt)
         self._make(case.first)
+
+    def _feel(self) -> None:
+        """Count the time from the first command that is spoilt."""
+        if not self._is_felt and self._case is not None and "controller" in self._case.first.kind:
+            self._broke_at = self._stage.world.time
+        self._is_felt = True
 
     def _break_second(self) -> None:
         if self._case is not None and self._case.then is not None and not self._ended:
