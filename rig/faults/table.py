@@ -72,7 +72,7 @@ HEADER = (
 
 
 def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
-    """Return the table's rows, in the order in which faults first came, and their sum."""
+    """Return the table's rows, in the order in which faults first came, and their sums."""
     groups: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
     for verdict in verdicts:
         kinds = verdict.case.kinds
@@ -80,7 +80,11 @@ def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
     faults = list(dict.fromkeys(fault for fault, _ in groups))
     ordered = sorted(groups.items(), key=lambda item: faults.index(item[0][0]))
     rows = [make_row(fault, rig, group) for (fault, rig), group in ordered]
-    return [*rows, make_row("all", "", verdicts)] if len(rows) > 1 else rows
+    if len(rows) < 2:
+        return rows
+    rigs = dict.fromkeys(verdict.case.rig for verdict in verdicts)
+    sums = [make_row("all", rig, [v for v in verdicts if v.case.rig == rig]) for rig in rigs]
+    return [*rows, *sums, *([make_row("all", "", verdicts)] if len(rigs) > 1 else [])]
 
 
 def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:

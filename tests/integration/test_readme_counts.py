@@ -33,11 +33,12 @@ def test_a_mechanism():
     from crank_rig.crank.parts import PARTS
 
     assert isinstance(PARTS, MechanismParts)
-    # Settings, view, laws, reference, plant, measures, figure, comparison, procedure.
+    # Settings, view, laws, reference, plant, hazards, measures, figure, comparison, procedure.
     offered = {
         PARTS.settings, PARTS.view, *PARTS.measures, *PARTS.figures, *PARTS.comparisons,
         *PARTS.procedures, *PARTS.references.values(),
         *(model.plant for model in PARTS.plants.values()),
+        *(model.hazards for model in PARTS.plants.values()),
     }  # fmt: skip
     concepts = len(offered) + bool(PARTS.controllers)
     assert ROWS["mechanism, with all that belongs to it"] == (len(files_of("crank")), concepts)
