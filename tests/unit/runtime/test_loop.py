@@ -47,6 +47,10 @@ class FakeBus:
         self.name = name
         self.calls = []
         self.fail = set()
+        self.counts = {}
+
+    def statistics(self):
+        return dict(self.counts)
 
     def __getattr__(self, call):
         if call.startswith("_"):
@@ -505,3 +509,18 @@ def test_what_the_mechanism_knows_comes_before_what_the_devices_doubt():
     assert str(fault_of(LIMIT, "valve is stuck", mechanism=mechanism)).endswith("valve is stuck")
     mechanism.knows = LimitExceeded("wire", 3.0, -1.0, 1.0, "m")
     assert fault_of(LIMIT, "valve is stuck", mechanism=mechanism) is mechanism.knows
+
+
+def test_a_count_of_a_bus_that_begins_to_rise_is_told_once():
+    bench = Bench()
+    risen = {4: 1, 5: 1, 6: 2, 7: 3, 20: 4}
+
+    def count():
+        cycle = len(bench.recorder.rows)
+        bench.bus.counts["lost"] = risen.get(cycle, bench.bus.counts.get("lost", 0))
+
+    bench.recorder.busy = count
+    bench.run()
+    told = [(round(t, 3), message) for t, kind, message, _ in bench.events if kind == "bus"]
+    words = "can0: error frames say that the controller has lost frames"
+    assert told == [(0.03, words), (0.19, words)]
