@@ -306,6 +306,17 @@ def test_a_pause_is_no_excuse_for_a_value_that_is_not_safe():
     assert bench.run().fault is LIMIT
 
 
+def test_a_fault_at_the_wake_from_a_short_pause_comes_after_its_event():
+    bench = Bench(max_missed=5)
+    bench.clock.oversleep = (0.05, 3.5 * PERIOD)
+    bench.device.fault_at = 0.05 + 0.5 * PERIOD
+    fault = bench.run().fault
+    assert str(fault) == "the program was paused for 35.0 ms, and then device: it broke"
+    (overrun,) = [event for event in bench.events if event[1] == "overrun"]
+    assert overrun[2] == "3 ticks missed"
+    assert bench.recorder.rows[-1][1] == pytest.approx(0.05 + 3.5 * PERIOD)
+
+
 @pytest.mark.parametrize("ticks", [5.9, 6.1, 40.0])
 def test_who_wakes_up_far_too_late_sends_nothing_and_says_why(ticks):
     bench = Bench(max_missed=5)
