@@ -15,7 +15,7 @@ from drivers.can.errors import BusErrors
 from drivers.can.fast_path import Drain, Send
 from drivers.can.frame import ERROR_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from drivers.can.interfaces import close_bus
-from rig.hal import Clock, FastCanBus
+from rig.hal import Clock, ConnectionFailed, FastCanBus
 
 Handler = Callable[[bytes, float], None]
 
@@ -98,6 +98,7 @@ class CyclicCanBus(ABC):
         self._unknown = 0
         self._remote = 0
         self._dropped = 0
+        self._another: str | None = None
 
     # Registration ---------------------------------------------------------------------
 
@@ -119,6 +120,11 @@ class CyclicCanBus(ABC):
     def add(self, frame: CyclicFrame) -> None:
         """Send a frame each cycle while it is active."""
         self._cyclic.append(frame)
+        self.claim(frame.can_id, "setpoints")
+
+    def claim(self, can_id: int, what: str) -> None:
+        """Take an identifier that nobody but this program sends; from outside it is a fault."""
+        self.subscribe(can_id, lambda data, now: self._hear_another(can_id, what))
 
     @abstractmethod
     def _owners(self, can_id: int) -> str:
@@ -141,17 +147,45 @@ class CyclicCanBus(ABC):
         self._out_before = self._frames_out
         bus.accept(self._handlers)
         self._errors = BusErrors(self.name, self._max_refused)
+        self._another = None
+
+    def expect_alone(self, duration: float) -> None:
+        """Only listen, before the first frame is sent, and raise if the bus has a master.
+
+        Raises
+        ------
+        ConnectionFailed
+            Somebody sends what only this program is to send.
+        """
+        if self.wait_until(lambda: self._another is not None, duration):
+            raise ConnectionFailed(
+                self.name,
+                f"another master is on the bus: {self._another}; end it, or wait for its end",
+            )
+
+    @property
+    def has_spoken(self) -> bool:
+        """Whether anything was sent since the interface was opened.
+
+        Until then the bus may be another master's, whose nodes are not to be stopped.
+        """
+        return self._frames_out > self._out_before
+
+    def _hear_another(self, can_id: int, what: str) -> None:
+        self._another = f"somebody sends {what} (identifier 0x{can_id:03X})"
+        if self.has_spoken:
+            self._errors.share(self._another)
 
     def close(self) -> None:
         """Release the interface. Idempotent."""
+        others = self._held_back()
         bus, self._bus = self._bus, None
         if bus is None:
             return
         self._dropped += bus.count_dropped()
-        # What a kernel's filters held back is the master's own frames and the unknown ones.
-        self._unknown += max(0, bus.count_others() - (self._frames_out - self._out_before))
+        self._unknown += others
         try:
-            if self._farewell is not None:
+            if self._farewell is not None and self.has_spoken:
                 self._send(*self._farewell)
         except Exception as error:  # the interface may be the very thing that failed
             self._errors.refuse(error)
@@ -195,12 +229,19 @@ class CyclicCanBus(ABC):
         return {
             "frames_in": self._frames_in,
             "frames_out": self._frames_out,
-            "unknown": self._unknown,
+            "unknown": self._unknown + self._held_back(),
             "remote": self._remote,
             "error_frames": self._errors.error_frames,
             "refused": self._errors.refused,
+            "lost": self._errors.lost,
             "dropped": self._dropped,
         }
+
+    def _held_back(self) -> int:
+        """Return how many unknown frames a kernel's filters hold back, beside the master's own."""
+        if self._bus is None:
+            return 0
+        return max(0, self._bus.count_others() - (self._frames_out - self._out_before))
 
     def _send_cyclic(self, *more: tuple[int, bytes]) -> bool:
         """Send the active frames, then some more; return whether all were taken. Hot path.

@@ -14,6 +14,7 @@ from rig.hal import DeviceFault
 _BUS_OFF: Final = 0x040
 _CONTROLLER: Final = 0x004
 _RESTARTED: Final = 0x100
+_OVERFLOW: Final = 0x03  # of the second data byte: receive 0x01, transmit 0x02
 _PASSIVE: Final = 0x30  # of the second data byte: receiver 0x10, transmitter 0x20
 _QUEUE_FULL: Final = (errno.ENOBUFS, errno.EAGAIN)
 _LINK_DOWN: Final = (errno.ENETDOWN, errno.ENODEV, errno.ENXIO)
@@ -31,8 +32,8 @@ class BusErrors:
 
     Attributes
     ----------
-    error_frames, refused : int
-        How many there were.
+    error_frames, refused, lost : int
+        How many there were; `lost` are the error frames that say that frames were.
     """
 
     __slots__ = (
@@ -41,6 +42,7 @@ class BusErrors:
         "_refused_in_a_row",
         "_trouble",
         "error_frames",
+        "lost",
         "refused",
     )
 
@@ -51,10 +53,13 @@ class BusErrors:
         self._refused_in_a_row = 0
         self.error_frames = 0
         self.refused = 0
+        self.lost = 0
 
     def receive(self, classes: int, data: bytes) -> None:
         """Take an error frame: its classes and data."""
         self.error_frames += 1
+        if classes & _CONTROLLER and len(data) > 1 and data[1] & _OVERFLOW:
+            self.lost += 1
         if classes & _BUS_OFF:
             self._latch("the controller went bus-off", "bus-off")
         elif classes & _RESTARTED:
@@ -93,6 +98,10 @@ class BusErrors:
             self._latch("the interface went down while in use", "link down")
         else:
             self._latch(f"the interface failed while receiving: {error}", None)
+
+    def share(self, what: str) -> None:
+        """Take note that somebody else sends what only this program is to send."""
+        self._latch(f"another master is on the bus: {what}", None)
 
     def sent(self) -> None:
         """Take a cycle whose frames were all accepted."""

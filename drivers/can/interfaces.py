@@ -4,13 +4,16 @@ import contextlib
 import logging
 from typing import Any, Protocol, cast
 
-from drivers.can.fast_path import AdaptedBus
+from drivers.can.fast_path import AdaptedBus, EchoingBus
 from drivers.can.socketcan import open_socketcan
 from rig.hal import CanBus, ConnectionFailed, FastCanBus
 
 _CONFINED: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
 """Options that are not the profile's to choose. Multicast with no hops never leaves the host: a
 setpoint must not reach another lab's rig."""
+
+_ECHOING = ("udp_multicast",)
+"""Interfaces that hand a program its own frames back."""
 
 _ADVICE = {
     "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
@@ -82,7 +85,8 @@ def open_bus(settings: InterfaceSettings) -> FastCanBus:
             f"{error or type(error).__name__}{_advise(settings.interface, str(error))}",
         ) from error
     # A Message's attributes are a little narrower than the seam's.
-    return AdaptedBus(cast("CanBus", bus))
+    adapted = EchoingBus if settings.interface in _ECHOING else AdaptedBus
+    return adapted(cast("CanBus", bus))
 
 
 def close_bus(bus: FastCanBus) -> None:

@@ -52,8 +52,11 @@ class CanopenBus(CyclicCanBus):
         self._heartbeat = HeartbeatProducer(settings.heartbeat)
         self._heartbeat_id = 0x700 + settings.master_id
         self._network: ThreadlessNetwork | None = None
-        if not settings.sync:
+        if settings.sync:
+            self.claim(SYNC_ID, "SYNC")
+        else:
             self.subscribe(SYNC_ID, self._on_foreign_sync)
+        self.claim(self._heartbeat_id, "the master's heartbeat")
 
     @property
     def network(self) -> "ThreadlessNetwork":
@@ -91,11 +94,13 @@ class CanopenBus(CyclicCanBus):
         """Send the safe setpoints of every driver now. Never raises."""
         for pdo in self._cyclic:
             pdo.data = pdo.safe
-        self._exchange()
+        if self.has_spoken:
+            self._exchange()
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""
-        return {**super().statistics(), "syncs": self.sync_count}
+        strange = 0 if self._network is None else self._network.strange
+        return {**super().statistics(), "syncs": self.sync_count, "strange_answers": strange}
 
     def _exchange(self) -> bool:
         if not self.settings.sync:

@@ -141,6 +141,9 @@ class SerialBus:
         self._ahead = ([], [])
         self._parser.finish()
 
+    def expect_alone(self, duration: float) -> None:
+        """Do nothing: a serial port has one user, and opening it has shown that."""
+
     def close(self) -> None:
         """Release the port. Idempotent.
 

@@ -1,9 +1,12 @@
 """From a profile to a rig, checked before anything is opened."""
 
+import dataclasses
+from functools import partial
 from typing import Any
 
 from rig.assembly.buses import bus_loads, make_bus
-from rig.assembly.on_interfaces import parse_interfaces
+from rig.assembly.interface_lock import InterfaceLocks
+from rig.assembly.on_interfaces import Interfaces, parse_interfaces
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
@@ -69,6 +72,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         name: make_bus(name, bus, clock, profile.loop.period, others.get(name), frames=frames)
         for name, bus in profile.buses.items()
     }
+    locks = InterfaceLocks()
     links = None
     if backend is Backend.VCAN and others:
         from rig.assembly.simulation_process import reach_devices
@@ -82,6 +86,8 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         buses=buses,
         devices=devices,
         mechanism=make_mechanism(profile, devices),
+        take=partial(_take_interfaces, profile, others, locks),
+        release=locks.give_back,
     )
 
 
@@ -90,3 +96,8 @@ def _check_fitness(profile: Profile) -> None:
     reason = mechanism.unfit(profile.mechanism_settings)
     if reason is not None:
         raise DeviceError(profile.name, reason)
+
+
+def _take_interfaces(profile: Profile, others: Interfaces, locks: InterfaceLocks) -> None:
+    for name, entry in profile.buses.items():
+        locks.take(name, dataclasses.replace(entry.settings, **others.get(name, {})))

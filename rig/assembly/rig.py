@@ -9,6 +9,9 @@ from typing import Any
 from rig.config import Profile
 from rig.hal import Clock, Column, CyclicBus, Device, EmergencyStop, Mechanism
 
+LISTEN = 0.12
+"""How long another master is listened for, s: two heartbeats of one with a shipped profile."""
+
 
 class Backend(StrEnum):
     """The world that a run runs on."""
@@ -59,6 +62,7 @@ class Rig:
         mechanism: Mechanism[Any, Any, Any, Any],
         truth_columns: Sequence[Column] = (),
         truth: Callable[[], tuple[float, ...]] = tuple,
+        take: Callable[[], None] = lambda: None,
         release: Callable[[], None] = lambda: None,
     ) -> None:
         self.profile = profile
@@ -69,13 +73,13 @@ class Rig:
         self.mechanism = mechanism
         self.truth_columns = tuple(truth_columns)
         self.truth = truth
+        self._take = take
         self._release = release
         self._stop = mechanism.stop_input()
 
     def __enter__(self) -> "Rig":
         try:
-            for bus in self.buses.values():
-                bus.open()
+            self._open()
             watched = False
             for name, device in self.devices.items():
                 device.connect()
@@ -143,14 +147,21 @@ class Rig:
             return pressed if t > -inf else None
 
         try:
-            for bus in self.buses.values():
-                bus.open()
+            self._open()
             for name, device in self.devices.items():
                 if self._reads_stop(name):
                     device.connect()
             yield is_pressed
         finally:
             self.close()
+
+    def _open(self) -> None:
+        self._take()
+        for bus in self.buses.values():
+            bus.open()
+        if not self.backend.is_simulated:  # nobody else can be on an emulated bus
+            for bus in self.buses.values():
+                bus.expect_alone(LISTEN)
 
     def _reads_stop(self, name: str) -> bool:
         device: object = self.devices[name]

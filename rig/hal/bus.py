@@ -166,6 +166,16 @@ class CyclicBus(Protocol):
         """Open the interface."""
         ...
 
+    def expect_alone(self, duration: float) -> None:
+        """Only listen for so long (s), and raise if somebody else is the bus's master.
+
+        Raises
+        ------
+        ConnectionFailed
+            Another master was heard.
+        """
+        ...
+
     def receive(self, now: float) -> None:
         """Take every waiting frame to the driver that it belongs to."""
         ...

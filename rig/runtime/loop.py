@@ -15,6 +15,7 @@ from rig.hal import Clock, CyclicBus, Device
 from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
+from rig.runtime.bus_watch import BusWatch
 from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder, log_values_of
 from rig.runtime.pace import Events, Pace
 from rig.runtime.phases import Phase, Phases, Timings
@@ -246,7 +247,7 @@ class Loop(Generic[State, Reference, Command]):
     ) -> None:
         clock_now, mechanism, period = self.clock.now, self.mechanism, self.period
         show_every = max(1, round(progress_every / period))
-        limits = _LimitWatch(events)
+        limits, buses = _LimitWatch(events), BusWatch(self.buses, events)
         pace = Pace(run, period, self.max_missed, events)
         cycle = Cycle(self.buses, self.devices, mechanism, run, recorder, self.truth, period)
         start = run.start = clock_now()
@@ -265,6 +266,7 @@ class Loop(Generic[State, Reference, Command]):
                 raise pace.blame(cycle.fault)
             if run.cycles % show_every == 0:
                 limits.watch(t, mechanism.limit_hits())
+                buses.look(t)
                 if progress is not None:
                     margin = mechanism.worst_margin(state, applied, now)
                     progress(

@@ -54,6 +54,7 @@ class Pace:
         self._events = events
         self._skipped = 0
         self._in_a_row = 0
+        self._woke = (0.0, 0.0)  # when this cycle began and how late, s
         self._pause = (0, 0.0)  # the last one that a device may have noticed: tick after it, s
 
     def wake(self, t: float) -> None:
@@ -65,6 +66,7 @@ class Pace:
             When it begins, s since the first.
         """
         late = t - self.tick * self._period
+        self._woke = (t, late)
         if late < self._period and not self._skipped:
             self.lost = 0.0
             return
@@ -114,6 +116,10 @@ class Pace:
         recently = pause > 0.0 and self.tick - after <= self._max_missed
         if not isinstance(error, DeviceError | StaleReading) or not (paused or recently):
             return error
+        t, late = self._woke
+        missed = math.floor(late / self._period)
+        if paused and missed > 0:  # this cycle is the last: nobody else counts them
+            self._miss(t, missed, late, late)
         length = max(self.lost if paused else 0.0, pause if recently else 0.0)
         return LoopStalled(f"the program was paused for {length * 1e3:.1f} ms, and then {error}")
 

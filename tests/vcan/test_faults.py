@@ -138,7 +138,15 @@ def test_an_interface_at_another_bit_rate(tmp_path):
     other.chmod(0o755)
     environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}"}
     with Program(
-        "run", "cylinder-step", "--on", "can7", "--out", tmp_path / "runs", environment=environment
+        "run",
+        "cylinder-step",
+        "--on",
+        "can7",
+        "--yes",
+        "cylinder",
+        "--out",
+        tmp_path / "runs",
+        environment=environment,
     ) as program:
         assert program.end() == 3, program.talk
     ip("link", "del", "can7")

@@ -47,6 +47,10 @@ class FakeBus:
         self.name = name
         self.calls = []
         self.fail = set()
+        self.counts = {}
+
+    def statistics(self):
+        return dict(self.counts)
 
     def __getattr__(self, call):
         if call.startswith("_"):
@@ -302,6 +306,17 @@ def test_a_pause_is_no_excuse_for_a_value_that_is_not_safe():
     assert bench.run().fault is LIMIT
 
 
+def test_a_fault_at_the_wake_from_a_short_pause_comes_after_its_event():
+    bench = Bench(max_missed=5)
+    bench.clock.oversleep = (0.05, 3.5 * PERIOD)
+    bench.device.fault_at = 0.05 + 0.5 * PERIOD
+    fault = bench.run().fault
+    assert str(fault) == "the program was paused for 35.0 ms, and then device: it broke"
+    (overrun,) = [event for event in bench.events if event[1] == "overrun"]
+    assert overrun[2] == "3 ticks missed"
+    assert bench.recorder.rows[-1][1] == pytest.approx(0.05 + 3.5 * PERIOD)
+
+
 @pytest.mark.parametrize("ticks", [5.9, 6.1, 40.0])
 def test_who_wakes_up_far_too_late_sends_nothing_and_says_why(ticks):
     bench = Bench(max_missed=5)
@@ -505,3 +520,18 @@ def test_what_the_mechanism_knows_comes_before_what_the_devices_doubt():
     assert str(fault_of(LIMIT, "valve is stuck", mechanism=mechanism)).endswith("valve is stuck")
     mechanism.knows = LimitExceeded("wire", 3.0, -1.0, 1.0, "m")
     assert fault_of(LIMIT, "valve is stuck", mechanism=mechanism) is mechanism.knows
+
+
+def test_a_count_of_a_bus_that_begins_to_rise_is_told_once():
+    bench = Bench()
+    risen = {4: 1, 5: 1, 6: 2, 7: 3, 20: 4}
+
+    def count():
+        cycle = len(bench.recorder.rows)
+        bench.bus.counts["lost"] = risen.get(cycle, bench.bus.counts.get("lost", 0))
+
+    bench.recorder.busy = count
+    bench.run()
+    told = [(round(t, 3), message) for t, kind, message, _ in bench.events if kind == "bus"]
+    words = "can0: error frames say that the controller has lost frames"
+    assert told == [(0.03, words), (0.19, words)]
