@@ -45,17 +45,17 @@ FAULTS = {
     "regulator-open": (
         plant("regulator_open", 0),
         PRESSURE,  # or sooner: its rod runs away
-        ("regulators: the regulator of ch1 is stuck open", "kPa", "40 kPa"),
+        ("regulators: the regulator of ch1 is stuck open", "kPa", "12 kPa"),
     ),
     "regulator-closed": (
         plant("regulator_closed", 1),
         PRESSURE + 0.25,  # its setpoint must first ask for another pressure, see below
-        ("regulators: the regulator of ch2 is stuck closed", "kPa", "40 kPa for 0.05 s"),
+        ("regulators: the regulator of ch2 is stuck closed", "kPa", "12 kPa"),
     ),
     "supply-lost": (
         plant("supply_lost"),
         PRESSURE + 0.05,
-        ("regulators: the supply pressure is lost", "ch1, ch2, ch3, ch4", "40 kPa for 0.05 s"),
+        ("regulators: the supply pressure is lost", "fall short", "12 kPa"),
     ),
     "encoder-frozen": (
         device("encoder-2", "frozen"),
