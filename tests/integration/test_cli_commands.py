@@ -84,7 +84,7 @@ def test_check_tells_people_what_happens_if_the_program_dies(capsys):
     assert code == 0
     assert "# if the program dies" in out
     assert "setpoints may stay for" in out
-    assert " on: range of q5" in out
+    assert " on: range of q4" in out
     assert "0.15 s (drives)" in out
 
 
