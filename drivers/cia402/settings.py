@@ -47,6 +47,8 @@ class DriveSettings(FollowingAxisSettings):
         Velocity units for one turn per second of the shaft. None: position units per second.
     acceleration_units : float, optional
         Acceleration units for one turn per second squared. None: position units.
+    max_torque : float, optional
+        Where the drive itself limits the joint's torque, N m. None: as the drive has it.
     serial : int, optional
         The serial number that the drive must report.
     """
@@ -55,6 +57,7 @@ class DriveSettings(FollowingAxisSettings):
     counts_per_turn: Annotated[float, Unit("1"), Gt(0)]
     velocity_units: Annotated[float, Unit("1"), Gt(0)] | None = None
     acceleration_units: Annotated[float, Unit("1"), Gt(0)] | None = None
+    max_torque: Annotated[float, Unit("N m"), Gt(0)] | None = None
     serial: Annotated[int, Interval(ge=0, le=0xFFFF_FFFF)] | None = None
 
     def __post_init__(self) -> None:

@@ -3,10 +3,11 @@
 References
 ----------
 IEC 61800-7-201 (CiA 402-2): option codes 0x605A … 0x605E and 0x6007, following error 0x6065
-and 0x6066, limits 0x607D, ramps 0x6084 and 0x6085, interpolation period 0x60C2, units 0x608F,
-0x6091 and 0x6092, offsets 0x60B0 … 0x60B2.
+and 0x6066, greatest torque 0x6072 and motor speed 0x6080, limits 0x607D, ramps 0x6084 and 0x6085,
+interpolation period 0x60C2, units 0x608F, 0x6091 and 0x6092, offsets 0x60B0 … 0x60B2.
 """
 
+from math import ceil
 from typing import Final
 
 from drivers.canopen.mapping import RANGES
@@ -85,6 +86,7 @@ def settings_to_write(
         (0x6007, 0, "i16", _QUICK_STOP),
         (0x6065, 0, "u32", window),
         (0x6066, 0, "u16", _clamp(drive.following_time * 1e3, "u16")),
+        (0x6080, 0, "u32", _motor_speed(drive)),
         (0x607D, 1, "i32", low),
         (0x607D, 2, "i32", high),
         (0x6084, 0, "u32", ramp),
@@ -157,6 +159,8 @@ def configure(
     """
     for index, sub, kind, value in settings_to_write(drive, shared, period):
         node.write(index, sub, kind, value)
+    if drive.max_torque is not None:
+        _limit_torque(node, drive, drive.max_torque)
     # What another program left here would be added to every target.
     for index, kind in ((0x60B0, "i32"), (0x60B1, "i32"), (0x60B2, "i16")):
         if node.read_if_present(index, 0, kind):
@@ -171,6 +175,24 @@ def read_torque_unit(node: CanopenNode, drive: DriveSettings) -> float:
     rated = node.read_if_present(0x6076, 0, "u32")  # mN m
     sign = -1.0 if drive.reversed else 1.0
     return sign * drive.gear * 1e-6 * float(rated or 0)
+
+
+def _motor_speed(drive: DriveSettings) -> int:
+    """Return the motor's greatest speed as 0x6080 has it, whole turns per minute."""
+    return _clamp(ceil(60.0 * drive.speed_cap * abs(drive.turns_per_radian)), "u32")
+
+
+def _limit_torque(node: CanopenNode, drive: DriveSettings, torque: float) -> None:
+    unit = abs(read_torque_unit(node, drive))
+    if not unit:
+        raise _refused(
+            node,
+            "it does not say its rated torque, of which its limit is a share; leave max_torque out",
+            "0x6076:00",
+            "none",
+            f"max_torque {torque:g} N m",
+        )
+    node.write(0x6072, 0, "u16", _clamp(torque / unit, "u16"))
 
 
 def refuse_fault(node: CanopenNode, error: ConnectionFailed) -> ConnectionFailed:

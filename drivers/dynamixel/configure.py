@@ -92,16 +92,25 @@ def _limit(
         last = table.COUNTS_PER_TURN - 1
         client.settle(table.MIN_POSITION, max(round(low), 0))
         client.settle(table.MAX_POSITION, min(round(high), last))
+    client.settle(table.VELOCITY_LIMIT, _capped_speed(joint))
     if settings.current_limit is not None:
         step = settings.model_of(joint).current_step
         client.settle(table.CURRENT_LIMIT, round(settings.current_limit / step))
+
+
+def _capped_speed(joint: DynamixelAxisSettings) -> int:
+    """Return the greatest speed of a servo, in counts of its registers 44 and 112."""
+    speed = joint.speed_cap * joint.gear / table.VELOCITY_STEP
+    return min(max(ceil(speed), 1), table.MAX_VELOCITY_LIMIT)
 
 
 def _tune(
     client: RegisterClient, settings: DynamixelSettings, joint: DynamixelAxisSettings
 ) -> None:
     acceleration = round(settings.profile_acceleration / table.ACCELERATION_STEP)
-    velocity = round(settings.profile_velocity / table.VELOCITY_STEP)
+    velocity = _capped_speed(joint)
+    if settings.profile_velocity is not None:
+        velocity = round(settings.profile_velocity / table.VELOCITY_STEP)
     client.write(table.PROFILE_ACCELERATION, acceleration)
     client.write(table.PROFILE_VELOCITY, velocity)
     if settings.goal_current is not None:

@@ -14,6 +14,7 @@ COUNTS_PER_TURN: Final = 4096
 COUNT_AT_ZERO: Final = 2048
 MULTI_TURN_REACH: Final = 1_048_575  # of 116 in the modes with many turns, counts
 VELOCITY_STEP: Final = 0.229 * math.tau / 60.0  # of 44, 104, 112, 128: 0.229 rpm in rad/s
+MAX_VELOCITY_LIMIT: Final = 1023  # of 44
 ACCELERATION_STEP: Final = 214.577 * math.tau / 3600.0  # of 108: 214.577 rev/min² in rad/s²
 VOLTAGE_STEP: Final = 0.1  # V
 WATCHDOG_STEP: Final = 0.02  # s

@@ -148,9 +148,12 @@ class DynamixelSettings(DriverSettings):
         Limit of the current in ``current_based_position``, A.
     current_limit : float, optional
         Register 38, A. None: as the servo has it.
-    profile_velocity, profile_acceleration : float
-        Of the servo's own trajectory towards a setpoint, rad/s and rad/s². 0: none, which
-        is right for setpoints that come every cycle.
+    profile_velocity : float, optional
+        The greatest of the servo's own trajectory towards a setpoint, rad/s at the servo; 0:
+        none. None: a quarter above the joint's `max_speed`, which setpoints that come every cycle
+        never reach.
+    profile_acceleration : float
+        Of that trajectory, rad/s². 0: none, which is right for setpoints that come every cycle.
     gains : DynamixelGains
         Of the servo's controllers.
     watchdog : float
@@ -179,7 +182,7 @@ class DynamixelSettings(DriverSettings):
     mode: Mode = "position"
     goal_current: Annotated[float, Unit("A"), Gt(0)] | None = None
     current_limit: Annotated[float, Unit("A"), Gt(0)] | None = None
-    profile_velocity: Annotated[float, Unit("rad/s"), Ge(0)] = 0.0
+    profile_velocity: Annotated[float, Unit("rad/s"), Ge(0)] | None = None
     profile_acceleration: Annotated[float, Unit("rad/s^2"), Ge(0)] = 0.0
     gains: DynamixelGains = field(default_factory=DynamixelGains)
     watchdog: Annotated[float, Unit("s"), Interval(ge=0.02, le=2.54)] = 0.06

@@ -282,6 +282,15 @@ class OdriveClient:
             bound=str(struct.unpack(f"<{layout}", packed)[0]),
         )
 
+    def request_parameter(self, endpoint: int) -> None:
+        """Ask for a parameter, which `answered` tells when it has come."""
+        self._answers.pop(Command.TX_SDO, None)
+        self.send(Command.RX_SDO, encode_sdo_read(endpoint))
+
+    def answered(self, endpoint: int, size: int) -> bytes:
+        """Return the value of the parameter that was asked for last; empty while none came."""
+        return self._kept(endpoint, size)
+
     def failed(
         self,
         what: str,

@@ -52,7 +52,7 @@ class OdriveAxisSettings(FollowingAxisSettings):
     @property
     def motor_speed_limit(self) -> float:
         """Where the ODrive limits its motor, turn/s."""
-        return self.speed_limit or 1.25 * self.max_speed * abs(self.turns_per_radian)
+        return self.speed_limit or self.speed_cap * abs(self.turns_per_radian)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +72,18 @@ class OdriveEndpoints:
         Of ``axis0.config.can.heartbeat_msg_rate_ms``.
     encoder_period : int, optional
         Of ``axis0.config.can.encoder_msg_rate_ms``.
+    speed_limit : int, optional
+        Of ``axis0.controller.config.vel_limit``; read back only, as the next one.
+    current_limit : int, optional
+        Of ``axis0.config.motor.current_soft_max``.
     """
 
     enable_watchdog: Annotated[int, Interval(ge=0, le=0xFFFF)]
     watchdog_timeout: Annotated[int, Interval(ge=0, le=0xFFFF)]
     heartbeat_period: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
     encoder_period: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
+    speed_limit: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
+    current_limit: Annotated[int, Interval(ge=0, le=0xFFFF)] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,7 +115,8 @@ class OdriveSettings(CanDeviceSettings):
     encoder_period : float
         ``axis0.config.can.encoder_msg_rate_ms``, s: at most the period of the cycle.
     endpoints : OdriveEndpoints, optional
-        To write these three settings and read them back.
+        To write these three settings, and to read them and the limits back once the axis is
+        armed: one that has rebooted meanwhile runs on its defaults.
     enable_time : float
         How long the axes may take to close their loops, s.
     fault_after : int

@@ -2,9 +2,12 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Annotated
+from typing import Annotated, Final
 
 from annotated_types import Gt, Interval, Unit
+
+_CAP: Final = 1.25
+"""A drive needs more than the greatest speed to catch up with its setpoints."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,7 +28,7 @@ class AxisSettings:
         The angles that may be commanded, rad.
     max_speed : float
         The fastest that may be commanded, rad/s. A reading that implies twice as much is a
-        fault.
+        fault, and the drive is told to go no faster than a quarter more.
     """
 
     gear: Annotated[float, Unit("1"), Gt(0)] = 1.0
@@ -38,6 +41,11 @@ class AxisSettings:
         low, high = self.limits
         if not low < high:
             raise ValueError(f"limits: {low:g} … {high:g} rad is no range of angles.")
+
+    @property
+    def speed_cap(self) -> float:
+        """Where the drive itself limits the joint's speed, rad/s: no setpoint comes near it."""
+        return _CAP * self.max_speed
 
     @property
     def turns_per_radian(self) -> float:

@@ -31,6 +31,11 @@ class PerturbedAxes(ServoPort):
         true = (position + self._zeros[channel]) / gain
         self._plant.command_joint(channel, true, velocity / gain, torque_on)
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Cap a servo as its drive means it, rad/s and N m."""
+        gain = abs(self._gains[channel])
+        self._plant.limit_joint(channel, speed / gain, torque * gain)
+
     def joint_position(self, channel: int) -> float:
         """Return a joint's angle as its drive has it, rad."""
         true = float(self._plant.joint_position(channel))

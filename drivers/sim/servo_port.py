@@ -30,6 +30,20 @@ class ServoPort(Protocol):
         """
         ...
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Cap a joint's servo loop, whatever it could do.
+
+        Parameters
+        ----------
+        channel : int
+            The joint.
+        speed : float
+            That the loop asks for at most, rad/s; infinite for no cap of its own.
+        torque : float
+            That it gives at most, N m; infinite for no cap of its own.
+        """
+        ...
+
     def joint_position(self, channel: int) -> float:
         """Return the true angle of a joint, rad."""
         ...

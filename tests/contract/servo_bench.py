@@ -38,6 +38,7 @@ class LaggedJoints:
         self.blocked = set()
         self.commands = [0] * count
         self.peak_decelerations = [0.0] * count
+        self.caps = [(math.inf, math.inf)] * count
         self.channel_names = tuple(f"q{k + 1}" for k in range(count))
 
     def advance(self, t):
@@ -65,6 +66,9 @@ class LaggedJoints:
         self.commands[channel] += 1
         self.references[channel] = [position, velocity]
         self.powered[channel] = torque_on
+
+    def limit_joint(self, channel, speed, torque):
+        self.caps[channel] = (speed, torque)
 
     def joint_position(self, channel):
         return self.angles[channel]

@@ -4,6 +4,8 @@ import shutil
 import struct
 import subprocess
 
+import math
+
 import pytest
 from servo_bench import PERIOD, LaggedJoints, cia402_rig
 
@@ -428,3 +430,12 @@ def test_wireshark_knows_every_frame_of_a_run(tmp_path):
     text = "\n".join(lines)
     for service in ("NMT", "SYNC", "PDO", "SDO", "EMCY", "Boot-up"):
         assert service.lower() in text.lower()
+
+
+def test_caps_of_speed_and_torque_are_those_of_the_profile():
+    rig = cia402_rig(max_speed=2.0, max_torque=30.0)
+    rig.start()
+    for node, gear in zip(rig.side.nodes, (100.0, 101.0), strict=True):
+        rpm = node.objects.greatest_speed.integer
+        assert rpm / 60.0 * 2.0 * math.pi / gear == pytest.approx(1.25 * 2.0, rel=2e-3)
+    assert [cap for _, cap in rig.plant.caps] == pytest.approx([30.0, 30.0], rel=2e-2)

@@ -66,7 +66,7 @@ class ForeignDrive:
             od[index] = variable(kind, "ro")
         for index in (0x605A, 0x605B, 0x605C, 0x605D, 0x605E, 0x6007):
             od[index] = variable(DT.INTEGER16)
-        for index in (0x6065, 0x6084, 0x6085):
+        for index in (0x6065, 0x6080, 0x6084, 0x6085):
             od[index] = variable(DT.UNSIGNED32)
         od[0x6066] = variable(DT.UNSIGNED16)
         od[0x6040] = variable(DT.UNSIGNED16)

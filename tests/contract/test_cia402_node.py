@@ -1,5 +1,6 @@
 """The emulated CiA 402 drive by itself: option codes, limits and following error."""
 
+import random
 import struct
 
 import pytest
@@ -20,6 +21,8 @@ LAYOUTS = {
     0x60FF: "i",
     0x6065: "I",
     0x6066: "H",
+    0x6072: "H",
+    0x6080: "I",
     0x6084: "I",
     0x6085: "I",
     0x607D: "i",
@@ -289,3 +292,29 @@ def test_without_a_ramp_it_stops_at_once():
     motion.slow_down(0.0, 0.1)
     motion.advance(0.2)
     assert motion.position == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("mode", [8, 9])
+def test_its_motor_is_no_faster_than_it_was_told(mode, seed):
+    chance = random.Random(seed)
+    cap, asked = chance.uniform(0.2, 2.0), chance.uniform(2.5, 50.0)
+    drive = Drive()
+    drive.write(0x60C2, 5, 1)
+    drive.write(0x6080, cap / 6.283185307179586 * 60.0 * 1000)  # in thousandths: see below
+    drive.node._counts_per_turn = COUNTS / 1000  # whole turns per minute are coarse without a gear
+    drive.enable(mode)
+    fastest, target = 0.0, 0.0
+    for _ in range(40):
+        target += asked * 0.005
+        drive.write(0x607A if mode == 8 else 0x60FF, (target if mode == 8 else asked) * RADIAN)
+        drive.run(0.005)
+        fastest = max(fastest, abs(drive.plant.speeds[0]))
+    assert fastest == pytest.approx(cap, rel=0.05)
+    assert drive.read(0x6041) & 1 << 11, "a limit inside the drive is active"
+
+
+def test_its_motor_gives_no_more_torque_than_it_was_told():
+    drive = Drive()
+    drive.write(0x6072, 250)
+    assert drive.plant.caps[0][1] == pytest.approx(0.25), "of a rated torque of 1 N m"

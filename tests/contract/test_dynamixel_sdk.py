@@ -50,6 +50,9 @@ class Joints:
         if torque_on:
             self.angles[channel] = position
 
+    def limit_joint(self, channel, speed, torque):
+        pass
+
     def joint_position(self, channel):
         return self.angles[channel]
 

@@ -25,6 +25,7 @@ class JointsThatFollow:
     velocities: list = field(default_factory=lambda: [0.0] * 12)
     torque_on: list = field(default_factory=lambda: [False] * 12)
     blocked: set = field(default_factory=set)
+    speeds: dict = field(default_factory=dict)
     time: float = 0.0
 
     def advance(self, t):
@@ -38,6 +39,9 @@ class JointsThatFollow:
         self.velocities[channel] = velocity if torque_on else 0.0
         if torque_on and channel not in self.blocked:
             self.angles[channel] = position
+
+    def limit_joint(self, channel, speed, torque):
+        self.speeds[channel] = speed
 
     def joint_position(self, channel):
         return self.angles[channel]

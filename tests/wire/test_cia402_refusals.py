@@ -121,3 +121,10 @@ def test_a_joint_outside_its_limits_is_not_energised():
     bench.connect()
     with pytest.raises(ConnectionFailed, match=r"outside its limits.*2.1 rad.*-1 … 2 rad"):
         bench.arm(2100)
+
+
+def test_a_limit_of_torque_needs_the_rated_one():
+    drive = Drive(max_torque=3.0)
+    drive.node.objects[0x6076, 0] = u32(0)
+    with pytest.raises(ConnectionFailed, match=r"does not say its rated torque.*max_torque 3 N m"):
+        drive.connect()

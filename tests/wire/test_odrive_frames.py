@@ -54,8 +54,11 @@ def test_setpoints_feed_the_watchdog_before_the_loop_is_closed():
     bench.axis.turns = 0.25
     frames = bench.start()
     hold = f"06C#{struct.pack('<fhh', 0.25, 0, 0).hex().upper()}"
-    assert frames[:3] == ["067#0800000000000000", hold, hold]
-    assert set(frames[1:]) == {hold}
+    mode, limits = "06B#0300000001000000", frames[1]
+    assert limits.startswith("06F#")
+    # With the limits, should it have rebooted since it was told them.
+    assert frames[:5] == [mode, limits, "067#0800000000000000", hold, hold]
+    assert set(frames[3:]) == {hold}
     assert frames.count("067#0800000000000000") == 1
 
 

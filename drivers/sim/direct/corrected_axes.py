@@ -53,6 +53,11 @@ class CorrectedAxes(ServoPort):
         gain, offset = self._lines[channel]
         self._plant.command_joint(channel, (position - offset) / gain, velocity / gain, torque_on)
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Cap a drive as the driver's counts mean it, rad/s and N m."""
+        gain = abs(self._lines[channel][0])
+        self._plant.limit_joint(channel, speed / gain, torque * gain)
+
     def joint_position(self, channel: int) -> float:
         """Return the angle that the driver reads, rad."""
         gain, offset = self._lines[channel]

@@ -59,7 +59,7 @@ class Mounting:
 class EmulatedServo:
     """Firmware of one servo.
 
-    Trajectory profiles are not emulated: a goal acts at once, as with profile velocity 0.
+    Of trajectory profiles only the greatest speed is emulated; else a goal acts at once.
 
     Parameters
     ----------
@@ -130,6 +130,7 @@ class EmulatedServo:
             self.table[table.GOAL_VELOCITY] = 0
             self.table[table.GOAL_POSITION] = self._counts()
             self._feed_watchdog()
+            self._cap()
             self._drive()
 
     # Instructions ---------------------------------------------------------------------
@@ -190,6 +191,7 @@ class EmulatedServo:
         self.table.power_on()
         self._registered = None
         self._feed_watchdog()
+        self._cap()
         self._drive()
 
     # What may go wrong ----------------------------------------------------------------
@@ -235,7 +237,15 @@ class EmulatedServo:
             self._drive()
         elif item is table.WATCHDOG:
             self._feed_watchdog()
+        elif item is table.PROFILE_VELOCITY:
+            self._cap()
         return 0
+
+    def _cap(self) -> None:
+        """Have its trajectories be no faster than their profile says; 0 says nothing."""
+        counts = self.table[table.PROFILE_VELOCITY]
+        speed = abs(self._mounting.velocity(counts)) if counts else inf
+        self._plant.limit_joint(self._channel, speed, inf)
 
     def _feed_watchdog(self) -> None:
         units = self.table[table.WATCHDOG]

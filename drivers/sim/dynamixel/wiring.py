@@ -34,6 +34,9 @@ class _FreeJoint(ServoPort):
     ) -> None:
         """Do nothing."""
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Do nothing."""
+
     def joint_position(self, channel: int) -> float:
         """Return its angle, rad."""
         return self._angle

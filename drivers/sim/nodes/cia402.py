@@ -86,6 +86,7 @@ class EmulatedCia402(EmulatedNode):
         self._port = port
         self._channel = channel
         self._zero = zero
+        self._counts_per_turn = counts_per_turn
         self._counts = counts_per_turn * gear / (2.0 * pi)  # per radian of the joint
         self._velocity_scale = (velocity_units or counts_per_turn) / counts_per_turn
         self._acceleration_scale = (acceleration_units or counts_per_turn) / counts_per_turn
@@ -110,6 +111,7 @@ class EmulatedCia402(EmulatedNode):
             modes=(CSP, CSV),
             sample=lambda: self.sample_inputs(self.now),
             command=lambda: self.apply_outputs(self.now),
+            limit_torque=self._limit_torque,
         )
         self.add_pdos(
             receive=((0x6040_0010,), (0x6040_0010, 0x607A_0020), (0x6040_0010, 0x60FF_0020)),
@@ -206,10 +208,13 @@ class EmulatedCia402(EmulatedNode):
         objects = self.objects
         wanted = objects.target_position.integer + objects.position_offset.integer
         low, high = (limit.integer for limit in objects.position_limits)
-        target = min(max(wanted, low), high) if low < high else wanted
-        self._set_limited(target != wanted)
+        target: float = min(max(wanted, low), high) if low < high else wanted
         steps, exponent = (part.integer for part in objects.interpolation)
-        self._motion.interpolate(target, max(steps, 1) * 10.0**exponent, now)
+        duration = max(steps, 1) * 10.0**exponent
+        here, reach = self._motion.position, self._fastest() * duration
+        target = min(max(target, here - reach), here + reach)
+        self._set_limited(target != wanted)
+        self._motion.interpolate(target, duration, now)
 
     def _limit_velocity(self, now: float) -> None:
         """Follow the velocity, as far as a stop before the software limit permits."""
@@ -223,9 +228,18 @@ class EmulatedCia402(EmulatedNode):
             room = high - self._motion.position if wanted > 0.0 else self._motion.position - low
             fastest = sqrt(2.0 * self._ramp(objects.quick_stop_ramp.integer) * max(room, 0.0))
             velocity = copysign(min(abs(wanted), fastest), wanted)
+        velocity = min(max(velocity, -self._fastest()), self._fastest())
         self._set_limited(velocity != wanted)
         if velocity != self._motion.velocity:
             self._motion.run(velocity, now)
+
+    def _fastest(self) -> float:
+        """Return the greatest speed of its motor, counts/s: 0x6080 is in turns per minute."""
+        return self.objects.greatest_speed.integer / 60.0 * self._counts_per_turn
+
+    def _limit_torque(self) -> None:
+        share = 1e-3 * self.objects.torque_limit.integer
+        self._port.limit_joint(self._channel, inf, share * self._rated_torque * abs(self._gear))
 
     def _set_limited(self, limited: bool) -> None:
         if limited is not self._limited:
@@ -312,6 +326,7 @@ class EmulatedCia402(EmulatedNode):
         self._mode = 0
         self._torque_off = self._limited = False
         self._motion.restart(0.0, self.now)
+        self._limit_torque()
         self._motion_due = self.now
         self._pass_on(powered=False)
 

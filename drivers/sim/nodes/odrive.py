@@ -281,6 +281,10 @@ class EmulatedOdrive(OdriveFaults):
 
     def _take_limits(self, data: bytes) -> None:
         self.speed_limit, self.current_limit = struct.unpack("<ff", data)
+        self._limit_speed()
+
+    def _limit_speed(self) -> None:
+        self._port.limit_joint(self._channel, self.speed_limit / abs(self._turns), inf)
 
     def _take_position(self, data: bytes) -> None:
         self._feed()
@@ -355,6 +359,7 @@ class EmulatedOdrive(OdriveFaults):
 
     def apply_settings(self) -> None:
         """Have what was written act from now on."""
+        self._limit_speed()
         self._heartbeat_due = self.now if self.heartbeat_msg_rate_ms else inf
         self._encoder_due = self.now if self.encoder_msg_rate_ms else inf
         self._feed()

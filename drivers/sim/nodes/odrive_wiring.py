@@ -56,6 +56,8 @@ def _endpoints(numbers: OdriveEndpoints) -> dict[str, int]:
         "axis0.config.watchdog_timeout": numbers.watchdog_timeout,
         "axis0.config.can.heartbeat_msg_rate_ms": numbers.heartbeat_period,
         "axis0.config.can.encoder_msg_rate_ms": numbers.encoder_period,
+        "axis0.controller.config.vel_limit": numbers.speed_limit,
+        "axis0.config.motor.current_soft_max": numbers.current_limit,
     }
     return {path: number for path, number in made.items() if number is not None}
 

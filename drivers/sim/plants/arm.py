@@ -147,6 +147,10 @@ class ArmPlant:
             drives.switch(channel, torque_on)
             self._set_friction(channel)
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Cap a joint's drive, rad/s and N m."""
+        self._drives.limit(channel, speed, torque)
+
     def joint_position(self, channel: int) -> float:
         """Return the true angle of a joint, rad."""
         return self._angles[channel]

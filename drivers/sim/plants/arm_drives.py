@@ -39,7 +39,9 @@ class ArmDrives:
         corner = velocity_corner / settings.integral_ratio
         self._integral_gains = [gain * corner * timestep for gain in self._gains]
         self._share = 1.0 - math.exp(-math.tau * settings.torque_bandwidth * timestep)
-        self._limits = settings.torque_limits
+        self._strongest = settings.torque_limits
+        self._limits = list(settings.torque_limits)
+        self._fastest = [math.inf] * len(inertias)
         self._hold_after = settings.hold_after
         count = len(self._gains)
         self._positions: list[float | None] = [0.0] * count
@@ -54,6 +56,11 @@ class ArmDrives:
         self._positions[k] = position
         self._velocities[k] = velocity
         self._since[k] = now
+
+    def limit(self, k: int, speed: float, torque: float) -> None:
+        """Cap drive `k` at what it is told, rad/s and N m, and at what it can."""
+        self._fastest[k] = speed
+        self._limits[k] = min(torque, self._strongest[k])
 
     def switch(self, k: int, has_torque: bool) -> None:
         """Switch a power stage on or off; its loops start from nothing."""
@@ -72,7 +79,7 @@ class ArmDrives:
             s.
         """
         stiffness, share, hold_after = self._stiffness, self._share, self._hold_after
-        torques, integrals = self.torques, self._integrals
+        torques, integrals, fastest = self.torques, self._integrals, self._fastest
         for k, has_torque in enumerate(self.has_torque):
             if not has_torque:
                 continue
@@ -83,6 +90,8 @@ class ArmDrives:
             if position is not None:
                 reference = position + velocity * (hold_after if is_over else elapsed)
                 error += stiffness * (reference - angles[k])
+            if abs(error + speeds[k]) > fastest[k]:
+                error = math.copysign(fastest[k], error + speeds[k]) - speeds[k]
             limit = self._limits[k]
             wanted = self._gains[k] * error + integrals[k]
             if -limit < wanted < limit:

@@ -94,7 +94,8 @@ class LegsPlant:
         self._contact_force: Any = mujoco.mj_contactForce
         self._timestep = settings.timestep
         self._rate_limit = geometry.max_rate
-        self._most_turn = geometry.max_rate * settings.timestep
+        self._turns = np.full(len(CHANNELS), geometry.max_rate * settings.timestep)
+        self._least_turn = float(self._turns.min())
         self._peaks = (*geometry.torque_peak, *geometry.torque_peak)
         self._weight = _GRAVITY * float(np.sum(self.model.body_mass))
         data, model = self.data, self.model
@@ -152,6 +153,13 @@ class LegsPlant:
             # A servo starts from where it is.
             self._target[channel] = self._angles[channel]
             self._set_power()
+
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Cap a servo at what it is told, rad/s and N m, and at what it can."""
+        self._turns[channel] = min(speed, self._rate_limit) * self._timestep
+        self._least_turn = float(self._turns.min())
+        most = min(torque, self._peaks[channel])
+        self.model.actuator_forcerange[channel] = (-most, most)
 
     def joint_position(self, channel: int) -> float:
         """Return a joint's angle, rad."""
@@ -232,12 +240,12 @@ class LegsPlant:
     def _turn_targets(self) -> None:
         """Let each servo's target follow its command, no faster than the servo can turn."""
         away = self._command - self._target
-        most = self._most_turn
+        most = self._least_turn
         if away.max() <= most and away.min() >= -most:  # as good as always
             self._target[:] = self._command
             self._turning = 0
         else:
-            turn = np.clip(away, -most, most)
+            turn = np.clip(away, -self._turns, self._turns)
             self._target += turn
             self._turning = int(np.count_nonzero(turn != away))
         self._control[:] = self._target + self._lead

@@ -25,6 +25,9 @@ class Remembering:
     def command_joint(self, channel, position, velocity, torque_on):
         self.calls.append((channel, position, velocity, torque_on))
 
+    def limit_joint(self, channel, speed, torque):
+        pass
+
     def joint_position(self, channel):
         return self.angles[channel]
 

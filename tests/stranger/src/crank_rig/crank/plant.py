@@ -105,6 +105,9 @@ class CrankPlant(Plant, MeasuredPlant):
         """Give a drive its reference, which moves on by itself."""
         self._orders[channel] = (position, velocity, self._now) if torque_on else None
 
+    def limit_joint(self, channel: int, speed: float, torque: float) -> None:
+        """Do nothing: these drives have no caps of their own."""
+
     def joint_position(self, channel: int) -> float:
         """Return the true angle of a crank, rad."""
         return self._angles[channel]
