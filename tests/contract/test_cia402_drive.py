@@ -1,10 +1,9 @@
 """The CiA 402 driver on emulated drives: motion, stops, and every way in which a drive can fail."""
 
+import math
 import shutil
 import struct
 import subprocess
-
-import math
 
 import pytest
 from servo_bench import PERIOD, LaggedJoints, cia402_rig

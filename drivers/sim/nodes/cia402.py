@@ -239,7 +239,7 @@ class EmulatedCia402(EmulatedNode):
 
     def _limit_torque(self) -> None:
         share = 1e-3 * self.objects.torque_limit.integer
-        self._port.limit_joint(self._channel, inf, share * self._rated_torque * abs(self._gear))
+        self._port.limit_joint(self._channel, inf, share * _RATED_TORQUE * abs(self._gear))
 
     def _set_limited(self, limited: bool) -> None:
         if limited is not self._limited:
