@@ -38,7 +38,7 @@ def _table(rows: Sequence[Row]) -> str:
 
 
 def _row(row: Row) -> str:
-    style = ' class="fail"' if row.wrongs else ""
+    style = ' class="fail"' if any(row.wrongs) else ""
     return "<tr>" + "".join(f"<td{style}>{escape(cell)}</td>" for cell in row.cells()) + "</tr>"
 
 

@@ -27,7 +27,7 @@ COMMANDS = {
     "check": ("check", "cylinder"),
     "simulate": ("simulate", "cylinder"),
     "monitor": ("monitor", "cylinder", "--frames"),
-    "run": ("run", "cylinder-step", "--no-report"),
+    "run": ("run", "cylinder-step", "--no-report", "--set", "cylinder.limits.stop_energy=1 J"),
 }
 _CAPABILITIES_3 = 0x2008_0522  # linux/capability.h
 _OVERRIDES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH

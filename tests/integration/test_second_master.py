@@ -156,7 +156,7 @@ def holder(tmp_path, monkeypatch):
 def test_an_interface_has_one_master_on_a_host(holder, tmp_path, capsys):
     channel, process = holder
     words = ["--on", channel, "--out", str(tmp_path / "runs"), "--yes", "cylinder", "--no-report"]
-    code = invoke(["run", "cylinder-step", *words, "--set", "loop.priority=0"])
+    code = invoke(["run", "cylinder-step", *words, "--set", "cylinder.limits.stop_energy=1 J"])
     said = capsys.readouterr().err
     assert code == 3
     assert f"process {process.pid} of this host drives {channel} (socketcan)" in said

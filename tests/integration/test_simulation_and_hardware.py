@@ -147,7 +147,7 @@ def test_the_name_is_typed_by_who_has_read_what_will_move(lab, monkeypatch, caps
     monkeypatch.setattr(sys, "stdin", Terminal())
     asked = []
     monkeypatch.setattr(click, "prompt", lambda text, **how: asked.append(text) or typed)
-    channel = ("--set", "buses.can0.channel=nocan7")
+    channel = ("--set", "buses.can0.channel=nocan7", "--set", "cylinder.limits.stop_energy=1 J")
     code = lab("run", "cylinder-sine", "--on", "hardware", *channel)
     assert asked == ["Type the rig's name to go on"]
     assert code == (3 if typed == "cylinder" else 2)  # it has no such interface
