@@ -48,13 +48,8 @@ def test_hardware_without_a_stop_that_bears_a_cut_wire_is_refused(
 ):
     options = [part for option in declared for part in ("--set", option)]
     base = ["run", experiment, "--configs", str(CONFIGS), "--out", str(tmp_path)]
-<<<<<<< HEAD
-    permitted = ["--yes", experiment.partition("-")[0]]
-    assert invoke([*base, "--on", "hardware", *permitted, *options]) == 3
-=======
     rig = experiment.partition("-")[0]
     assert invoke([*base, "--on", "hardware", "--yes", rig, *options]) == 3
->>>>>>> w-d
     said = " ".join(capsys.readouterr().err.split())
     for word in (*words, "cut", "mechanical stop"):
         assert word in said
