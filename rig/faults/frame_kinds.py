@@ -32,10 +32,16 @@ def _places(way: Way, subject: Subject) -> list[Place]:
             if bus in synchronised
         ]
     return [
-        Place(device, device, (device, *subject.channels.get(device, ()), frames.bus))
+        Place(device, device, (device, *_parts_of(device, subject), frames.bus))
         for device, frames in subject.frames.items()
         if _ids(frames, way) and "." not in device
     ]
+
+
+def _parts_of(device: str, subject: Subject) -> tuple[str, ...]:
+    """Return what else may be named for a device: its channels, and a contact that it reads."""
+    contact = ("emergency stop",) if "emergency_stop" in subject.knows.get(device, ()) else ()
+    return (*subject.channels.get(device, ()), *contact)
 
 
 def _is_canopen(frames: Frames) -> bool:

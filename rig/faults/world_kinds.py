@@ -13,7 +13,7 @@ from rig.faults.subject import Subject
 
 _PLANT = "plant"
 _ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension"})
-"""What a cut wire does before anybody can act: the mechanical stop bears it."""
+"""What a wire that lets go does before anybody can act: the mechanical stop bears it."""
 _ALONE = frozenset({*_ON_A_WIRE, "pressure"})
 """What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
 alone, with what the supply gives, until the mechanical stop bears it."""
@@ -132,7 +132,8 @@ PNEUMATIC = (
     _of_plant("wire_cut", "A wire breaks.", safe, 0.1, ("wire",), forgives=_ON_A_WIRE),
     _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
               forgives=_ON_A_WIRE),
-    _of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",)),
+    _of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
+              forgives=_ON_A_WIRE),
     _kind("supply_lost", "The supply falls to another pressure.",
           partial(_whole, "supply_lost", ("supply", "regulator")), _is_felt(0.0), 0.3,
           magnitude=Magnitudes(1e3, 100e3, "Pa")),
