@@ -59,7 +59,7 @@ class WireLimits(NamedTuple):
     residual : float
         How far the rods may be from agreeing, m.
     grace : float
-        For how long they may be further, s.
+        For how long they may be further, s; for half as long when they are twice as far.
     home, stroke : float
         Extension of the rods at home and at most, m.
     least_pull : float
@@ -148,14 +148,17 @@ class WireWatch:
         else:
             self.axis, self.residual = pose.axis, pose.residual
             self._check_frozen(rods, pose.residuals, now)
-        if self.residual <= self._limits.residual or self._agreed_at is None:
+        residual, limits = self.residual, self._limits
+        if residual <= limits.residual or self._agreed_at is None:
             self._agreed_at = now
-        elif now - self._agreed_at > self._limits.grace:
+        # The further the rods are apart, the sooner: a loop that is closed over an encoder that
+        # counts backwards has thrown the ring before a fixed time is over.
+        elif now - self._agreed_at > limits.grace * limits.residual / residual:
             cause = self._explain(rods, unstretched, pressures, now)
             raise SafetyError(
                 f"{cause} [the four wires disagree about the pose by "
-                f"{self.residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
-                f"{self._limits.residual * 1e3:g} mm for {self._limits.grace:g} s]"
+                f"{residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
+                f"{limits.residual * 1e3:g} mm for {limits.grace:g} s, and more for less long]"
             )
 
     def follow(self, rods: Quadruple, now: float) -> None:
