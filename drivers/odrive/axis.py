@@ -30,6 +30,7 @@ from rig.hal import ConnectionFailed, DeviceFault
 
 _COUNTED: Final = 8  # estimates over which their rate is measured
 _SLOWEST: Final = 1.5  # times the period that the profile says
+_FINEST: Final = 1.0 / (1 << 14)  # turn, of the encoder on the board
 _STILL: Final = 0.01  # of the greatest speed
 _REQUESTS: Final = 4  # of a state, before it is a fault
 _ANSWERS_IN: Final = 2.0  # heartbeats; what the first one says may be older than the request
@@ -90,6 +91,11 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
         self.setpoint = CyclicFrame(can_id(settings.axis, command), bytes(8))
         bus.add(self.setpoint)
         bus.subscribe(can_id(settings.axis, Command.GET_ENCODER_ESTIMATES), self._take)
+
+    @property
+    def resolution(self) -> float:
+        """The angle of one step of the encoder on the board, rad."""
+        return _FINEST / abs(self.settings.turns_per_radian)
 
     # Codec ----------------------------------------------------------------------------
 
@@ -161,6 +167,8 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
             One of the two.
         """
         self._trouble = None
+        self.is_blind = False
+        self._encoder.reset()
         self._has_position = False
         before = self.samples
         if not self._bus.wait_until(
@@ -233,6 +241,9 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
 
     def stop(self) -> None:
         """Move the setpoint one period further along a ramp to standstill. Never raises."""
+        if self.is_blind:  # its loop would run away
+            self.release()
+            return
         speed = self._speed
         if not speed:
             return
