@@ -108,6 +108,11 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             fault_after=shared.fault_after,
         )
 
+    @property
+    def resolution(self) -> float:
+        """The angle of one count, rad."""
+        return 1.0 / abs(self.settings.counts_per_radian)
+
     # Codec ----------------------------------------------------------------------------
 
     def _take(self, values: tuple[Any, ...], t: float) -> None:
@@ -188,6 +193,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             It does not become OPERATIONAL.
         """
         self._trouble = None
+        self.is_blind = False
+        self._encoder.reset()
         self._counts = None
         self._earlier = -inf
         self.status = self.error_code = 0
@@ -245,8 +252,11 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.watch.reset(self._decode_position(self._target), now)
 
     def stop(self) -> None:
-        """Stop quickly, from the next frame on. Never raises."""
+        """Stop quickly, from the next frame on; without torque if it is blind. Never raises."""
         self.goal = Goal.STOPPED
+        if self.is_blind:  # a ramp that trusts the encoder would run away
+            self.pdo.safe = self.pdo.data = self._pack(DISABLE_VOLTAGE, 0, self._mode)
+            return
         target = 0 if self._follows_velocity else self._target
         self.pdo.safe = self.pdo.data = self._pack(QUICK_STOP, target, self._mode)
 

@@ -170,8 +170,14 @@ class DynamixelServos(ServoBus):
         self._bus.send_ahead(self._torque.packet(int(enabled)))
 
     def make_safe(self) -> None:
-        """Hold the last setpoint at rest, or release the torque, until armed again."""
+        """Hold the last setpoint at rest, or release the torque, until armed again.
+
+        A servo whose encoder lies is let go of.
+        """
         self._armed = self._enabled = False
+        for k in sorted(self._motion.blind):  # its loop would run away
+            let_go = SyncPayload(table.TORQUE_ENABLE, (self._links[k].id,))
+            self._bus.send_ahead(let_go.packet(0))
         if self._is_velocity:
             self._goals.payload = self._goal.same(0)
         if self.settings.after_stop == "release" and self._goals.active:
@@ -290,7 +296,7 @@ class DynamixelServos(ServoBus):
         if self._enabled:
             if not self._is_velocity:
                 self._motion.refer(self._guard.positions)
-            self._motion.check(self._positions)
+            self._motion.check(self._positions, self._velocities.value)
 
     # Inside ---------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ from typing import Final
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.health import HealthWatch
 from drivers.dynamixel.settings import DynamixelSettings
+from drivers.servos.encoder_watch import EncoderWatch
 from drivers.servos.following_error import FollowingWatch
 from rig.hal import Reading, Vector
 
@@ -23,6 +24,11 @@ class MotionWatch:
         Of each joint's position, rad.
     health : HealthWatch
         Keeps the faults.
+
+    Attributes
+    ----------
+    blind : set of int
+        Joints whose encoders were found to lie: they cannot be held.
     """
 
     def __init__(
@@ -35,11 +41,16 @@ class MotionWatch:
             FollowingWatch(settings.following_window, settings.following_time) for _ in joints
         )
         self._health = health
+        self._encoders = tuple(EncoderWatch(step) for step in steps)
+        self.blind: set[int] = set()
 
     def reset(self, positions: Vector, now: float) -> None:
         """Start from where the joints stand, rad."""
         for watch, position in zip(self._joints, positions, strict=True):
             watch.reset(position, now)
+        self.blind.clear()
+        for encoder in self._encoders:
+            encoder.reset()
 
     def drift(self, velocities: Sequence[float], positions: Vector, period: float) -> None:
         """Move the references of joints on that follow velocities (rad/s) for a period (s)."""
@@ -51,8 +62,8 @@ class MotionWatch:
         for watch, setpoint in zip(self._joints, setpoints, strict=True):
             watch.reference = setpoint
 
-    def check(self, reading: Reading[Vector]) -> None:
-        """Raise if a joint is off its reference.
+    def check(self, reading: Reading[Vector], velocities: Vector) -> None:
+        """Raise if a joint is off its reference, or its encoder lies.
 
         Raises
         ------
@@ -60,6 +71,11 @@ class MotionWatch:
             One has been farther off than it may for longer than it may.
         """
         positions, t = reading
+        for k, encoder in enumerate(self._encoders):
+            lie = encoder.look(t, positions[k], velocities[k])
+            if lie is not None:
+                self.blind.add(k)
+                raise self._health.describe(k, f"cannot be trusted: {lie}", table.PRESENT_POSITION)
         for k, (watch, position) in enumerate(zip(self._joints, positions, strict=True)):
             duration = watch.exceeds(position, t)
             if duration:

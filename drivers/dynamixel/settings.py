@@ -150,7 +150,7 @@ class DynamixelSettings(DriverSettings):
         Register 38, A. None: as the servo has it.
     profile_velocity : float, optional
         The greatest of the servo's own trajectory towards a setpoint, rad/s at the servo; 0:
-        none. None: a quarter above the joint's `max_speed`, which setpoints that come every cycle
+        none. None: 15 % above the joint's `max_speed`, which setpoints that come every cycle
         never reach.
     profile_acceleration : float
         Of that trajectory, rad/s². 0: none, which is right for setpoints that come every cycle.

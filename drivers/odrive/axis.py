@@ -1,9 +1,8 @@
 """One joint on one ODrive axis: its setpoints, its readings and its faults."""
 
-import struct
 from contextlib import suppress
 from math import copysign, inf, isfinite
-from typing import Final, NamedTuple
+from typing import Final
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.odrive.bus import OdriveBus
@@ -24,36 +23,17 @@ from drivers.odrive.codec import (
     encode_input_velocity,
     encode_limits,
 )
+from drivers.odrive.read_back import ReadBack, armed_settings
 from drivers.odrive.settings import OdriveAxisSettings, OdriveSettings
 from drivers.servos.axis_drive import AxisDrive
 from rig.hal import ConnectionFailed, DeviceFault
 
 _COUNTED: Final = 8  # estimates over which their rate is measured
 _SLOWEST: Final = 1.5  # times the period that the profile says
+_FINEST: Final = 1.0 / (1 << 14)  # turn, of the encoder on the board
 _STILL: Final = 0.01  # of the greatest speed
 _REQUESTS: Final = 4  # of a state, before it is a fault
 _ANSWERS_IN: Final = 2.0  # heartbeats; what the first one says may be older than the request
-
-
-class Parameter(NamedTuple):
-    """A parameter that an armed axis must have.
-
-    Parameters
-    ----------
-    endpoint : int
-        Its number.
-    what : str
-        Its name, for messages.
-    layout : struct.Struct
-        Of its value.
-    value : float
-        That it must have.
-    """
-
-    endpoint: int
-    what: str
-    layout: struct.Struct
-    value: float
 
 
 class OdriveAxis(AxisDrive[OdriveAxisSettings]):
@@ -102,14 +82,20 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
         self._has_position = False
         self._wanted = False
         self._follows = False
-        self._unread: list[Parameter] = []
-        self._reads_again = -inf
+        self._read_back = ReadBack(
+            self.client, armed_settings(shared, settings), bus.settings.reply_timeout
+        )
         self._asks_again = -inf
         self._speed = 0.0  # of the setpoint, rad/s
         command = Command.SET_INPUT_VEL if self._follows_velocity else Command.SET_INPUT_POS
         self.setpoint = CyclicFrame(can_id(settings.axis, command), bytes(8))
         bus.add(self.setpoint)
         bus.subscribe(can_id(settings.axis, Command.GET_ENCODER_ESTIMATES), self._take)
+
+    @property
+    def resolution(self) -> float:
+        """The angle of one step of the encoder on the board, rad."""
+        return _FINEST / abs(self.settings.turns_per_radian)
 
     # Codec ----------------------------------------------------------------------------
 
@@ -181,6 +167,8 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
             One of the two.
         """
         self._trouble = None
+        self.is_blind = False
+        self._encoder.reset()
         self._has_position = False
         before = self.samples
         if not self._bus.wait_until(
@@ -201,8 +189,7 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
         self._follows = False
         self._asks_again = -inf
         if enabled:
-            self._unread = self._settings_to_read_back()
-            self._reads_again = -inf
+            self._read_back.restart()
             self._hold_here()
             self.setpoint.active = True
 
@@ -219,7 +206,8 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
         client = self.client
         state = AxisState.CLOSED_LOOP_CONTROL if self._wanted else AxisState.IDLE
         if client.state == state:
-            self._read_back(now)
+            if self._wanted:
+                self._compare_settings(now)
             return
         if now < self._asks_again:
             return
@@ -237,7 +225,7 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
     def is_enabled(self) -> bool:
         """Whether a heartbeat has confirmed the closed loop, and its settings were read back."""
         closed = self.client.state == AxisState.CLOSED_LOOP_CONTROL
-        return self._wanted and closed and not self._unread
+        return self._wanted and closed and self._read_back.is_done
 
     def begin_following(self, now: float) -> None:
         """Take the position that is held for the reference."""
@@ -253,6 +241,9 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
 
     def stop(self) -> None:
         """Move the setpoint one period further along a ramp to standstill. Never raises."""
+        if self.is_blind:  # its loop would run away
+            self.release()
+            return
         speed = self._speed
         if not speed:
             return
@@ -369,42 +360,13 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
         limits = encode_limits(settings.motor_speed_limit, settings.current_limit)
         client.send(Command.SET_LIMITS, limits)
 
-    def _settings_to_read_back(self) -> list[Parameter]:
-        """Return what an armed axis must have, as far as its endpoints are known."""
-        numbers, shared, settings = self._shared.endpoints, self._shared, self.settings
-        if numbers is None:
-            return []
-        wanted: tuple[tuple[int | None, str, float, str], ...] = (
-            (numbers.watchdog_timeout, "watchdog_timeout", shared.watchdog, "f"),
-            (numbers.enable_watchdog, "enable_watchdog", True, "?"),
-            (numbers.speed_limit, "vel_limit", settings.motor_speed_limit, "f"),
-            (numbers.current_limit, "current_soft_max", settings.current_limit, "f"),
-        )
-        return [
-            Parameter(number, what, struct.Struct(f"<{layout}"), value)
-            for number, what, value, layout in wanted
-            if number is not None
-        ]
-
-    def _read_back(self, now: float) -> None:
-        """Ask the armed axis for its settings one by one; another value is a fault."""
-        if not self._wanted or not self._unread:
-            return
-        parameter = self._unread[0]
-        found = self.client.answered(parameter.endpoint, parameter.layout.size)
-        if found == parameter.layout.pack(parameter.value):
-            self._unread.pop(0)
-            self._reads_again = -inf
-        elif found and self._trouble is None:
+    def _compare_settings(self, now: float) -> None:
+        """Take one step of reading the armed axis back; another value is a fault."""
+        lost = self._read_back.step(now)
+        if lost is not None and self._trouble is None:
             self._trouble = self.fault(
-                "the axis has lost its settings; it rebooted after it was configured",
-                f"endpoint {parameter.endpoint} ({parameter.what})",
-                f"{parameter.layout.unpack(found)[0]:g}",
-                f"{parameter.value:g}",
+                "the axis has lost its settings; it rebooted after it was configured", *lost
             )
-        if self._unread and now >= self._reads_again:
-            self._reads_again = now + self._bus.settings.reply_timeout
-            self.client.request_parameter(self._unread[0].endpoint)
 
     def _measure_rate(self, period: float) -> None:
         """Refuse an axis that sends its estimates much more seldom than the profile says."""

@@ -39,7 +39,7 @@ class OdriveAxisSettings(FollowingAxisSettings):
     serial : int, optional
         The serial number that the ODrive must report (48 bits).
     speed_limit : float, optional
-        Where the ODrive itself limits its motor, turn/s. None: a quarter above `max_speed`.
+        Where the ODrive itself limits its motor, turn/s. None: 15 % above `max_speed`.
     current_limit : float
         Greatest motor current, A.
     """

@@ -5,6 +5,7 @@ from math import inf
 from typing import ClassVar, Final, Generic, TypeVar
 
 from drivers.servos.axis_settings import FollowingAxisSettings
+from drivers.servos.encoder_watch import EncoderWatch
 from drivers.servos.following_error import FollowingWatch
 from rig.hal import DeviceFault, not_standing
 
@@ -33,6 +34,8 @@ class AxisDrive(ABC, Generic[Axis]):
         When they were sampled, s.
     watch : FollowingWatch
         Where the joint should be.
+    is_blind : bool
+        Its encoder was found to lie: it cannot hold its joint, and is made safe without torque.
     """
 
     position_source: ClassVar[str]
@@ -46,6 +49,13 @@ class AxisDrive(ABC, Generic[Axis]):
         self.watch = FollowingWatch(settings.following_window, patience)
         self._reach = _JUMP * settings.max_speed
         self._trouble: DeviceFault | None = None
+        self.is_blind = False
+        self._encoder = EncoderWatch(self.resolution)
+
+    @property
+    @abstractmethod
+    def resolution(self) -> float:
+        """The least difference of positions, rad."""
 
     # The chain's orders ---------------------------------------------------------------
 
@@ -139,6 +149,10 @@ class AxisDrive(ABC, Generic[Axis]):
                 f"{self.position:.6g} rad",
                 self._range(),
             )
+        lie = self._encoder.look(self.time, self.position, self.velocity)
+        if lie is not None:
+            self.is_blind = True
+            raise self.fault(f"{lie}; {self.describe()}", self.position_source)
         duration = self.watch.exceeds(self.position, now)
         if duration:
             raise self.fault(

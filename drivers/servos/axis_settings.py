@@ -6,8 +6,9 @@ from typing import Annotated, Final
 
 from annotated_types import Gt, Interval, Unit
 
-_CAP: Final = 1.25
-"""A drive needs more than the greatest speed to catch up with its setpoints."""
+_CAP: Final = 1.15
+"""A drive needs more than the greatest speed to catch up with its setpoints, and its loop swings
+over its cap by up to 7 % where an encoder lies to it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +29,7 @@ class AxisSettings:
         The angles that may be commanded, rad.
     max_speed : float
         The fastest that may be commanded, rad/s. A reading that implies twice as much is a
-        fault, and the drive is told to go no faster than a quarter more.
+        fault, and the drive is told to go no faster than 15 % more.
     """
 
     gear: Annotated[float, Unit("1"), Gt(0)] = 1.0

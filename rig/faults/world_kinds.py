@@ -19,6 +19,11 @@ _ALONE = frozenset({*_ON_A_WIRE, "pressure"})
 alone, with what the supply gives, until the mechanical stop bears it."""
 
 
+_FALLS = frozenset({"fall"})
+"""What becomes of legs of which one joint must be let go of. Where a loop turns round, a light foot
+is fast as well before anybody can act."""
+
+
 def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
     name = f"{place.axis}.{fault}" if place.axis else fault
     lasts = None if sizes.lasts == float("inf") else sizes.lasts
@@ -98,12 +103,13 @@ def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
 
 def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
-               magnitude: Magnitudes | None = None,
-               lasts: Magnitudes | None = None) -> FaultKind:  # fmt: skip
+               magnitude: Magnitudes | None = None, lasts: Magnitudes | None = None,
+               forgives: frozenset[str] = frozenset()) -> FaultKind:  # fmt: skip
     places = partial(_devices, fault or name, words)
     return _kind(
-        name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts
-    )
+        name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
+        forgives=forgives,
+    )  # fmt: skip
 
 
 _MOMENT = Magnitudes(1e-3, 1.0, "s")
@@ -191,6 +197,18 @@ SERVOS = (
                why="an axis that is not asked to move does not show it"),
     _of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
                fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True)),
+    _of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
+               0.2, fault="encoder_frozen", forgives=_FALLS,
+               why="at rest nobody can tell; in motion it is seen within 50 ms"),
+    _of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
+               0.2, fault="encoder_mirrored", forgives=_FALLS | {"rate"},
+               why="at rest nobody can tell; in motion it is seen within 50 ms"),
+    _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
+               fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
+               why="the loop follows it: nothing in the drive says where the joint is"),
+    _of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
+               1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
+               why="the loop follows it: nothing in the drive says where the joint is"),
     _of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
     _of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
     _of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),

@@ -57,6 +57,8 @@ class LaggedJoints:
                 reference[0] += reference[1] * dt
                 self.angles[k] += reference[1] * dt
                 self.angles[k] += (reference[0] - self.angles[k]) * share
+                reach = self.caps[k][0] * dt
+                self.angles[k] = min(max(self.angles[k], before - reach), before + reach)
             else:
                 self.angles[k] -= self.fall * dt
             self.speeds[k] = (self.angles[k] - before) / dt

@@ -25,7 +25,7 @@ def test_the_start_sends_these_frames_in_this_order():
         "603#2B07600003000000",  # master lost: quick stop
         "603#2365600032000000",  # following error window: 50 counts
         "603#2B66600014000000",  # for 20 ms
-        "603#2380600078000000",  # a motor speed of 120 turns per minute, a quarter above 1 rad/s
+        "603#238060006E000000",  # a motor speed of 110 turns per minute, 15 % above 1 rad/s
         "603#237D600118FCFFFF",  # -1000 counts
         "603#237D6002D0070000",  # 2000 counts
         "603#23846000A00F0000",  # 4000 counts/s²

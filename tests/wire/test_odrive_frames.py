@@ -20,7 +20,7 @@ def test_the_start_sends_these_frames_in_this_order():
         "40000063#",  # remote: errors
         "067#0100000000000000",  # idle
         "06B#0300000001000000",  # position, passthrough
-        "06F#0000A03F0000A041",  # 1.25 turn/s, 20 A
+        "06F#3333933F0000A041",  # 1.15 turn/s, 20 A
     ]
 
 

@@ -7,6 +7,7 @@ from math import inf
 from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.servo import EmulatedServo
+from drivers.sim.servo_encoder import ServoEncoder
 
 _HARDWARE_BITS = {
     "undervoltage": 0,
@@ -29,6 +30,8 @@ class StationFaults:
         85 °C, at which it drops its torque; 75 °C, which it bears.
     ``undervoltage``, ``encoder_broken``, ``shock``, ``overloaded``
         A hardware error of that name; the last two make it drop its torque.
+    ``encoder_jump``, ``encoder_frozen``, ``encoder_mirrored``, ``encoder_drift``, ``encoder_scale``
+        The encoder of its position loop lies, see `ServoEncoder`.
     ``rebooted``
         It starts afresh: no torque, no watchdog, no settings that are not in EEPROM.
     ``repair``
@@ -55,6 +58,7 @@ class StationFaults:
         return (
             *("silent", "corrupted", "truncated", "doubled", "same_id", "overheated", "warm"),
             *_HARDWARE_BITS,
+            *ServoEncoder.lies,
             *("rebooted", "repair"),
         )
 
@@ -83,6 +87,9 @@ class StationFaults:
                 servo.reboot()
             case "repair":
                 station.repair()
+                servo.encoder.repair()
+            case _ if fault in ServoEncoder.lies:
+                servo.lie(fault, value)
             case _ if fault in _HARDWARE_BITS:
                 servo.fail(_HARDWARE_BITS[fault])
             case _:

@@ -11,6 +11,7 @@ from drivers.sim.dynamixel.framing import (
     OUT_OF_RANGE,
     TOO_SHORT,
 )
+from drivers.sim.servo_encoder import SERVO_PERIOD, ServoEncoder
 from drivers.sim.servo_port import ServoPort
 
 _CENTRE = 2048
@@ -88,13 +89,14 @@ class EmulatedServo:
         indirect_data: int = 224,
     ) -> None:
         self.table = table.ControlTable(indirect_data)
-        self._plant = plant
+        self.encoder = self._plant = ServoEncoder(plant, lambda: self._now)
         self._channel = channel
         self._mounting = mounting
         self._now = 0.0
         self._rate = 0.0  # of its reference, rad/s
         self.due = inf
-        """When its watchdog will trip, s."""
+        """When it has something to do by itself, s."""
+        self._trips_at = inf
         self._reference = plant.joint_position(channel)  # of its velocity controller, rad
         self._registered: tuple[int, bytes] | None = None
         self.table[table.ID] = servo
@@ -124,7 +126,7 @@ class EmulatedServo:
         """Let time pass."""
         self._reference += (now - self._now) * self._rate
         self._now = now
-        if now >= self.due:
+        if now >= self._trips_at:
             self.table[table.WATCHDOG] = -1
             self.table[table.PROFILE_ACCELERATION] = self.table[table.PROFILE_VELOCITY] = 0
             self.table[table.GOAL_VELOCITY] = 0
@@ -132,6 +134,15 @@ class EmulatedServo:
             self._feed_watchdog()
             self._cap()
             self._drive()
+        elif self.encoder.lying:
+            self._drive()
+        self._plan()
+
+    def _plan(self) -> None:
+        """Look when to tick next: an encoder that lies asks for the servo's own loop."""
+        self.due = self._trips_at
+        if self.encoder.lying:
+            self.due = min(self.due, self._now + SERVO_PERIOD)
 
     # Instructions ---------------------------------------------------------------------
 
@@ -196,6 +207,11 @@ class EmulatedServo:
 
     # What may go wrong ----------------------------------------------------------------
 
+    def lie(self, how: str, value: float | None) -> None:
+        """Have its encoder lie, see `ServoEncoder`."""
+        self.encoder.lie(self._channel, how, value)
+        self._plan()
+
     def fail(self, bit: int) -> None:
         """Have a hardware error; if the Shutdown register says so, it drops the torque."""
         self.table[table.HARDWARE_ERROR] |= 1 << bit
@@ -249,7 +265,8 @@ class EmulatedServo:
 
     def _feed_watchdog(self) -> None:
         units = self.table[table.WATCHDOG]
-        self.due = self._now + units * _WATCHDOG_UNIT if units > 0 else inf
+        self._trips_at = self._now + units * _WATCHDOG_UNIT if units > 0 else inf
+        self._plan()
 
     def _within_limits(self, counts: int) -> bool:
         memory = self.table

@@ -7,6 +7,7 @@ IEC 61800-7-201 (CiA 402-2): objects, option codes and modes csp and csv. Device
 """
 
 from fractions import Fraction
+from functools import partial
 from math import copysign, inf, pi, sqrt
 
 from drivers.sim.nodes.base import EmulatedNode
@@ -14,10 +15,10 @@ from drivers.sim.nodes.drive_objects import DriveObjects, error_register
 from drivers.sim.nodes.drive_states import POWERED, DriveStateMachine, State
 from drivers.sim.nodes.faults import whole_number
 from drivers.sim.nodes.motion_reference import MotionReference
+from drivers.sim.servo_encoder import SERVO_PERIOD, ServoEncoder
 from drivers.sim.servo_port import ServoPort
 
 DEVICE_TYPE = 0x0002_0192
-
 CSP, CSV = 8, 9
 _FOLLOWING_ERROR = 0x8611
 _HEARTBEAT_LOST = 0x8130
@@ -30,7 +31,6 @@ _HALT = 1 << 8  # of the control word
 _IDLE_PERIOD = 10e-3  # how often a drive at rest looks at its following error, s
 _I32 = 0x7FFF_FFFF
 _RATED_TORQUE = 1.0  # of the motor, N m
-_SERVO_PERIOD = 1e-3  # of the drive's own loop, s
 
 
 class EmulatedCia402(EmulatedNode):
@@ -43,8 +43,8 @@ class EmulatedCia402(EmulatedNode):
         The drive detects a fault and reacts as 0x605E says.
     ``stuck``
         The motor does not get the reference any more: a following error results.
-    ``encoder_jump`` (value: rad at the joint, default 0.5)
-        From now on every position is off by this much.
+    ``encoder_jump``, ``encoder_frozen``, ``encoder_mirrored``, ``encoder_drift``, ``encoder_scale``
+        The encoder of its position loop lies, see `ServoEncoder`.
     ``safe_torque_off``
         The input for it is open: no torque, SWITCH ON DISABLED, until repaired.
     ``wrong_mode`` (value: mode, default 1)
@@ -83,7 +83,7 @@ class EmulatedCia402(EmulatedNode):
         serial: int = 0,
     ) -> None:
         super().__init__(name, node_id, device_type=DEVICE_TYPE, product_code=402, serial=serial)
-        self._port = port
+        self._port = ServoEncoder(port, lambda: self.now)
         self._channel = channel
         self._zero = zero
         self._counts_per_turn = counts_per_turn
@@ -94,7 +94,6 @@ class EmulatedCia402(EmulatedNode):
         self._motion = MotionReference()
         self._motion_due = self._node_due = -inf
         self._mode = 0
-        self._jump = 0.0
         self._stuck = False
         self._torque_off = False
         self._limited = False
@@ -111,7 +110,7 @@ class EmulatedCia402(EmulatedNode):
             modes=(CSP, CSV),
             sample=lambda: self.sample_inputs(self.now),
             command=lambda: self.apply_outputs(self.now),
-            limit_torque=self._limit_torque,
+            cap=self._cap,
         )
         self.add_pdos(
             receive=((0x6040_0010,), (0x6040_0010, 0x607A_0020), (0x6040_0010, 0x60FF_0020)),
@@ -119,7 +118,8 @@ class EmulatedCia402(EmulatedNode):
         )
         self.add_fault("drive_fault", self._inject_fault)
         self.add_fault("stuck", lambda _: self._set_stuck(True), lambda: self._set_stuck(False))
-        self.add_fault("encoder_jump", self._inject_jump, self._end_jump)
+        for lie in ServoEncoder.lies:
+            self.add_fault(lie, partial(self._inject_lie, lie), self._port.repair)
         self.add_fault("safe_torque_off", lambda _: self._open_torque_off(), self._close_torque_off)
         self.add_fault("wrong_mode", self._inject_mode)
         self.power_on()
@@ -161,7 +161,7 @@ class EmulatedCia402(EmulatedNode):
                 self._limit_velocity(now)
             self._watch_following(now)
             self._pass_on(powered=True)
-        period = _SERVO_PERIOD if motion.is_moving else _IDLE_PERIOD
+        period = SERVO_PERIOD if motion.is_moving or self._port.lying else _IDLE_PERIOD
         self._motion_due = now + period if machine.state in POWERED else inf
         self.due = min(self.due, self._motion_due)
 
@@ -173,12 +173,12 @@ class EmulatedCia402(EmulatedNode):
 
     def _angle(self) -> float:
         """Return the joint's angle at which the reference is, rad."""
-        return (self._motion.position - self._jump) / self._counts + self._zero
+        return self._motion.position / self._counts + self._zero
 
     def _measured(self) -> float:
         """Return the position at the encoder, counts."""
         angle = self._port.joint_position(self._channel) - self._zero
-        return round(angle * self._counts + self._jump)
+        return round(angle * self._counts)
 
     # Setpoints ------------------------------------------------------------------------
 
@@ -237,9 +237,9 @@ class EmulatedCia402(EmulatedNode):
         """Return the greatest speed of its motor, counts/s: 0x6080 is in turns per minute."""
         return self.objects.greatest_speed.integer / 60.0 * self._counts_per_turn
 
-    def _limit_torque(self) -> None:
-        share = 1e-3 * self.objects.torque_limit.integer
-        self._port.limit_joint(self._channel, inf, share * _RATED_TORQUE * abs(self._gear))
+    def _cap(self) -> None:
+        torque = 1e-3 * self.objects.torque_limit.integer * _RATED_TORQUE * abs(self._gear)
+        self._port.limit_joint(self._channel, self._fastest() / abs(self._counts), torque)
 
     def _set_limited(self, limited: bool) -> None:
         if limited is not self._limited:
@@ -326,7 +326,7 @@ class EmulatedCia402(EmulatedNode):
         self._mode = 0
         self._torque_off = self._limited = False
         self._motion.restart(0.0, self.now)
-        self._limit_torque()
+        self._cap()
         self._motion_due = self.now
         self._pass_on(powered=False)
 
@@ -378,11 +378,9 @@ class EmulatedCia402(EmulatedNode):
     def _inject_fault(self, value: float | None) -> None:
         self._detect_fault(whole_number(self.name, "drive_fault", value, _OVER_CURRENT, 0xFFFF))
 
-    def _inject_jump(self, value: float | None) -> None:
-        self._jump += (0.5 if value is None else value) * self._counts
-
-    def _end_jump(self) -> None:
-        self._jump = 0.0
+    def _inject_lie(self, how: str, value: float | None) -> None:
+        self._port.lie(self._channel, how, value)
+        self._motion_due = self.now
 
     def _inject_mode(self, value: float | None) -> None:
         mode = whole_number(self.name, "wrong_mode", value, 1, 10)

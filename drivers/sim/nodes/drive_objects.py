@@ -50,8 +50,8 @@ class DriveObjects:
         Brings the measured objects up to date before an SDO reads them.
     command : callable
         Obeys control word, mode or target after an SDO wrote one.
-    limit_torque : callable
-        Has the motor obey the limit of its torque after it was written.
+    cap : callable
+        Has the motor obey its limits of torque and speed after one was written.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class DriveObjects:
         modes: Collection[int],
         sample: Callable[[], None],
         command: Callable[[], None],
-        limit_torque: Callable[[], None],
+        cap: Callable[[], None],
     ) -> None:
         add, add_array = dictionary.add, dictionary.add_array
 
@@ -91,14 +91,14 @@ class DriveObjects:
         self.following_window = add(0x6065, 0, Variable(UNSIGNED32, 0xFFFF_FFFF))
         self.following_time = add(0x6066, 0, Variable(UNSIGNED16, 0))
         self.velocity = measured(0x606C, INTEGER32)
-        self.torque_limit = add(0x6072, 0, Variable(UNSIGNED16, 0xFFFF, changed=limit_torque))
+        self.torque_limit = add(0x6072, 0, Variable(UNSIGNED16, 0xFFFF, changed=cap))
         self.rated_torque = add(0x6076, 0, Variable(UNSIGNED32, rated_torque, "ro"))
         self.torque = measured(0x6077, INTEGER16)
         self.target_position = commanded(0x607A, INTEGER32)
         self.position_limits = add_array(
             0x607D, [Variable(INTEGER32, INTEGER32.low), Variable(INTEGER32, INTEGER32.high)]
         )
-        self.greatest_speed = add(0x6080, 0, Variable(UNSIGNED32, 0xFFFF_FFFF))
+        self.greatest_speed = add(0x6080, 0, Variable(UNSIGNED32, 0xFFFF_FFFF, changed=cap))
         self.slow_down_ramp = add(0x6084, 0, Variable(UNSIGNED32, turn[0]))
         self.quick_stop_ramp = add(0x6085, 0, Variable(UNSIGNED32, turn[0]))
         for index, ratio in ((0x608F, turn), (0x6091, (1, 1)), (0x6092, turn)):

@@ -15,6 +15,7 @@ from drivers.sim.nodes.bus_node import Send
 from drivers.sim.nodes.motion_reference import MotionReference
 from drivers.sim.nodes.odrive_faults import OdriveFaults
 from drivers.sim.nodes.odrive_parameters import OdriveParameters
+from drivers.sim.servo_encoder import ServoEncoder
 from drivers.sim.servo_port import ServoPort
 
 IDLE, CLOSED_LOOP = 1, 8
@@ -113,7 +114,7 @@ class EmulatedOdrive(OdriveFaults):
         self.answers_version = True
         self.speed_limit, self.current_limit = inf, inf
         self.parameters = OdriveParameters(self, build.endpoints)
-        self._port = port
+        self._port = ServoEncoder(port, lambda: self.now)
         self._channel = channel
         self._turns = build.gear / (2.0 * pi)  # per radian of the joint
         self._zero = build.zero
@@ -372,10 +373,10 @@ class EmulatedOdrive(OdriveFaults):
 
     def _shaft(self) -> float:
         angle = self._port.joint_position(self._channel)
-        return (angle - self._zero) * self._turns + self._jump
+        return (angle - self._zero) * self._turns
 
     def _angle(self, turns: float) -> float:
-        return (turns - self._jump) / self._turns + self._zero
+        return turns / self._turns + self._zero
 
 
 def _next(due: float, period_ms: int, now: float) -> float:

@@ -1,9 +1,10 @@
 """What an emulated ODrive axis may do wrong, by name."""
 
 from abc import ABC, abstractmethod
+from functools import partial
 
 from drivers.sim.nodes.faults import FaultInjection, whole_number
-from drivers.sim.servo_port import ServoPort
+from drivers.sim.servo_encoder import ServoEncoder
 
 _CLOSED_LOOP = 8
 _OVER_VOLTAGE = 0x100
@@ -24,21 +25,20 @@ class OdriveFaults(FaultInjection, ABC):
         Goes idle although nobody asked for it.
     ``stuck``
         The motor does not follow any more.
-    ``encoder_jump`` (value: rad at the joint, default 0.5)
-        From now on every position is off by this much.
+    ``encoder_jump``, ``encoder_frozen``, ``encoder_mirrored``, ``encoder_drift``, ``encoder_scale``
+        The encoder of its position loop lies, see `ServoEncoder`.
     ``repair``
         Ends what lasts; errors must be cleared all the same.
     """
 
     # Provided by the axis.
     axis_state: int
-    _port: ServoPort
+    _port: ServoEncoder
     _channel: int
     _turns: float
 
     def __init__(self) -> None:
         super().__init__()
-        self._jump = 0.0
         self._stuck = False
         self._add_faults()
 
@@ -67,19 +67,20 @@ class OdriveFaults(FaultInjection, ABC):
             self.add_fault(fault, self._inject_error)
         self.add_fault("disarm", lambda _: self._go_idle())
         self.add_fault("stuck", lambda _: self._set_stuck(True))
-        self.add_fault("encoder_jump", self._inject_jump)
+        for lie in ServoEncoder.lies:
+            self.add_fault(lie, partial(self._inject_lie, lie))
 
     def repair(self) -> None:
         """End all faults that last."""
         super().repair()
         self._stuck = False
-        self._jump = 0.0
+        self._port.repair()
 
     def _inject_error(self, value: float | None) -> None:
         self.disarm(whole_number(self.name, "axis_error", value, _OVER_VOLTAGE, 0xFFFF_FFFF))
 
-    def _inject_jump(self, value: float | None) -> None:
-        self._jump += (0.5 if value is None else value) * self._turns
+    def _inject_lie(self, how: str, value: float | None) -> None:
+        self._port.lie(self._channel, how, value)
 
     def _set_stuck(self, stuck: bool) -> None:
         if stuck and self.axis_state == _CLOSED_LOOP:

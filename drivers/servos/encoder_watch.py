@@ -1,0 +1,69 @@
+"""Whether the encoder of a servo shows what its motor does."""
+
+from collections import deque
+from typing import Final
+
+_SPAN: Final = 0.03  # s: three of these windows fit into a tenth of a second
+_LEAST: Final = 5e-3  # rad of motion, below which nothing is said
+_COUNTS: Final = 6.0  # of motion as well: a coarse encoder shows less of it
+_SAMPLES: Final = 4  # of a window at least: a gap between two of them says nothing
+_AGAINST: Final = 0.5  # of the motion
+
+
+class EncoderWatch:
+    """Compare the way of a position with the integral of the drive's own velocity.
+
+    A drive takes its velocity from the motor, or at least from another filter. In sound motion of
+    the shipped rigs the two differ by less than half of the way, beside every singularity, and a
+    position never stands still while the velocity says more than two counts. A drive that derives
+    its velocity from the encoder's counts alone shows neither fault: then its joint does not
+    follow, which is seen later.
+
+    Parameters
+    ----------
+    step : float
+        Of the position, rad.
+    """
+
+    __slots__ = ("_least", "_still", "_trail", "_velocity", "_way")
+
+    def __init__(self, step: float) -> None:
+        self._least = max(_LEAST, _COUNTS * abs(step))
+        self._still = 1.5 * abs(step)
+        self._trail: deque[tuple[float, float, float]] = deque()
+        self._way = self._velocity = 0.0
+
+    def reset(self) -> None:
+        """Forget what was seen."""
+        self._trail.clear()
+
+    def look(self, t: float, position: float, velocity: float) -> str | None:
+        """Take a sample, and say what is wrong with the encoder, if anything.
+
+        Parameters
+        ----------
+        t : float
+            Of the sample, s; one that was seen before is left alone.
+        position, velocity : float
+            rad and rad/s.
+        """
+        trail = self._trail
+        if trail:
+            elapsed = t - trail[-1][0]
+            if elapsed <= 0.0:
+                return None
+            self._way += 0.5 * (velocity + self._velocity) * elapsed
+        self._velocity = velocity
+        trail.append((t, position, self._way))
+        while t - trail[0][0] > _SPAN:
+            trail.popleft()
+        way = self._way - trail[0][2]
+        if len(trail) < _SAMPLES or -self._least < way < self._least:
+            return None
+        shown = (position - trail[0][1]) * (1.0 if way > 0.0 else -1.0)
+        if shown <= -_AGAINST * abs(way):
+            return "its encoder is mirrored: the position goes against the motor"
+        positions = [sample[1] for sample in trail]
+        if max(positions) - min(positions) <= self._still:
+            return "its encoder is frozen: the position does not change while the motor turns"
+        return None

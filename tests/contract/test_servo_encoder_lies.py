@@ -1,0 +1,79 @@
+"""An encoder that lies to the drive whose loop it closes: the joint truly moves wrongly.
+
+On every kind of drive. What can be seen is seen within 50 ms of motion, and the joint is let go
+of, since its own loop would run away.
+"""
+
+import random
+
+import pytest
+from dynamixel_rig import dynamixel_rig
+from servo_bench import PERIOD, cia402_rig, odrive_rig
+
+from rig.hal import DeviceFault
+
+RIGS = {"cia402": cia402_rig, "odrive": odrive_rig, "dynamixel": dynamixel_rig}
+SEEN_WITHIN = 0.05
+
+
+def moving(kind, seed, **changes):
+    """Return a rig whose joints move, one of them, the speed, and how to go on."""
+    chance = random.Random(f"{kind} {seed}")
+    rig = RIGS[kind](**changes)
+    rig.start()
+    axis = chance.randrange(2)
+    speed = chance.choice((-1, 1)) * chance.uniform(0.3, 1.5)
+    target = list(rig.driver.positions().value)
+
+    def go(cycles):
+        for _ in range(cycles):
+            target[axis] += speed * PERIOD
+            rig.cycle(lambda: rig.driver.command_positions(tuple(target)))
+
+    go(chance.randint(20, 60))
+    return rig, axis, speed, go, target
+
+
+def lie(rig, kind, axis, how, value=None):
+    if kind == "dynamixel":
+        rig.inject("arm", f"q{axis + 1}.encoder_{how}", value)
+    else:
+        rig.inject(f"arm.q{axis + 1}", f"encoder_{how}", value)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("how", ["frozen", "mirrored"])
+@pytest.mark.parametrize("kind", RIGS)
+def test_it_is_named_within_50_ms_of_motion_and_let_go_of(kind, how, seed):
+    rig, axis, _, go, _ = moving(kind, seed)
+    lie(rig, kind, axis, how)
+    before = rig.clock.now()
+    with pytest.raises(DeviceFault, match=rf"q{axis + 1}.*encoder is {how}"):
+        go(100)
+    assert rig.clock.now() - before <= SEEN_WITHIN + PERIOD
+    rig.safe_cycles(10)
+    assert not rig.plant.powered[axis]
+    assert rig.plant.powered[1 - axis]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(("how", "value"), [("drift", 0.08), ("drift", -0.08), ("scale", 1.3)])
+@pytest.mark.parametrize("kind", RIGS)
+def test_a_drift_and_a_scale_lead_the_joint_astray(kind, how, value, seed):
+    rig, axis, speed, go, target = moving(kind, seed)
+    true = rig.plant.angles[axis]
+    begun = target[axis]
+    lie(rig, kind, axis, how, value)
+    go(60)
+    way = target[axis] - begun
+    wanted = way - value * 60 * PERIOD if how == "drift" else way / value
+    assert rig.plant.angles[axis] - true == pytest.approx(wanted, abs=0.15 * abs(speed))
+    assert abs(rig.plant.angles[axis] - true - way) > 0.5 * abs(wanted - way)
+    assert rig.driver.positions().value[axis] == pytest.approx(target[axis], abs=0.1)
+
+
+@pytest.mark.parametrize("kind", RIGS)
+def test_sound_encoders_are_believed(kind):
+    for seed in range(5):
+        _, _, _, go, _ = moving(kind, seed)
+        go(60)
