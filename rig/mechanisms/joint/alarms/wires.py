@@ -37,6 +37,8 @@ _FIRST = 3
 alone, and the opposite one the ring as well."""
 _END = 1e-3
 """A rod is at the end of its cylinder from here on, m."""
+_LEAST_GRACE = 0.2
+"""Share of the grace that rods have however far apart they are: one bad sample is no fault."""
 _ROUNDS = 60
 """For moving one rod to where the other three put it; a handful is the rule."""
 
@@ -149,16 +151,18 @@ class WireWatch:
             self.axis, self.residual = pose.axis, pose.residual
             self._check_frozen(rods, pose.residuals, now)
         residual, limits = self.residual, self._limits
+        share = max(limits.residual / residual, _LEAST_GRACE) if residual > 0.0 else 1.0
         if residual <= limits.residual or self._agreed_at is None:
             self._agreed_at = now
         # The further the rods are apart, the sooner: a loop that is closed over an encoder that
         # counts backwards has thrown the ring before a fixed time is over.
-        elif now - self._agreed_at > limits.grace * limits.residual / residual:
+        elif now - self._agreed_at > share * limits.grace:
             cause = self._explain(rods, unstretched, pressures, now)
             raise SafetyError(
                 f"{cause} [the four wires disagree about the pose by "
                 f"{residual * 1e3:.2f} mm for {now - self._agreed_at:.3f} s, at most "
-                f"{limits.residual * 1e3:g} mm for {limits.grace:g} s, and more for less long]"
+                f"{limits.residual * 1e3:g} mm for {limits.grace:g} s, here for "
+                f"{share * limits.grace:.3g} s]"
             )
 
     def follow(self, rods: Quadruple, now: float) -> None:
