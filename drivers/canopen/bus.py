@@ -32,6 +32,8 @@ class CanopenBus(CyclicCanBus):
         SYNCs so far.
     sync_time : float
         When the last one was sent, s.
+    lost_setpoints : list of callable
+        Each returns how many setpoints a device was sent and did not get.
     """
 
     _farewell = (_NMT_ID, _NMT_STOP_ALL)
@@ -48,6 +50,7 @@ class CanopenBus(CyclicCanBus):
         self.settings = settings
         self.sync_count = 0
         self.sync_time = -inf
+        self.lost_setpoints: list[Callable[[], int]] = []
         self._now = clock.now
         self._heartbeat = HeartbeatProducer(settings.heartbeat)
         self._heartbeat_id = 0x700 + settings.master_id
@@ -100,7 +103,10 @@ class CanopenBus(CyclicCanBus):
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""
         strange = 0 if self._network is None else self._network.strange
-        return {**super().statistics(), "syncs": self.sync_count, "strange_answers": strange}
+        found = {**super().statistics(), "syncs": self.sync_count, "strange_answers": strange}
+        if self.lost_setpoints:
+            found["lost_setpoints"] = sum(lost() for lost in self.lost_setpoints)
+        return found
 
     def _exchange(self) -> bool:
         if not self.settings.sync:

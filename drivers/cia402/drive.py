@@ -1,7 +1,7 @@
 """One joint on one CiA 402 drive: its state machine, its codec and its faults."""
 
 from math import inf
-from typing import Any
+from typing import Any, Final
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
@@ -32,7 +32,10 @@ from drivers.cia402.states import (
     next_control,
 )
 from drivers.servos.axis_drive import AxisDrive
+from drivers.servos.setpoint_echo import SetpointEcho
 from rig.hal import ConnectionFailed, DeviceFault, not_standing
+
+_DEMAND_SLACK: Final = 2.0  # counts
 
 
 class Cia402Drive(AxisDrive[DriveSettings]):
@@ -90,10 +93,13 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self._counts: int | None = None
         self._earlier = -inf
         self._target = 0
+        self._echo = SetpointEcho(period, _DEMAND_SLACK)
+        if "demand" in shared.feedback:
+            bus.lost_setpoints.append(lambda: self._echo.lost)
         order = shared.feedback
-        self._velocity_at, self._torque_at, self._code_at = (
+        self._velocity_at, self._torque_at, self._code_at, self._demand_at = (
             3 + order.index(what) if what in order else None
-            for what in ("velocity", "torque", "error_code")
+            for what in ("velocity", "torque", "error_code", "demand")
         )
         self._pack = layout_struct(shared.receive_layout).pack
         self.pdo = CyclicFrame(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
@@ -140,6 +146,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.time = t
         if self._velocity_at is not None:
             self.velocity = self._decode_velocity(values[self._velocity_at])
+        if self._demand_at is not None:
+            self._echo.hear(values[self._demand_at])
         if self._torque_at is not None:
             self.torque = values[self._torque_at] * self._torque_unit
 
@@ -150,6 +158,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         """
         self.watch.reference = position
         self._target = target = self._encode_position(position)
+        self._echo.send(target)
         self.pdo.data = self._pack(ENABLE_OPERATION, target, self._mode)
 
     def command_velocity(self, velocity: float) -> None:
@@ -250,6 +259,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
     def begin_following(self, now: float) -> None:
         """Take the measured position for the reference, and the last hold for the target."""
         self.watch.reset(self._decode_position(self._target), now)
+        self._echo.reset()
 
     def stop(self) -> None:
         """Stop quickly, from the next frame on; without torque if it is blind. Never raises."""
@@ -316,6 +326,13 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             )
         if self.status & FOLLOWING_ERROR and not self._follows_velocity:
             raise self.fault(f"the drive reports a following error: {self.describe()}")
+        missing = self._echo.missing
+        if missing is not None:
+            raise self.fault(
+                f"setpoints do not arrive, or come late: {self.describe()}",
+                thing="0x6062:00",
+                value=f"{missing / self.settings.counts_per_radian:+.4g} rad behind",
+            )
         self._check_motion(now)
 
     def fail_to_enable(self, since: float) -> DeviceFault:

@@ -19,7 +19,7 @@ PROFILE: Final = 402
 """CiA's number of the device profile."""
 
 Mode = Literal["csp", "csv"]
-Feedback = Literal["velocity", "torque", "error_code"]
+Feedback = Literal["velocity", "torque", "error_code", "demand"]
 
 _TARGETS: Final[dict[str, Entry]] = {
     "csp": Entry(0x607A, 0, "i32"),
@@ -29,6 +29,7 @@ _FEEDBACK: Final[dict[str, Entry]] = {
     "velocity": Entry(0x606C, 0, "i32"),
     "torque": Entry(0x6077, 0, "i16"),
     "error_code": Entry(0x603F, 0, "u16"),
+    "demand": Entry(0x6062, 0, "i32"),
 }
 
 
@@ -101,7 +102,8 @@ class Cia402Settings(NodeSettings):
         are held by the rig's loop.
     feedback : tuple of str
         What each drive sends beside status word, position and mode, in a second PDO. Without
-        ``error_code`` a fault is named from the drive's emergency message alone.
+        ``error_code`` a fault is named from the drive's emergency message alone. With ``demand``,
+        in ``csp``, setpoints that do not arrive, or come late, are found; it costs another PDO.
     position_gain : float
         In ``csv``: velocity for an error in position, 1/s, where positions are commanded
         or the velocity is zero.
@@ -133,6 +135,8 @@ class Cia402Settings(NodeSettings):
                     f"0x{joint.node:02X}."
                 )
             owner[joint.node] = name
+        if "demand" in self.feedback and self.mode != "csp":
+            raise ValueError("feedback: demand is a position, which drives in csv are not sent.")
         if len(set(self.feedback)) != len(self.feedback):
             raise ValueError("feedback: a quantity is named twice.")
         NodeSettings.__post_init__(self)
@@ -225,6 +229,7 @@ def _quantities(drive: DriveSettings) -> dict[Entry, Quantity]:
         _FEEDBACK["velocity"]: Quantity("velocity", "rad/s", speed),
         _FEEDBACK["torque"]: Quantity("torque", "N m", None),
         _FEEDBACK["error_code"]: Quantity("error", words=_error_words),
+        _FEEDBACK["demand"]: Quantity("demand", "rad", angle, drive.offset),
     }
 
 

@@ -23,8 +23,7 @@ CSP, CSV = 8, 9
 _FOLLOWING_ERROR = 0x8611
 _HEARTBEAT_LOST = 0x8130
 _OVER_CURRENT = 0x2310
-
-# Status bits beside those of the state.
+# Status bits beside those of the state:
 _VOLTAGE, _REMOTE, _LIMIT, _FOLLOWS, _BEHIND = 1 << 4, 1 << 9, 1 << 11, 1 << 12, 1 << 13
 
 _HALT = 1 << 8  # of the control word
@@ -345,6 +344,7 @@ class EmulatedCia402(EmulatedNode):
         objects.following_error.value = (
             round(self._motion.position - counts) if self.machine.state in POWERED else 0
         )
+        objects.demand.value = round(min(max(self._motion.position, -_I32), _I32))
         objects.mode_display.value = self._mode
         objects.status_word.value = self._status()
 

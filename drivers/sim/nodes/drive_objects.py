@@ -87,6 +87,7 @@ class DriveObjects:
         self.mode = commanded(0x6060, INTEGER8)
         self.mode.check = partial(_one_of, (0, *modes))
         self.mode_display = measured(0x6061, INTEGER8)
+        self.demand = measured(0x6062, INTEGER32)
         self.position = measured(0x6064, INTEGER32)
         self.following_window = add(0x6065, 0, Variable(UNSIGNED32, 0xFFFF_FFFF))
         self.following_time = add(0x6066, 0, Variable(UNSIGNED16, 0))

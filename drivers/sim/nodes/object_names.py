@@ -75,6 +75,7 @@ DRIVE: Final[Names] = {
     0x605E: "Fault reaction option code",
     0x6060: "Modes of operation",
     0x6061: "Modes of operation display",
+    0x6062: "Position demand value",
     0x6064: "Position actual value",
     0x6065: "Following error window",
     0x6066: "Following error time out",

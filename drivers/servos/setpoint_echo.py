@@ -1,0 +1,71 @@
+"""Whether a drive has been told what it was sent."""
+
+from collections import deque
+from typing import Final
+
+_PATIENCE: Final = 0.03  # s
+_PERIODS: Final = 3
+_TRANSIT: Final = 2
+"""Periods until a setpoint can be echoed: sent in one, obeyed to the end of the next."""
+_CONFIRMED: Final = 2  # echoes in a row: one may fall between two setpoints of a reversal
+
+
+class SetpointEcho:
+    """Compare the demand that a drive reports with the setpoints of the last cycles.
+
+    A drive that obeys goes through them one after the other. So its demand lies between the
+    least and the greatest that it was sent within the bound: 30 ms or three periods, and the time
+    that each takes to be sent, obeyed and echoed. One that lies outside was overtaken: setpoints
+    come too late, or not at all. At rest there is nothing to be late.
+
+    Parameters
+    ----------
+    period : float
+        Of the cycle, s.
+    slack : float
+        Of the demand, in the unit of the setpoints: rounding.
+
+    Attributes
+    ----------
+    lost : int
+        Setpoints that differed from those before them and left no trace in the demand.
+    """
+
+    __slots__ = ("_echo", "_outside", "_sent", "_slack", "lost")
+
+    def __init__(self, period: float, slack: float) -> None:
+        cycles = max(_PERIODS, round(_PATIENCE / period)) + _TRANSIT
+        self._slack = slack
+        self._sent: deque[float] = deque(maxlen=cycles)
+        self.lost = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was sent."""
+        self._sent.clear()
+        self._echo: float | None = None
+        self._outside = 0
+
+    def send(self, setpoint: float) -> None:
+        """Take a setpoint that is sent in this cycle."""
+        self._sent.append(setpoint)
+
+    def hear(self, demand: float) -> None:
+        """Take the demand of a new sample; call it before the cycle's setpoint is sent."""
+        sent, slack = self._sent, self._slack
+        before, self._echo = self._echo, demand
+        if len(sent) < _TRANSIT + 1:
+            return
+        low, high = min(sent) - slack, max(sent) + slack
+        self._outside = 0 if low <= demand <= high else self._outside + 1
+        stands = before is not None and abs(demand - before) <= slack
+        if stands and abs(sent[-_TRANSIT] - sent[-_TRANSIT - 1]) > 2.0 * slack:
+            self.lost += 1
+
+    @property
+    def missing(self) -> float | None:
+        """How far the demand is behind all that was sent within the bound; None if it is not."""
+        if self._outside < _CONFIRMED or self._echo is None:
+            return None
+        nearest = min(self._sent, key=lambda setpoint: abs(setpoint - (self._echo or 0.0)))
+        return nearest - self._echo
