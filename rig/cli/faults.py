@@ -130,14 +130,19 @@ def run(
     from rig.faults.progress import CampaignProgress
     from rig.faults.table import make_rows
 
+    if sum((full, count is not None and only is None)) > 1:
+        raise click.UsageError("--full and --random say two things about how many cases there are")
+    folder = out / f"seed-{seed}"
+    make_folder(folder)
     jobs: list[Job] = []
     for name in rigs or RIGS:
         click.echo(f"{name}: looking at what it has …", err=True)
         if name.endswith((".yaml", ".yml")):
+            if full or count is not None or only is not None or experiments:
+                raise click.UsageError(f"{name} says itself what breaks, once, and in what")
             jobs.append(_scenario_job(Path(name), configs))
         else:
             jobs += _jobs(name, full, count, only, experiments, seed, configs)
-    folder = out / f"seed-{seed}"
     with CampaignProgress(len(jobs)) as progress:
         verdicts = run_cases(jobs, folder, configs, workers, progress.told)
     rows = make_rows(verdicts)
@@ -152,6 +157,24 @@ def run(
     return 1 if any(verdict.hazard or verdict.crashed for verdict in verdicts) else 0
 
 
+def make_folder(folder: Path) -> None:
+    """Make the folder of a campaign.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be made.
+    """
+    from rig.hal import ConfigurationError
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigurationError(
+            f"cannot make {folder}: {error.strerror or error}; choose another place with --out"
+        ) from error
+
+
 def _jobs(
     rig: str,
     full: bool,
@@ -164,7 +187,8 @@ def _jobs(
     from rig.faults.campaign import draw_each, draw_once, draw_random
     from rig.faults.survey import experiments_of, survey
 
-    subject = survey(rig, experiments or experiments_of(rig, configs), configs)
+    among = experiments or experiments_of(rig, configs)
+    subject = survey(rig, among, configs, chosen=bool(experiments))
     if only is not None:
         cases = draw_once(subject, tuple(only.split("+")), seed, count or 1)
     elif count is not None:
@@ -180,7 +204,7 @@ def _scenario_job(path: Path, configs: Path | None) -> Job:
 
     scenario = load_scenario(path)
     subject = survey(scenario.rig, (scenario.experiment,), configs)
-    return case_of(scenario, subject), subject
+    return case_of(scenario, subject, str(path)), subject
 
 
 def _keep(folder: Path, title: str, verdicts: Sequence[Verdict]) -> Path:
@@ -189,7 +213,6 @@ def _keep(folder: Path, title: str, verdicts: Sequence[Verdict]) -> Path:
     from rig.faults.table import make_rows
 
     rows = make_rows(verdicts)
-    folder.mkdir(parents=True, exist_ok=True)
     content = {
         "title": title,
         "rows": [row.as_json() for row in rows],

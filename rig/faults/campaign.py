@@ -8,6 +8,7 @@ from itertools import groupby
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
+from rig.faults.branch import die_with_parent
 from rig.faults.case import UNIT, Case, draw_case
 from rig.faults.catalogue import KINDS, kinds_for
 from rig.faults.subject import Subject
@@ -143,6 +144,7 @@ def _work(jobs: Sequence[Job], out: Path, configs: Path | None, sender: Connecti
     """Perform one unit in this process, silently."""
     import os
 
+    die_with_parent()
     quiet = os.open(os.devnull, os.O_WRONLY)
     os.dup2(quiet, 1)
     os.dup2(quiet, 2)

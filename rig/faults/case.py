@@ -1,6 +1,7 @@
 """One case: a fault, or two, at a drawn place, size and moment of an experiment."""
 
 import random
+import shlex
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from math import inf
@@ -107,6 +108,10 @@ class Case:
         How long after the first, s.
     drawn_with : int, optional
         The seed that this case is drawn with again; None if it was written by hand.
+    among : tuple of str
+        The experiments that it was drawn from, if they were chosen.
+    source : str
+        The file that it was written in.
     """
 
     rig: str
@@ -118,6 +123,8 @@ class Case:
     then: Break | None = None
     then_after: float = 0.0
     drawn_with: int | None = None
+    among: tuple[str, ...] = ()
+    source: str = ""
 
     @property
     def breaks(self) -> tuple[Break, ...]:
@@ -133,8 +140,10 @@ class Case:
     def command(self) -> str:
         """The command that runs this case again."""
         if self.drawn_with is None:
-            return "rig faults run FILE, with the same file"
-        return f"rig faults run {self.rig} --only {'+'.join(self.kinds)} --seed {self.drawn_with}"
+            return f"rig faults run {shlex.quote(self.source)}"
+        chosen = "".join(f" --experiment {shlex.quote(name)}" for name in self.among)
+        kinds = "+".join(self.kinds)
+        return f"rig faults run {self.rig} --only {kinds} --seed {self.drawn_with}{chosen}"
 
     @property
     def folder(self) -> str:
@@ -181,6 +190,7 @@ def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int) -> Case:
         breaks[1] if len(breaks) > 1 else None,
         chance.uniform(0.0, SECOND_WITHIN) if len(breaks) > 1 else 0.0,
         seed,
+        subject.chosen,
     )
 
 

@@ -90,8 +90,8 @@ class Performance(Watcher):
         self._broke_at: float | None = None
         self._seen_at: float | None = None
         self._running_from: float | None = None
-        self._ended = False
         self._is_felt = False
+        self._made = 0
         self._said: list[str] = []
         self._stage: Stage
 
@@ -157,7 +157,7 @@ class Performance(Watcher):
 
     def _break_first(self) -> None:
         case = self._case
-        if self._ended or case is None:
+        if case is None:
             return
         now = self._broke_at = self._stage.world.time
         if case.then is not None:
@@ -173,11 +173,12 @@ class Performance(Watcher):
         self._is_felt = True
 
     def _break_second(self) -> None:
-        if self._case is not None and self._case.then is not None and not self._ended:
+        if self._case is not None and self._case.then is not None:
             self._make(self._case.then)
 
     def _make(self, item: Break) -> None:
         stage = self._stage
+        self._made += 1
         self._note(item)
         end = item.row.apply(stage, item.place(self.subject), item.sizes)
         if end is not None and item.lasts < float("inf"):
@@ -209,7 +210,6 @@ class Performance(Watcher):
             What the operator was told.
         """
         assert self._case is not None
-        self._ended = True
         ended_at = self._stage.world.time
         self._stage.watch_on(AFTERMATH)
         # A dead program says nothing; what its devices do of themselves has to be done by then.
@@ -224,6 +224,9 @@ class Performance(Watcher):
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
         ending = CaseEnding(code, message, self._broke_at, self._seen_at, wrong)
         verdict = give_verdict(self._case, ending, self.subject)
+        if self._made < len(self._case.breaks):  # what did not happen was not ridden through
+            why = "it was all over before the moment of its fault came"
+            verdict = verdict.broken(why)
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
         return verdict

@@ -116,7 +116,7 @@ def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems
         problems.add(place.mark, f"no fault is called {shown(name)}", nearest(name, tuple(KINDS)))
 
 
-def case_of(scenario: Scenario, subject: Subject) -> Case:
+def case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
     """Return the case that a scenario tells of a rig.
 
     Raises
@@ -141,6 +141,7 @@ def case_of(scenario: Scenario, subject: Subject) -> Case:
         second,
         0.0 if then is None else then.after,
         None,
+        source=source,
     )
 
 
@@ -155,8 +156,13 @@ def _break(
     if lasts is not None and row.lasts is None:
         raise ConfigurationError(f"{kind} is for good: it cannot last {lasts:g} s")
     places = [place.where for place in row.places(subject)]
-    if magnitude is None and row.magnitude is not None:
-        magnitude = (row.magnitude.low * row.magnitude.high) ** 0.5
+    if row.magnitude is not None:
+        if magnitude is None:
+            raise ConfigurationError(f"{kind} needs a magnitude, {row.magnitude}")
+        if not row.magnitude.low <= abs(magnitude) <= row.magnitude.high:
+            raise ConfigurationError(f"{kind}: magnitude {magnitude:g} is outside {row.magnitude}")
+    if not where and len(places) > 1:
+        raise ConfigurationError(f"{kind} needs its place, where: {' or '.join(places)}")
     made = Break(kind, where or (places[0] if len(places) == 1 else ""), magnitude, lasts or inf)
     try:
         made.place(subject)

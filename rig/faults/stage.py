@@ -95,12 +95,13 @@ class Stage:
 
     def watch_on(self, duration: float) -> None:
         """Go on watching for `duration` (s) when the program has ended or is dead."""
-        self._cues.clear()
+        self.program.has_ended = True
         self.advance(self.world.time + duration)
 
     def interrupt(self) -> None:
-        """Ask the program to stop, as Ctrl-C does."""
-        signal.raise_signal(signal.SIGINT)
+        """Ask the program to stop, as Ctrl-C does; nobody is left to hear it when it has ended."""
+        if not self.program.has_ended:
+            signal.raise_signal(signal.SIGINT)
 
     def _look(self, now: float) -> None:
         self.truth.times.append(now)
@@ -122,5 +123,6 @@ class Program:
     def __init__(self, dies: Callable[[], None]) -> None:
         self.spoils: Callable[[object], object] | None = None
         self.dies = dies
+        self.has_ended = False
         self.log: Path | None = None
         """Path of the run's log, once there is one."""

@@ -33,6 +33,8 @@ class Subject:
         How long it takes until it is energised, s.
     reading_age : float
         Oldest reading that its loop goes on with, s.
+    chosen : tuple of str
+        The experiments, if somebody chose them.
     """
 
     rig: str
@@ -45,6 +47,7 @@ class Subject:
     hazards: tuple[Hazard, ...]
     connecting: float
     reading_age: float
+    chosen: tuple[str, ...] = ()
 
     def words_of(self, bus: str) -> tuple[str, ...]:
         """Return names that stand for a bus: its own, and those of all that is on it."""

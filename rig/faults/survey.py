@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 from typing import cast
 
 from rig.assembly import REGISTRY, Backend, Rig
-from rig.config import find_configs, find_file, list_files, load_experiment, load_profile
+from rig.config import Profile, find_configs, find_file, list_files, load_experiment, load_profile
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -64,7 +64,9 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     return found
 
 
-def survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subject:
+def survey(
+    rig: str, experiments: tuple[str, ...], configs: Path | None, *, chosen: bool = False
+) -> Subject:
     """Return what a rig has that may break.
 
     Raises
@@ -101,5 +103,13 @@ def survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subj
         },
         hazards=hazards(profile.mechanism_settings),
         connecting=look.connecting,
-        reading_age=profile.mechanism_settings.limits.reading_age,
+        reading_age=_reading_age(profile),
+        chosen=experiments if chosen else (),
     )
+
+
+def _reading_age(profile: Profile) -> float:
+    """Return for how long the loop bridges readings that do not come, s."""
+    limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
+    least: float = 3.0 * profile.loop.period
+    return float(getattr(limits, "reading_age", least))

@@ -10,7 +10,7 @@ from pathlib import Path
 from rig.assembly import Backend
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
-from rig.faults.branch import Home, make_home
+from rig.faults.branch import Home, die_with_parent, make_home
 from rig.faults.case import Case
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
@@ -84,6 +84,7 @@ class _Branch:
         shutil.rmtree(self._folder, ignore_errors=True)
         child = os.fork()
         if child == 0:
+            die_with_parent()
             os.close(reader)
             self._sender = writer
             self._home.move(self._folder)
@@ -102,7 +103,9 @@ class _Branch:
                 pickle.dump(verdict, pipe)
         else:  # without any fault it should not have ended before them
             for case in self.performance.waiting:
-                self._tell(no_verdict(case, self._subject, f"the run ended before it: {message}"))
+                self._tell(
+                    no_verdict(case, self._subject, f"the run ended before it {message}".rstrip())
+                )
         os._exit(0)
 
 
@@ -120,4 +123,4 @@ def _receive(reader: int, child: int) -> Verdict | None:
 def no_verdict(case: Case, subject: Subject, why: str) -> Verdict:
     """Return the verdict of a case that gave none: never taken for a pass."""
     ending = CaseEnding(None, why, None, None)
-    return give_verdict(case, ending, subject).broken()
+    return give_verdict(case, ending, subject).broken(why)

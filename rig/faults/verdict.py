@@ -72,9 +72,9 @@ class Verdict:
     folder: str = ""
     period: float = 1e-3
 
-    def broken(self) -> "Verdict":
-        """Return this verdict as that of a case that did not work."""
-        return replace(self, crashed=True)
+    def broken(self, why: str) -> "Verdict":
+        """Return this verdict as that of a case that did not work, and why."""
+        return replace(self, crashed=True, ending=replace(self.ending, message=why))
 
     @property
     def failed(self) -> bool:

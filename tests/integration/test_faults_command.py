@@ -110,3 +110,48 @@ def slow_to_notice(tmp_path):
         "  amplitude: 9 mm\n  tones:\n    - {frequency: 1 Hz, periods: 5}\n"
     )
     return configs
+
+
+CASE = """\
+rig: cylinder
+experiment: cylinder-sine
+fault: wire_cut
+where: plant agonist
+when: {phase: run, after: 0.2 s}
+"""
+
+
+def test_what_did_not_happen_was_not_ridden_through(tmp_path):
+    file = tmp_path / "late.yaml"
+    file.write_text(CASE.replace("phase: run, after: 0.2 s", "phase: stop, after: 100 s"))
+    result = run("run", file, "--out", tmp_path)
+    assert result.return_value == 1
+    (case,) = campaign(tmp_path, 0)["cases"]
+    assert case["crashed"]
+    assert "before the moment of its fault" in case["ending"]["message"]
+
+
+def test_a_file_is_repeated_by_its_name_and_a_chosen_experiment_is_named(tmp_path):
+    file = tmp_path / "case.yaml"
+    file.write_text(CASE)
+    run("run", file, "--out", tmp_path)
+    assert campaign(tmp_path, 0)["cases"][0]["again"] == f"rig faults run {file}"
+    chosen = ("run", "cylinder", "--only", "encoder_alarm", "--experiment", "cylinder-step")
+    run(*chosen, "--out", tmp_path)
+    again = campaign(tmp_path, 0)["cases"][0]["again"]
+    assert again.endswith("--only encoder_alarm --seed 0 --experiment cylinder-step")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("cylinder", "--full", "--random", "3"), "two things"),
+        (("{file}", "--only", "silent"), "says itself"),
+        (("cylinder", "--out", "/dev/null/x"), "choose another place with --out"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_before_anything_runs(tmp_path, arguments, said):
+    file = tmp_path / "case.yaml"
+    file.write_text(CASE)
+    result = run("run", *[part.format(file=file) for part in arguments])
+    assert said in str(result.exception)

@@ -120,7 +120,7 @@ then: {fault: silent, where: encoder, lasts: 20 ms, after: 4 ms}
 def scenario(tmp_path, text=SCENARIO):
     path = tmp_path / "case.yaml"
     path.write_text(text)
-    return case_of(load_scenario(path), SUBJECT)
+    return case_of(load_scenario(path), SUBJECT, str(path))
 
 
 def test_a_file_says_what_breaks(tmp_path):
