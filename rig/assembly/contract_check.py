@@ -8,7 +8,8 @@ import traceback
 from collections.abc import Mapping
 from dataclasses import is_dataclass
 from importlib.metadata import entry_points
-from typing import TypeVar
+from types import UnionType
+from typing import TypeVar, get_args, get_origin, get_type_hints
 
 from rig.hal import ConfigurationError
 from rig.hal.offers import lacking
@@ -42,6 +43,45 @@ def check_offers(what: str, thing: object, protocol: type) -> None:
             f"{what} is no {protocol.__module__}.{protocol.__name__}: it has no "
             f"{', '.join(missing)}"
         )
+
+
+def check_row(what: str, row: object) -> None:
+    """Refuse a row of `rig.hal.parts` whose entries are not of the types that it declares.
+
+    Raises
+    ------
+    ConfigurationError
+        With the entry, what it is and what it must be.
+    """
+    for name, hint in get_type_hints(type(row)).items():
+        value = getattr(row, name)
+        if not _fits(value, hint):
+            wanted = str(hint).replace("collections.abc.", "").replace("rig.hal.parts.", "")
+            raise ConfigurationError(f"{what}: {name} is {value!r}, and no {_plain(wanted)}")
+
+
+def _plain(hint: str) -> str:
+    return hint.removeprefix("<class '").removesuffix("'>").replace("str | None", "path or None")
+
+
+def _fits(value: object, hint: object) -> bool:
+    """Return whether a value is of a type, down to what a mapping or tuple holds."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin is UnionType:
+        return any(_fits(value, part) for part in parts)
+    if origin is Mapping:
+        return isinstance(value, Mapping) and all(
+            _fits(key, parts[0]) and _fits(entry, parts[1]) for key, entry in value.items()
+        )
+    if origin is tuple:
+        return isinstance(value, tuple) and all(_fits(entry, parts[0]) for entry in value)
+    if hint is str:
+        return isinstance(value, str) and bool(value)
+    if not (isinstance(hint, type) and isinstance(value, hint)):
+        return False
+    return not is_dataclass(hint) or all(
+        _fits(getattr(value, name), part) for name, part in get_type_hints(hint).items()
+    )
 
 
 def check_settings(what: str, settings: object, protocol: type) -> None:

@@ -15,6 +15,7 @@ from rig.assembly.contract_check import (
     check_class,
     check_kind,
     check_offers,
+    check_row,
     check_settings,
     check_table,
 )
@@ -63,7 +64,7 @@ def load(path: str) -> Any:
         found: Any = importlib.import_module(module)
         for part in name.split("."):
             found = getattr(found, part)
-    except Exception as error:  # anything may happen in the code of others
+    except (Exception, SystemExit) as error:  # anything may happen in the code of others
         raise ConfigurationError(f"{path} cannot be imported: {error}") from error
     return found
 
@@ -192,7 +193,12 @@ def _find(found: _Rows, name: str) -> Any:
 
 def _collect(own: Mapping[str, str], group: str, kind: type[Row]) -> _Rows:
     found = _Rows({name: load(path) for name, path in own.items()}, {})
-    for point in entry_points(group=group):
+    try:
+        points = tuple(entry_points(group=group))
+    except Exception as error:  # a file of some package that is none
+        found.broken[group] = f"the entry points of an installed package cannot be read: {error}"
+        return found
+    for point in points:
         try:
             row = _loaded(point, kind)
         except ConfigurationError as error:
@@ -208,12 +214,13 @@ def _collect(own: Mapping[str, str], group: str, kind: type[Row]) -> _Rows:
 def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
     try:
         row = point.load()
-    except Exception as error:  # anything may happen in the code of others
+    except (Exception, SystemExit) as error:  # anything may happen in the code of others
         raise ConfigurationError(f"{_whose(point)} cannot be loaded: {error}") from error
     if not isinstance(row, kind):
         raise ConfigurationError(
             f"{_whose(point)}: {point.value} is a {type(row).__name__}, not a {kind.__name__}"
         )
+    check_row(_whose(point), row)
     return row
 
 
