@@ -7,6 +7,7 @@ CiA 301 V4.2, sections 7.2.2 (PDO), 7.2.8 (NMT), 7.5.2 (communication objects).
 
 import struct
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, Final, TypeVar
 
 from drivers.canopen.asked import AskedObjects
@@ -17,6 +18,7 @@ from drivers.canopen.mapping import MAX_PDOS, SIZES, STRUCT_CODES, Layout
 from rig.hal import ConnectionFailed, DeviceFault
 
 _START: Final = 0x01
+_STOP: Final = 0x02
 _PRE_OPERATIONAL: Final = 0x80
 _RESET_NODE: Final = 0x81
 _ATTEMPTS: Final = 3
@@ -162,6 +164,11 @@ class CanopenNode:
             )
         watch.arm()
         self._armed = True
+
+    def halt(self) -> None:
+        """Stop the node: it ignores setpoints and does what it was told for that. Never raises."""
+        with suppress(ConnectionFailed):
+            self._command(_STOP)
 
     def disarm(self) -> None:
         """Expect nothing of the node any more."""

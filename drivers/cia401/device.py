@@ -24,6 +24,7 @@ from drivers.cia401.codec import (
     setpoint_codec,
     setpoint_encoder,
 )
+from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
@@ -113,6 +114,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             StuckWatch(name, settings.node, channel, settings.following)
             for channel in self.channels
         )
+        echoed = settings.channels if settings.echo else {}
+        self._echoes = OutputEchoes(name, settings.node, echoed, bus)
         self._setpoint = self._vented
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
@@ -149,6 +152,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         if not (intact and self._intact):
             self._count_broken(values)
             self._intact = intact
+        if self.settings.echo:
+            self._echoes.hear(values[len(self.channels) :])
         if self._stop:
             self._see_stop(values[-1], t)
 
@@ -233,9 +238,14 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         return f"{self.name}: {max(doubts)[1]}" if doubts else None
 
     def make_safe(self) -> None:
-        """Vent, hold or lock each channel as its settings say, until it is armed again."""
+        """Vent, hold or lock each channel as its settings say, until it is armed again.
+
+        A module that does not get its setpoints is stopped: it does so by itself.
+        """
         self._armed = False
         self._set_safe()
+        if self._echoes.are_missing:  # nor would a setpoint that is safe arrive
+            self._node.halt()
 
     def close(self) -> None:
         """Expect nothing of the module any more; the bus stops it. Idempotent."""
@@ -298,6 +308,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
                 )
             counts.append(encode(value))
         self._setpoint = pressure
+        self._echoes.send(counts)
         digital = self._opened
         self._digital = self._kept
         if self._pack_only is not None:  # as most modules have it: one PDO for everything
@@ -340,6 +351,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             for k, count in enumerate(self._broken):
                 if count >= _BROKEN_AFTER:
                     raise self._broken_wire(k)
+        self._echoes.check()
         setpoint, pressure = self._setpoint, self._pressure
         for k, watch in enumerate(self._following):
             watch.check(setpoint[k], pressure[k], now)
@@ -353,6 +365,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
 
     def _forget_setpoints(self) -> None:
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
+        self._echoes.reset()
         self._setpoint = self._vented
         self._digital = 0
         self._opened = self._open

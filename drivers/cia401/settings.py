@@ -63,6 +63,9 @@ class Cia401Settings(NodeSettings):
         its maker decided.
     error_mode_type : str
         Data type of the error mode; some makers took u16.
+    echo : bool
+        The module sends the setpoints that it has got back each cycle, if its outputs can be
+        mapped: those that do not arrive, or come late, are found. It costs as many bytes again.
     following : FollowingSettings
         When a regulator that does not follow is a fault.
     """
@@ -76,6 +79,7 @@ class Cia401Settings(NodeSettings):
     error_mode: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6443
     error_value: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6444
     error_mode_type: Literal["u8", "u16"] = "u8"
+    echo: bool = False
     following: FollowingSettings = field(default_factory=FollowingSettings)
 
     def __post_init__(self) -> None:
@@ -147,8 +151,10 @@ class Cia401Settings(NodeSettings):
     @property
     def transmit_entries(self) -> Layout:
         """What the module sends each cycle, in order."""
+        channels = self.channels.values()
         digital = () if self.stop_bit is None else (DIGITAL_INPUT,)
-        return (*(channel.monitor.entry for channel in self.channels.values()), *digital)
+        echoes = tuple(channel.setpoint.entry for channel in channels) if self.echo else ()
+        return (*(channel.monitor.entry for channel in channels), *echoes, *digital)
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what the module puts on the bus each cycle: names and bytes."""

@@ -95,7 +95,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self._target = 0
         self._echo = SetpointEcho(period, _DEMAND_SLACK)
         if "demand" in shared.feedback:
-            bus.lost_setpoints.append(lambda: self._echo.lost)
+            bus.lost_setpoints.append(self._echo.count_lost)
         order = shared.feedback
         self._velocity_at, self._torque_at, self._code_at, self._demand_at = (
             3 + order.index(what) if what in order else None

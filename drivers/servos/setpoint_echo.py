@@ -1,9 +1,10 @@
-"""Whether a drive has been told what it was sent."""
+"""Whether a device has been told what it was sent."""
 
 from collections import deque
 from typing import Final
 
-_PATIENCE: Final = 0.03  # s
+_PATIENCE: Final = 0.03  # s, for a drive that holds its joint meanwhile
+_EXACT_PATIENCE: Final = 0.01  # s, for a device whose last setpoint goes on to act
 _PERIODS: Final = 3
 _TRANSIT: Final = 2
 """Periods until a setpoint can be echoed: sent in one, obeyed to the end of the next."""
@@ -14,9 +15,9 @@ class SetpointEcho:
     """Compare the demand that a drive reports with the setpoints of the last cycles.
 
     A drive that obeys goes through them one after the other. So its demand lies between the
-    least and the greatest that it was sent within the bound: 30 ms or three periods, and the time
-    that each takes to be sent, obeyed and echoed. One that lies outside was overtaken: setpoints
-    come too late, or not at all. At rest there is nothing to be late.
+    least and the greatest that it was sent within the bound: 30 ms (10 ms if `exact`) or three
+    periods, and the time that each takes to be sent, obeyed and echoed. One that lies outside was
+    overtaken: setpoints come too late, or not at all. At rest there is nothing to be late.
 
     Parameters
     ----------
@@ -24,6 +25,8 @@ class SetpointEcho:
         Of the cycle, s.
     slack : float
         Of the demand, in the unit of the setpoints: rounding.
+    exact : bool
+        The device interpolates nothing: what it reports is one of the setpoints.
 
     Attributes
     ----------
@@ -31,11 +34,13 @@ class SetpointEcho:
         Setpoints that differed from those before them and left no trace in the demand.
     """
 
-    __slots__ = ("_echo", "_outside", "_sent", "_slack", "lost")
+    __slots__ = ("_echo", "_exact", "_outside", "_sent", "_slack", "lost")
 
-    def __init__(self, period: float, slack: float) -> None:
-        cycles = max(_PERIODS, round(_PATIENCE / period)) + _TRANSIT
+    def __init__(self, period: float, slack: float, *, exact: bool = False) -> None:
+        patience = _EXACT_PATIENCE if exact else _PATIENCE
+        cycles = max(_PERIODS, round(patience / period) if period else 0) + _TRANSIT
         self._slack = slack
+        self._exact = exact
         self._sent: deque[float] = deque(maxlen=cycles)
         self.lost = 0
         self.reset()
@@ -45,6 +50,10 @@ class SetpointEcho:
         self._sent.clear()
         self._echo: float | None = None
         self._outside = 0
+
+    def count_lost(self) -> int:
+        """Return `lost`."""
+        return self.lost
 
     def send(self, setpoint: float) -> None:
         """Take a setpoint that is sent in this cycle."""
@@ -56,11 +65,18 @@ class SetpointEcho:
         before, self._echo = self._echo, demand
         if len(sent) < _TRANSIT + 1:
             return
-        low, high = min(sent) - slack, max(sent) + slack
-        self._outside = 0 if low <= demand <= high else self._outside + 1
+        self._outside = 0 if self._is_among(demand) else self._outside + 1
         stands = before is not None and abs(demand - before) <= slack
         if stands and abs(sent[-_TRANSIT] - sent[-_TRANSIT - 1]) > 2.0 * slack:
             self.lost += 1
+
+    def _is_among(self, demand: float) -> bool:
+        sent, slack = self._sent, self._slack
+        if self._exact:
+            if abs(demand - sent[-1]) <= slack:  # as good as always
+                return True
+            return any(abs(demand - setpoint) <= slack for setpoint in sent)
+        return min(sent) - slack <= demand <= max(sent) + slack
 
     @property
     def missing(self) -> float | None:

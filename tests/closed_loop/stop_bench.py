@@ -21,10 +21,12 @@ AFTER = 3
 class Stopped:
     """A run with one request to stop at an instant of its motion, s; None: at its end.
 
-    Another controller may stand before the plan's: what `spoil` makes of it.
+    Another controller may stand before the plan's: what `spoil` makes of it. `each` is called in
+    every cycle with the rig and the reference's time, s.
     """
 
-    def __init__(self, experiment, options, backend, at, spoil=lambda controller: controller):
+    def __init__(self, experiment, options, backend, at, spoil=lambda controller: controller,
+                 each=lambda rig, t: None):  # fmt: skip
         plan = load_plan(experiment, [*options, "metrics={}", "figures=[]"], configs=CONFIGS)
         self.plan = plan
         states, stop = StateMachine(), StopRequests()
@@ -36,6 +38,7 @@ class Stopped:
             class Recorder:
                 def write(_, cycle, t, row):
                     self._rows.append((row[0], *rig.truth()))
+                    each(rig, row[1])
                     if at is not None and row[1] >= at and not stop.count:
                         stop.request()
 

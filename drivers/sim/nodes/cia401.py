@@ -194,7 +194,7 @@ class EmulatedCia401(EmulatedNode):
         self._outputs = self.dictionary.add_array(
             outputs.index,
             [
-                Variable(outputs.data_type, 0, mapping="r", changed=self._analogue_written)
+                Variable(outputs.data_type, 0, mapping="rt", changed=self._analogue_written)
                 for _ in range(outputs.count)
             ],
         )

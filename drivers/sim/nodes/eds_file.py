@@ -191,7 +191,7 @@ def _variable(section: str, name: str, variable: Variable, default: str) -> str:
     number = next(number for kind, number in _TYPES if kind == variable.data_type)
     access = variable.access
     if access == "rw" and variable.mapping:
-        access = "rww" if variable.mapping == "r" else "rwr"
+        access = {"r": "rww", "t": "rwr"}.get(variable.mapping, "rw")
     entries: dict[str, object] = {
         "ParameterName": name,
         "ObjectType": f"0x{_VAR:X}",

@@ -119,7 +119,7 @@ def test_a_range_that_only_the_files_type_can_hold_is_accepted(tmp_path):
             "regulators",
             lambda eds: without(eds, *(f"1A00sub{k}" for k in range(3, 9))),
             "",
-            r"cylinder\.yaml:\d+:\d+: regulators: TPDO1 can map 2 objects at most, not 3",
+            r"cylinder\.yaml:\d+:\d+: regulators: TPDO1 can map 2 objects at most, not 4",
         ),
         (
             "regulators",
