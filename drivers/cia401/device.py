@@ -116,6 +116,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         )
         echoed = settings.channels if settings.echo else {}
         self._echoes = OutputEchoes(name, settings.node, echoed, bus)
+        self._unheard = False
         self._setpoint = self._vented
         self._pressure: Vector = (0.0,) * count
         self._measured_at = -inf
@@ -152,7 +153,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         if not (intact and self._intact):
             self._count_broken(values)
             self._intact = intact
-        if self.settings.echo:
+        if self._armed and self.settings.echo:
             self._echoes.hear(values[len(self.channels) :])
         if self._stop:
             self._see_stop(values[-1], t)
@@ -242,9 +243,11 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
 
         A module that does not get its setpoints is stopped: it does so by itself.
         """
+        if self._armed:
+            self._unheard = self._echoes.are_missing
         self._armed = False
         self._set_safe()
-        if self._echoes.are_missing:  # nor would a setpoint that is safe arrive
+        if self._unheard:  # nor would a setpoint that is safe arrive
             self._node.halt()
 
     def close(self) -> None:
@@ -366,6 +369,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
     def _forget_setpoints(self) -> None:
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._echoes.reset()
+        self._unheard = False
         self._setpoint = self._vented
         self._digital = 0
         self._opened = self._open

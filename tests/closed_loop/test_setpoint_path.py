@@ -50,3 +50,20 @@ def test_setpoints_that_do_not_arrive_in_time_are_a_fault(kind, value, at):
 def test_a_few_that_are_lost_are_ridden_through():
     at = sorted(DRAWN.uniform(0.1, 1.9) for _ in range(5))
     assert run(at, *[FrameFault("drop", SETPOINTS)] * 5).outcome.fault is None
+
+
+@pytest.mark.parametrize("at", [DRAWN.uniform(0.1, 1.9) for _ in range(3)])
+def test_a_module_that_was_made_safe_goes_on_to_say_what_it_measures(at):
+    """The safe setpoint is none that the controller sent, and yet it is not missing."""
+    ages = []
+
+    def each(rig, t):
+        if t >= at:
+            regulators = rig.devices["regulators"]
+            regulators.make_safe()
+            ages.append(rig.clock.now() - regulators.pressure().t)
+
+    options = (*SINE, f"simulation.seed={DRAWN.randrange(1000)}")
+    Stopped("cylinder-sine", options, Backend.VIRTUAL, at + 0.1, each=each)
+    assert len(ages) > 25
+    assert max(ages) < 5e-3
