@@ -7,7 +7,7 @@ the same table of commands and the same introduction that click's group is made 
 import io
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from rig.cli.command_table import COMMANDS, INTRODUCTION
 
@@ -52,9 +52,9 @@ class _Unheard(io.FileIO):
 def _talk_to(descriptor: int) -> io.TextIOWrapper:
     """Return a stream for what is said to the operator."""
     raw = _Unheard(descriptor, "w", closefd=False)
-    # FileIO is what a BufferedWriter wraps: nothing stays in it after a line's end.
+    # As `python -u` makes it: what a buffer kept when Ctrl-C came in the midst would be said twice.
     return io.TextIOWrapper(
-        io.BufferedWriter(raw), encoding="utf-8", errors="backslashreplace", line_buffering=True
+        cast("io.BufferedWriter", raw), "utf-8", errors="backslashreplace", write_through=True
     )
 
 

@@ -132,14 +132,15 @@ def run(
 
     if sum((full, count is not None and only is None)) > 1:
         raise click.UsageError("--full and --random say two things about how many cases there are")
+    for name in filter(_is_file, rigs):
+        if full or count is not None or only is not None or experiments:
+            raise click.UsageError(f"{name} says itself what breaks, once, and in what")
     folder = out / f"seed-{seed}"
     make_folder(folder)
     jobs: list[Job] = []
     for name in rigs or RIGS:
         click.echo(f"{name}: looking at what it has …", err=True)
-        if name.endswith((".yaml", ".yml")):
-            if full or count is not None or only is not None or experiments:
-                raise click.UsageError(f"{name} says itself what breaks, once, and in what")
+        if _is_file(name):
             jobs.append(_scenario_job(Path(name), configs))
         else:
             jobs += _jobs(name, full, count, only, experiments, seed, configs)
@@ -155,6 +156,10 @@ def run(
         print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
     click.echo(f"{page}", err=True)
     return 1 if any(verdict.hazard or verdict.crashed for verdict in verdicts) else 0
+
+
+def _is_file(name: str) -> bool:
+    return name.endswith((".yaml", ".yml"))
 
 
 def make_folder(folder: Path) -> None:

@@ -120,6 +120,11 @@ class Rig:
             self.bus.transmit(now)
             self.clock.sleep_until(now + PERIOD)
 
+    def restart(self):
+        self.device.close()
+        self.device.connect()
+        self.device.arm()
+
     def close(self):
         self.device.make_safe()
         self.bus.close()

@@ -153,5 +153,6 @@ def test_a_file_is_repeated_by_its_name_and_a_chosen_experiment_is_named(tmp_pat
 def test_what_makes_no_sense_is_refused_before_anything_runs(tmp_path, arguments, said):
     file = tmp_path / "case.yaml"
     file.write_text(CASE)
-    result = run("run", *[part.format(file=file) for part in arguments])
+    out = () if "--out" in arguments else ("--out", tmp_path)
+    result = run("run", *[part.format(file=file) for part in arguments], *out)
     assert said in str(result.exception)

@@ -19,7 +19,7 @@ from rig.hal import FastCanBus  # noqa: E402
 LOG = """\
 (1700000000.000000) can0 000#0110
 (1700000000.000100) can0 710#05
-(1700000000.001000) can0 190#CD0C004001
+(1700000000.001000) can0 190#CD0C004001000000
 (1700000000.001100) can0 080#
 (1700000000.002000) can0 7E5#00
 (1700000000.003000) can0 5A0#43056001E8030000
@@ -45,7 +45,7 @@ def test_a_file_becomes_lines_in_the_profiles_names(log, capfd):
         ["0.000100", "can0", "710", "regulators", "heartbeat"],
         ["0.001000", "can0", "190", "regulators", "TPDO1"],
     ]
-    assert lines[2].endswith("antagonist pressure = 500 kPa, stop = released")
+    assert "antagonist pressure = 500 kPa, agonist setpoint = 15.26 Pa" in lines[2]
     assert lines[4].split()[2:] == ["7E5", "-", "unknown", "00"]
     assert "position = 10 mm, speed = -0.2 mm/s" in lines[7]
     assert err == "8 frames, 1 that the profile does not know\n"
