@@ -159,6 +159,7 @@ def test_nothing_stands_at_the_root_that_the_design_does_not_name():
         "configs",
         "tests",
         "runs",
+        "faults",
         "build",
         "dist",
     }

@@ -13,6 +13,8 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def decoder(rig, *options):
+    if rig == "cylinder":  # without its setpoints, the monitors and the inputs are one frame
+        options = ("devices.regulators.echo=false", *options)
     profile = load_profile(rig, REGISTRY, options, [CONFIGS])
     return make_decoders(profile)["can0"]
 
@@ -75,6 +77,15 @@ def test_pressures_in_si(text, values):
             assert value.value == pytest.approx(expected, abs=20.0)  # raw ends are whole counts
         else:
             assert value.value == expected
+
+
+def test_setpoints_that_a_module_sends_back_are_pressures_too():
+    found = decoder("cylinder", "devices.regulators.echo=true").decode(0x190, bytes.fromhex(
+        "CD0C0040" "00400000"
+    )).values  # fmt: skip
+    values = {value.name: value.value for value in found}
+    assert values["antagonist pressure"] == pytest.approx(500e3)
+    assert values["agonist setpoint"] == pytest.approx(250e3, rel=1e-3)
 
 
 def test_valves_that_lock_a_chamber_are_shown_one_by_one():
