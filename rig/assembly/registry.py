@@ -130,6 +130,8 @@ class InstalledParts:
         for row in _additions():
             if plant in row.plants and (path := row.plants[plant].hazards) is not None:
                 found: Callable[[Any], tuple[Hazard, ...]] = load(path)
+                if not callable(found):
+                    raise ConfigurationError(f"plant {plant}: {path} is no function of settings")
                 return found
         return None
 

@@ -34,12 +34,12 @@ def draw_once(subject: Subject, kinds: tuple[str, ...], seed: int, times: int) -
     """
     possible = kinds_for(subject)
     for name in kinds:
-        if name not in KINDS:
-            near = difflib.get_close_matches(name, KINDS, n=1)
+        if name not in possible:
+            if name in KINDS:
+                raise ConfigurationError(f"{subject.rig} has nothing that could suffer {name}")
+            near = difflib.get_close_matches(name, possible, n=1)
             hint = f"did you mean {near[0]!r}?" if near else "`rig faults list` shows all"
             raise ConfigurationError(f"no fault is called {name!r}; {hint}")
-        if name not in possible:
-            raise ConfigurationError(f"{subject.rig} has nothing that could suffer {name}")
     if len(kinds) > 2:
         raise ConfigurationError("a case has two faults at most")
     return [draw_case(subject, kinds, one) for one in _seeds(seed, times)]

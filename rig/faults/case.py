@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from enum import StrEnum
 from math import inf
 
-from rig.faults.catalogue import KINDS
+from rig.faults.catalogue import kind_named
 from rig.faults.kind import FaultKind, Place, Sizes
 from rig.faults.subject import Subject
 from rig.runtime.phases import Timings
@@ -61,7 +61,7 @@ class Break:
     @property
     def row(self) -> FaultKind:
         """The kind's row."""
-        return KINDS[self.kind]
+        return kind_named(self.kind)
 
     @property
     def sizes(self) -> Sizes:
@@ -112,6 +112,8 @@ class Case:
         The experiments that it was drawn from, if they were chosen.
     source : str
         The file that it was written in.
+    configs : str
+        The folder of the configurations, if it was named.
     """
 
     rig: str
@@ -125,6 +127,7 @@ class Case:
     drawn_with: int | None = None
     among: tuple[str, ...] = ()
     source: str = ""
+    configs: str = ""
 
     @property
     def breaks(self) -> tuple[Break, ...]:
@@ -139,11 +142,12 @@ class Case:
     @property
     def command(self) -> str:
         """The command that runs this case again."""
+        configs = f" --configs {shlex.quote(self.configs)}" if self.configs else ""
         if self.drawn_with is None:
-            return f"rig faults run {shlex.quote(self.source)}"
+            return f"rig faults run {shlex.quote(self.source)}{configs}"
         chosen = "".join(f" --experiment {shlex.quote(name)}" for name in self.among)
         kinds = "+".join(self.kinds)
-        return f"rig faults run {self.rig} --only {kinds} --seed {self.drawn_with}{chosen}"
+        return f"rig faults run {self.rig} --only {kinds} --seed {self.drawn_with}{chosen}{configs}"
 
     @property
     def folder(self) -> str:
@@ -191,11 +195,12 @@ def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int) -> Case:
         chance.uniform(0.0, SECOND_WITHIN) if len(breaks) > 1 else 0.0,
         seed,
         subject.chosen,
+        configs=subject.configs,
     )
 
 
 def _draw_break(subject: Subject, name: str, chance: random.Random) -> Break:
-    kind = KINDS[name]
+    kind = kind_named(name)
     place = chance.choice(list(kind.places(subject)))
     return Break(
         name,

@@ -1,7 +1,10 @@
 """Every kind of fault by name, and those that a rig can suffer."""
 
+from functools import partial
+
 from rig.faults import frame_kinds, program_kinds, world_kinds
-from rig.faults.kind import FaultKind, Place, ride
+from rig.faults.kind import FaultKind, Place, Sizes, either, ride
+from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
 NOTHING = FaultKind(
@@ -18,6 +21,31 @@ KINDS = {
 }
 
 
+def kind_named(name: str) -> FaultKind:
+    """Return a kind; a name that is not ours is what somebody's plant calls a fault of its own."""
+    return KINDS.get(name) or FaultKind(
+        name=name,
+        what="The rig's own plant knows what breaks.",
+        places=partial(_of_plant, name),
+        apply=partial(_inject, name),
+        must=either,
+        why="only its hazards say what must not come of it",
+    )
+
+
 def kinds_for(subject: Subject) -> dict[str, FaultKind]:
-    """Return those that have a place on a rig."""
-    return {name: kind for name, kind in KINDS.items() if kind.places(subject)}
+    """Return those that have a place on a rig, and what its plant can suffer beside them."""
+    ours = {name: kind for name, kind in KINDS.items() if kind.places(subject)}
+    used = {place.target for kind in ours.values() for place in kind.places(subject)}
+    if "plant" in used:  # one of ours, whose faults have rows
+        return ours
+    own = [name for name in subject.knows.get("plant", ()) if name != "repair"]
+    return ours | {name: kind_named(name) for name in own if name not in KINDS}
+
+
+def _of_plant(name: str, subject: Subject) -> list[Place]:
+    return [Place("plant", "plant", ("",))] if name in subject.knows.get("plant", ()) else []
+
+
+def _inject(name: str, stage: Stage, place: Place, sizes: Sizes) -> None:
+    stage.world.inject(place.target, name)

@@ -1,5 +1,6 @@
 """A case written by hand: what breaks, where, when, for how long, and what breaks next."""
 
+import difflib
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
@@ -12,7 +13,7 @@ from rig.config.document import load_document
 from rig.config.located import Node
 from rig.config.settings import build
 from rig.faults.case import Break, Case, Moment
-from rig.faults.catalogue import KINDS, kinds_for
+from rig.faults.catalogue import KINDS, kind_named, kinds_for
 from rig.faults.subject import Subject
 from rig.hal import ConfigurationError
 
@@ -111,7 +112,8 @@ def load_scenario(path: Path) -> Scenario:
 
 
 def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems) -> None:
-    if name not in KINDS:
+    # What is near to none of them may be what the rig's own plant calls a fault.
+    if name not in KINDS and difflib.get_close_matches(name, KINDS, n=1):
         place, _ = root.descend(keys)
         problems.add(place.mark, f"no fault is called {shown(name)}", nearest(name, tuple(KINDS)))
 
@@ -142,6 +144,7 @@ def case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
         0.0 if then is None else then.after,
         None,
         source=source,
+        configs=subject.configs,
     )
 
 
@@ -150,7 +153,7 @@ def _break(
 ) -> Break:
     if kind not in kinds_for(subject):
         raise ConfigurationError(f"{subject.rig} has nothing that could suffer {kind}")
-    row = KINDS[kind]
+    row = kind_named(kind)
     if magnitude is not None and row.magnitude is None:
         raise ConfigurationError(f"{kind} has no magnitude")
     if lasts is not None and row.lasts is None:

@@ -35,6 +35,8 @@ class Subject:
         Oldest reading that its loop goes on with, s.
     chosen : tuple of str
         The experiments, if somebody chose them.
+    configs : str
+        The folder of the configurations, if somebody named it.
     """
 
     rig: str
@@ -48,6 +50,7 @@ class Subject:
     connecting: float
     reading_age: float
     chosen: tuple[str, ...] = ()
+    configs: str = ""
 
     def words_of(self, bus: str) -> tuple[str, ...]:
         """Return names that stand for a bus: its own, and those of all that is on it."""

@@ -13,6 +13,7 @@ from rig.experiment.watcher import Watcher
 from rig.faults.stage import PausableClock
 from rig.faults.subject import Subject, frames_in
 from rig.hal import ConfigurationError
+from rig.hal.hazards import Hazard
 from rig.runtime.states import RigState
 
 
@@ -83,6 +84,7 @@ def survey(
             f"{rig}: nobody says what is a hazard for the plant {profile.plant.model}; name it in "
             "the mechanism's row (PlantModel.hazards)"
         )
+    dangers = _checked(hazards(profile.mechanism_settings), profile.plant.model)
     look = _Look()
     with TemporaryDirectory() as out:
         plan = load_plan(experiments[0], rig=rig, configs=configs)
@@ -101,10 +103,11 @@ def survey(
             bus: tuple(name for name, entry in profile.devices.items() if entry.bus == bus)
             for bus in profile.buses
         },
-        hazards=hazards(profile.mechanism_settings),
+        hazards=dangers,
         connecting=look.connecting,
         reading_age=_reading_age(profile),
         chosen=experiments if chosen else (),
+        configs="" if configs is None else str(configs),
     )
 
 
@@ -113,3 +116,12 @@ def _reading_age(profile: Profile) -> float:
     limits = REGISTRY.load("mechanism", profile.mechanism).limits_of(profile.mechanism_settings)
     least: float = 3.0 * profile.loop.period
     return float(getattr(limits, "reading_age", least))
+
+
+def _checked(hazards: object, plant: str) -> tuple[Hazard, ...]:
+    """Return what a plant's `hazards` gave, if it is hazards."""
+    found = hazards if isinstance(hazards, tuple) else (hazards,)
+    for entry in found:
+        if not isinstance(entry, Hazard):
+            raise ConfigurationError(f"the hazards of the plant {plant} hold {entry!r}, no Hazard")
+    return found

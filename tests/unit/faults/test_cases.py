@@ -1,5 +1,7 @@
 """Drawn cases: the same from the same seed, possible on the rig, and as a file says."""
 
+from dataclasses import replace
+
 import pytest
 
 from rig.faults.campaign import draw_each, draw_once, draw_random
@@ -147,3 +149,15 @@ def test_a_file_says_what_breaks(tmp_path):
 def test_a_file_that_cannot_be_done_is_refused(tmp_path, wrong, right, said):
     with pytest.raises(ConfigurationError, match=said.replace("?", r"\?")):
         scenario(tmp_path, SCENARIO.replace(wrong, right))
+
+
+def test_what_a_plant_of_others_can_suffer_is_offered_and_repeated_with_its_folder():
+    foreign = replace(
+        SUBJECT, knows={"plant": ("jammed", "repair"), "can0": ("bus_off",)}, configs="my configs"
+    )
+    assert "jammed" in kinds_for(foreign)
+    assert "repair" not in kinds_for(foreign)
+    (case,) = draw_once(foreign, ("jammed",), 3, 1)
+    assert case.first.where == "plant"
+    assert case.first.row.must(case.first.sizes, foreign) is Must.EITHER
+    assert case.command.endswith("--only jammed --seed 3 --configs 'my configs'")
