@@ -208,6 +208,8 @@ def test_nothing_is_expected_before_the_first_setpoints():
 
 CALM = {"deviation": NEVER, "slow": NEVER, "offset": 12e3}
 MEAN_TIME, USUAL_TIME = 4.0 / 40.0, 5.0
+SETTLED = 2048
+"""Cycles after which what is usual follows far more slowly than the mean."""
 
 
 def cycles_until(raises, bench, most, **off):
@@ -240,18 +242,13 @@ def test_what_a_regulator_is_off_from_the_start_is_usual():
     assert cycles_until("ch2", bench, 4000, ch1=20e3, ch2=-35e3) is not None
 
 
-@pytest.mark.parametrize("factor", [0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0])
-@pytest.mark.parametrize("seed", range(2))
-def test_a_regulator_that_takes_twice_as_long_is_slow(seed, factor):
-    rng = np.random.default_rng(seed)
-    channel = int(rng.integers(4))
-    bench = Bench(deviation=NEVER, offset=NEVER, slow=0.75)
+def swing(bench, rng, channel, factor):
+    """Swing all setpoints, one regulator being slower; yield its deviation and what is said."""
     rates, pressures = [0.0] * 4, [START] * 4
     phase, frequency = rng.uniform(0.0, 6.0), rng.uniform(0.5, 2.0)
-    seen = None
     for cycle in range(4000):
-        swing = 60e3 * math.sin(2.0 * math.pi * frequency * cycle * STEP + phase)
-        sent = [START + (-1.0) ** k * swing for k in range(4)]
+        away = 60e3 * math.sin(2.0 * math.pi * frequency * cycle * STEP + phase)
+        sent = [START + (-1.0) ** k * away for k in range(4)]
         bench.watch.send(sent)
         for k in range(4):
             rate = 40.0 / (factor if k == channel else 1.0)
@@ -261,11 +258,21 @@ def test_a_regulator_that_takes_twice_as_long_is_slow(seed, factor):
                 rates[k] = (rates[k] + step * pull) / (1.0 + step * 2.0 * rate)
                 pressures[k] += step * rates[k]
         off = {name: p - START for name, p in zip(CHANNELS, pressures, strict=True)}
+        said = None
         try:
             bench.pass_by(1, **off)
         except SafetyError as error:
-            seen = str(error)
-            break
+            said = str(error)
+        yield bench.watch._channels[channel].off, said
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_regulator_that_takes_twice_as_long_is_slow(seed, factor):
+    rng = np.random.default_rng(seed)
+    channel = int(rng.integers(4))
+    bench = Bench(deviation=NEVER, offset=NEVER, slow=0.75)
+    seen = next((said for _, said in swing(bench, rng, channel, factor) if said), None)
     if factor >= 2.0:
         assert f"the regulator of {CHANNELS[channel]} is slow" in seen
     else:
@@ -276,3 +283,40 @@ def test_a_setpoint_that_stands_still_shows_no_slowness():
     bench = Bench(deviation=NEVER, offset=NEVER, slow=0.75)
     for k in range(4000):
         bench.pass_by(1, ch1=10e3 * math.sin(0.1 * k))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_regulator_that_is_slow_is_suspected_of_that_and_of_nothing_else(seed):
+    """A fault that comes of it asks for the suspicion."""
+    rng = np.random.default_rng(seed)
+    channel = int(rng.integers(4))
+    bench = Bench(deviation=10e3, time=NEVER, offset=NEVER, slow=0.75)
+    suspicions = [
+        str(bench.watch.suspicion())
+        for off, said in swing(bench, rng, channel, 2.5)
+        if said and abs(off) > 5e3
+    ]
+    assert len(suspicions) > 100
+    words = f"valves: the regulator of {CHANNELS[channel]} is slow"
+    assert all(suspicion.startswith(words) for suspicion in suspicions)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_several_whose_means_fall_are_the_supply(seed):
+    rng = np.random.default_rng(seed)
+    low = sorted(rng.choice(CHANNELS, size=rng.integers(2, 5), replace=False))
+    bench = Bench(**CALM)
+    bench.pass_by(SETTLED)
+    words = f"the supply pressure is lost: {', '.join(low)} fall short ["
+    assert cycles_until(words, bench, 4000, **dict.fromkeys(low, -30e3)) is not None
+
+
+@pytest.mark.parametrize(
+    ("off", "words"), [(30e3, "stuck open: its pressure rises"), (-30e3, "stuck venting, or its")]
+)
+@pytest.mark.parametrize("channel", CHANNELS)
+def test_what_is_far_off_in_the_mean_is_stuck_or_slow(channel, off, words):
+    bench = Bench(time=NEVER, offset=12e3)
+    bench.pass_by(SETTLED)
+    with pytest.raises(SafetyError, match=f"regulator of {channel} is {words}.*, or it is slow"):
+        bench.pass_by(4000, **{channel: off})

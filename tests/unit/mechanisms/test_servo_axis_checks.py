@@ -93,6 +93,12 @@ def test_a_stop_that_is_not_read_any_more_is_a_fault_of_its_own():
     assert (error.device, error.age, error.bound) == ("emergency stop", AGE + TINY, AGE)
 
 
+def test_the_device_that_reads_the_stop_is_told():
+    bench = ServoBench()
+    assert bench.axes.stop_input() is bench.stop
+    assert wired(FakeServo("all", NAMES)).stop_input() is None
+
+
 def test_axes_do_without_a_stop():
     servo = FakeServo("all", NAMES)
     axes = wired(servo)

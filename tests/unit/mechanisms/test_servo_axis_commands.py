@@ -261,6 +261,19 @@ def test_a_blend_goes_from_its_start_to_its_end():
     assert blend(start, end, 0.25) == ((0.25, 0.5, 2.0), (0.0,) * 3)
 
 
+def test_at_the_end_of_a_motion_axes_stop_where_it_leaves_them(monkeypatch):
+    bench = ServoBench()
+    state = bench.start()
+    bench.move(a=RATES[0], cycles=4)
+    end = (0.5, -0.25, 0.125)
+    monkeypatch.setattr(bench.axes, "_end_of_motion", lambda: end)
+    assert bench.axes.resting_command(state) == Command(end, (0.0,) * 3)
+    assert bench.axes.released_command() == Command(end, (0.0,) * 3)
+    # The law's own last step: only rate and range bound it, and no acceleration.
+    assert bench.limit(*end).velocities == (RATES[0], -RATES[1], RATES[2])
+    assert bench.axes.limit_hits()["joint acceleration"] == 0
+
+
 def test_an_approach_goes_from_rest_to_rest():
     start, end = Command((0.0, 1.0), ()), Command((1.0, 1.0), ())
     way = ServoAxes.approach_joints

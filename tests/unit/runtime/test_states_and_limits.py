@@ -54,6 +54,18 @@ def test_requests_count_in_the_loop_interrupt_outside_and_are_put_back():
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def test_a_request_while_nothing_may_be_interrupted_interrupts_as_soon_as_it_may():
+    stop = StopRequests()
+    stop.shield()
+    stop.expose()  # nobody asked
+    stop.shield()
+    stop.request()
+    assert stop.count == 1
+    with pytest.raises(KeyboardInterrupt):
+        stop.expose()
+    assert not stop.shielded
+
+
 PRESSURE = st.floats(-1e7, 1e7)
 
 

@@ -1,0 +1,72 @@
+"""The files that decide on safety, and the unit tests that prove each of them on their own.
+
+``python tests/safety_core.py [WORD...]`` measures which lines and branches of each file (or of
+those whose path has one of the words) its own tests run, and ends with 1 if any is left out. It
+needs `coverage`.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+_LOOP = ("runtime/test_loop.py", "runtime/test_loop_ways.py")
+SAFETY_CORE = {
+    # The loop: its states, what it sends, how it stops.
+    "rig/runtime/states.py": ("runtime/test_states_and_limits.py",),
+    "rig/runtime/limits.py": (
+        "runtime/test_states_and_limits.py",
+        "runtime/test_limiter_bounds.py",
+    ),
+    "rig/runtime/loop.py": _LOOP,
+    "rig/runtime/cycle.py": _LOOP,
+    "rig/runtime/pace.py": _LOOP,
+    "rig/runtime/phases.py": _LOOP,
+    "rig/runtime/braking.py": ("runtime/test_braking.py",),
+    "rig/runtime/stop.py": ("runtime/test_states_and_limits.py",),
+    "rig/runtime/stop_recording.py": _LOOP,
+    # Whether it may run at all.
+    "rig/experiment/fault_latch.py": ("experiment/test_fault_latch_file.py",),
+    "rig/experiment/permission.py": ("experiment/test_permission.py",),
+    # What a mechanism watches, and what it lets through.
+    "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
+    "rig/mechanisms/pneumatic/alarms/pressures.py": (
+        "mechanisms/test_pneumatic_pressure_alarm.py",
+    ),
+    "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
+    "rig/mechanisms/servo/axes.py": (
+        "mechanisms/test_servo_axis_checks.py",
+        "mechanisms/test_servo_axis_commands.py",
+        "mechanisms/test_controller_commands.py",
+    ),
+    "rig/mechanisms/servo/asked.py": ("mechanisms/test_controller_commands.py",),
+    # What a bus and its nodes say of themselves.
+    "drivers/can/errors.py": ("drivers/test_bus_errors.py",),
+    "drivers/canopen/heartbeat.py": ("drivers/test_heartbeat_watch.py",),
+    "drivers/canopen/emergency.py": ("drivers/test_emergency_names.py",),
+}
+"""Each file, and its own tests below ``tests/unit``."""
+
+
+def _python(*words: str) -> int:
+    return subprocess.run([sys.executable, "-m", *words], cwd=ROOT, check=False).returncode
+
+
+def measure(path: str) -> bool:
+    """Return whether a file's own tests pass and run every line and branch of it."""
+    tests = [f"tests/unit/{name}" for name in SAFETY_CORE[path]]
+    pytest = ("pytest", "-n", "0", "-q", "-p", "no:randomly", *tests)
+    ran = _python("coverage", "run", "--branch", f"--include={path}", *("-m", *pytest))
+    return _python("coverage", "report", "--show-missing", "--fail-under=100") + ran == 0
+
+
+def main(words: list[str]) -> int:
+    """Measure the files whose path has one of the words, or all."""
+    paths = [path for path in SAFETY_CORE if not words or any(word in path for word in words)]
+    missed = [path for path in paths if not measure(path)]
+    sys.stdout.writelines(f"not proven: {path}\n" for path in missed)
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

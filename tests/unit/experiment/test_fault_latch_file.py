@@ -1,0 +1,112 @@
+"""The file that keeps a fault: written, read, mistrusted, and what a run's end makes of it."""
+
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from rig.experiment.ending import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OK, EXIT_PREFLIGHT, Ending
+from rig.experiment.fault_latch import FaultLatch, FaultLatched
+from rig.hal import DeviceError
+from rig.run_folder import RunStatus
+
+RUN = Path("runs/one")
+
+
+@pytest.fixture
+def latch(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    return FaultLatch("joint")
+
+
+def test_nothing_is_latched_at_first(latch):
+    assert latch.reason() is None
+    latch.check()
+    latch.clear()
+
+
+def test_without_a_state_folder_it_is_the_homes(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    for value in (None, ""):
+        monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+        if value is not None:
+            monkeypatch.setenv("XDG_STATE_HOME", value)
+        assert FaultLatch("joint").path == tmp_path / ".local/state/rig/joint.fault"
+
+
+def test_a_fault_holds_for_other_processes_of_this_rig_alone_until_it_is_cleared(latch):
+    before = datetime.now(UTC).replace(microsecond=0)
+    latch.set(RUN, "der Schlauch ist ab: 40 kPa über allem")
+    kept = json.loads(latch.path.read_text(encoding="utf-8"))
+    assert before <= datetime.fromisoformat(kept["since"]) <= datetime.now(UTC)
+    assert [path.name for path in latch.path.parent.iterdir()] == ["joint.fault"]
+    again = FaultLatch("joint")
+    with pytest.raises(FaultLatched, match=r"kPa über allem \(.*, runs/one\).* rig reset joint$"):
+        again.check()
+    FaultLatch("arm").check()
+    again.clear()
+    latch.check()
+
+
+def test_a_program_that_died_says_so_and_the_last_fault_is_kept(latch):
+    latch.set(RUN)
+    assert "ended while the rig was energised, and did not say why" in str(latch.reason())
+    latch.set(RUN, "it broke")
+    assert str(latch.reason()).startswith("it broke (")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "7", "null", '{"fault": "x"}', '{"fault": "x", "since": 1}', "\udcff"]
+)
+def test_a_file_that_cannot_be_understood_latches_too(latch, text):
+    latch.path.parent.mkdir(parents=True)
+    latch.path.write_bytes(text.encode("utf-8", "surrogateescape"))
+    with pytest.raises(FaultLatched, match="cannot be read"):
+        latch.check()
+
+
+def test_a_file_that_cannot_be_opened_or_removed_latches_too(latch):
+    latch.path.mkdir(parents=True)
+    assert "cannot be read" in str(latch.reason())
+    with pytest.raises(DeviceError, match=r"joint\.fault cannot be removed: "):
+        latch.clear()
+
+
+def blocked(latch):
+    latch.path.parent.parent.mkdir()
+    latch.path.parent.write_text("in the way")
+
+
+def test_a_fault_that_cannot_be_kept_is_an_error_before_anything_is_energised(latch):
+    blocked(latch)
+    with pytest.raises(DeviceError, match=r"a fault could not be latched in .*joint\.fault: "):
+        latch.set(RUN)
+
+
+@pytest.mark.parametrize(
+    "ending",
+    [
+        Ending(RunStatus.OK, EXIT_OK),
+        Ending(RunStatus.FAILED, 1),
+        Ending(RunStatus.ABORTED, EXIT_INTERRUPTED),
+        Ending(RunStatus.FAULTED, EXIT_PREFLIGHT, "never energised"),
+    ],
+)
+def test_a_run_without_a_fault_leaves_nothing(latch, ending):
+    latch.set(RUN)
+    assert latch.settle(RUN, ending) is None
+    assert latch.reason() is None
+
+
+@pytest.mark.parametrize("status", [RunStatus.FAULTED, RunStatus.CRASHED])
+def test_a_runs_fault_is_kept_and_the_operator_told(latch, status):
+    told = latch.settle(RUN, Ending(status, EXIT_FAULT, "valves: it broke"))
+    assert told == "joint is latched: find the cause and mend it, then: rig reset joint"
+    assert str(latch.reason()).startswith("valves: it broke (")
+
+
+def test_a_fault_that_cannot_be_written_any_more_is_told(latch):
+    blocked(latch)
+    told = latch.settle(RUN, Ending(RunStatus.FAULTED, EXIT_FAULT, "it broke"))
+    assert told.startswith("joint: a fault could not be latched")
