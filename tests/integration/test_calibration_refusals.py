@@ -158,6 +158,7 @@ def test_a_regulator_that_saturates_is_told_and_the_old_calibration_stays(config
         configs, "regulators", "--yes", "--on", "sim", "--set", "loop.rate=100",
         "--set", "plant.regulator.supply_pressure=0.36 MPa",
         "--set", "devices.regulators.following.deviation=400 kPa",
+        "--set", "cylinder.alarms.pressure={deviation: 400 kPa, offset: 400 kPa, slow: 100}",
     )  # fmt: skip
     told = capsys.readouterr().err
     assert code == 1
