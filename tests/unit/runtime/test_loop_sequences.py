@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
 from loop_fakes import PERIOD, Bench, FakeBus, FakeMechanism
 
 from rig.experiment.ending import fault_of
@@ -216,6 +222,5 @@ TestSequences.settings = settings(max_examples=150, stateful_step_count=20, dead
 
 @pytest.mark.slow
 def test_ten_thousand_sequences():
-    run = Rig.TestCase()
-    run.settings = settings(max_examples=10_000, stateful_step_count=20, deadline=None)
-    run.runTest()
+    many = settings(max_examples=10_000, stateful_step_count=20, deadline=None)
+    run_state_machine_as_test(Rig, settings=many)
