@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import pytest
-from test_loop import FakeMechanism
+from loop_fakes import FakeMechanism
 
 from controllers.cylinder.types import PairReference
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
