@@ -56,7 +56,8 @@ def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_n
         (violation, *_) = case["ending"]["violations"]
         assert violation["t"] > case["ending"]["broke_at"]
         assert re.fullmatch(
-            r"rig faults run cylinder-slow --only program_killed --seed \d+", case["again"]
+            r"rig faults run cylinder-slow --only program_killed --seed \d+ --configs .*/configs",
+            case["again"],
         )
     folders = [path for path in (tmp_path / "seed-40000").iterdir() if path.is_dir()]
     assert len(folders) == len(failed)
