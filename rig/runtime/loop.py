@@ -261,9 +261,11 @@ class Loop(Generic[State, Reference, Command]):
                 raise (pace.stall or pace.blame(error)) from error
             reference, command, applied = cycle.decide(t, state, stop.count)
             cycle.act(now, applied)
-            cycle.note(pace.tick, t, state, reference, command, applied)
-            if cycle.fault is not None:
-                raise pace.blame(cycle.fault)
+            try:
+                cycle.note(pace.tick, t, state, reference, command, applied)
+            finally:
+                if cycle.fault is not None:  # seen first: a log that fails does not hide it
+                    raise pace.blame(cycle.fault)
             if run.cycles % show_every == 0:
                 limits.watch(t, mechanism.limit_hits())
                 buses.look(t)
