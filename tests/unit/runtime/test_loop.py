@@ -146,6 +146,14 @@ def test_cycle_that_sees_a_fault_is_recorded_with_what_is_sent_then():
     assert bench.device.safe >= SAFE_CYCLES
 
 
+def test_a_log_that_fails_does_not_hide_the_fault_that_was_seen_first():
+    bench = Bench()
+    bench.device.fault_at = 0.0
+    bench.recorder.busy = lambda: (_ for _ in ()).throw(OSError("disk full"))
+    assert isinstance(bench.run().fault, DeviceFault)
+    assert bench.device.safe >= SAFE_CYCLES
+
+
 @pytest.mark.parametrize("where", ["controller", "recorder", "transmit", "interrupt"])
 def test_every_way_out_makes_safe_for_several_cycles(where):
     bench = Bench()
