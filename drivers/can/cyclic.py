@@ -96,6 +96,7 @@ class CyclicCanBus(ABC):
         self._frames_in = 0
         self._frames_out = self._out_before = 0
         self._unknown = 0
+        self._unheard = 0
         self._remote = 0
         self._dropped = 0
         self._another: str | None = None
@@ -145,6 +146,7 @@ class CyclicCanBus(ABC):
         self._bus = bus = self._open_bus()
         self._drain, self._send, self._backlog = bus.drain, bus.send_data, bus.backlog
         self._out_before = self._frames_out
+        self._unheard = 0
         bus.accept(self._handlers)
         self._errors = BusErrors(self.name, self._max_refused)
         self._another = None
@@ -178,12 +180,11 @@ class CyclicCanBus(ABC):
 
     def close(self) -> None:
         """Release the interface. Idempotent."""
-        others = self._held_back()
+        self._count_held_back()
         bus, self._bus = self._bus, None
         if bus is None:
             return
         self._dropped += bus.count_dropped()
-        self._unknown += others
         try:
             if self._farewell is not None and self.has_spoken:
                 self._send(*self._farewell)
@@ -226,10 +227,11 @@ class CyclicCanBus(ABC):
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""
+        self._count_held_back()
         return {
             "frames_in": self._frames_in,
             "frames_out": self._frames_out,
-            "unknown": self._unknown + self._held_back(),
+            "unknown": self._unknown,
             "remote": self._remote,
             "error_frames": self._errors.error_frames,
             "refused": self._errors.refused,
@@ -237,11 +239,15 @@ class CyclicCanBus(ABC):
             "dropped": self._dropped,
         }
 
-    def _held_back(self) -> int:
-        """Return how many unknown frames a kernel's filters hold back, beside the master's own."""
-        if self._bus is None:
-            return 0
-        return max(0, self._bus.count_others() - (self._frames_out - self._out_before))
+    def _count_held_back(self) -> None:
+        """Count the unknown frames that a kernel's filters held back since this was last asked.
+
+        Among them are the master's own, but those that it claims and so would hear.
+        """
+        if self._bus is not None:
+            others = self._bus.count_others() - self._unheard
+            self._unknown += max(0, others)
+            self._unheard = max(0, -others)  # some may be on their way still
 
     def _send_cyclic(self, *more: tuple[int, bytes]) -> bool:
         """Send the active frames, then some more; return whether all were taken. Hot path.
@@ -290,6 +296,7 @@ class CyclicCanBus(ABC):
         """
         self._send(can_id, data)
         self._frames_out += 1
+        self._unheard += can_id not in self._handlers
 
     def wait_until(self, condition: Callable[[], bool], timeout: float) -> bool:
         """Receive until a condition holds; return whether it does.

@@ -144,6 +144,8 @@ def test_an_interface_at_another_bit_rate(tmp_path):
         "can7",
         "--yes",
         "cylinder",
+        "--set",
+        "cylinder.limits.stop_energy=1 J",
         "--out",
         tmp_path / "runs",
         environment=environment,
