@@ -110,6 +110,8 @@ class FaultKind:
         How long it may last; for good without.
     forgives : frozenset of str
         Hazards that no controller could prevent, and that the mechanism must bear.
+    spoils_law : bool
+        Whether it is felt only when the controller is followed, and is counted from then on.
     """
 
     name: str
@@ -122,6 +124,7 @@ class FaultKind:
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None
     forgives: frozenset[str] = frozenset()
+    spoils_law: bool = False
 
 
 def ride(sizes: Sizes, subject: Subject) -> Must:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from pathlib import Path
 
-from rig.faults.table import HEADER, Row
+from rig.faults.table import HEADER, SUM, Row
 from rig.faults.verdict import Verdict
 
 
@@ -28,7 +28,8 @@ def write_page(path: Path, title: str, rows: Sequence[Row], verdicts: Sequence[V
 
 def _table(rows: Sequence[Row]) -> str:
     head = "".join(f"<th>{escape(name)}</th>" for name in HEADER)
-    body = "\n".join(_row(row) for row in rows)
+    sums_first = sorted(rows, key=lambda row: row.fault != SUM)
+    body = "\n".join(_row(row) for row in sums_first)
     return (
         "<section><h2>Reactions</h2>\n<p>A phase shows its cases, and after an exclamation mark "
         "those that went wrong.</p>\n"

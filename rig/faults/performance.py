@@ -168,7 +168,7 @@ class Performance(Watcher):
 
     def _feel(self) -> None:
         """Count the time from the first command that is spoilt."""
-        if not self._is_felt and self._case is not None and "controller" in self._case.first.kind:
+        if not self._is_felt and self._case is not None and self._case.first.row.spoils_law:
             self._broke_at = self._stage.world.time
         self._is_felt = True
 

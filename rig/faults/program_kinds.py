@@ -95,14 +95,18 @@ _LAW = ("controller", "command", "law")
 _HOST = ("paused", "stall", "late", "overrun", "program", "ticks")
 
 KINDS = (
-    FaultKind(name="controller_nan", what="The controller commands what is no number.",
+    FaultKind(name="controller_nan", spoils_law=True,
+              what="The controller commands what is no number.",
               places=partial(_here, _LAW), apply=partial(_spoil, float("nan")), must=safe,
               within=0.02),
-    FaultKind(name="controller_huge", what="The controller commands 1e9.",
+    FaultKind(name="controller_huge", spoils_law=True,
+              what="The controller commands 1e9.",
               places=partial(_here, _LAW), apply=partial(_spoil, 1e9), must=safe, within=0.05),
-    FaultKind(name="controller_raises", what="The controller raises an exception.",
+    FaultKind(name="controller_raises", spoils_law=True,
+              what="The controller raises an exception.",
               places=partial(_here, ("divides",)), apply=_raise, must=safe, within=0.02),
-    FaultKind(name="controller_slow", what="The controller takes many periods once.",
+    FaultKind(name="controller_slow", spoils_law=True,
+              what="The controller takes many periods once.",
               places=partial(_here, _HOST), apply=_dawdle, must=_late_if(0.2), within=0.6,
               magnitude=Magnitudes(5e-3, 0.5, "s"), why="a few late cycles are ridden through"),
     FaultKind(name="host_paused", what="The computer does not run the program for a while.",

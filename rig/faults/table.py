@@ -10,6 +10,7 @@ from rig.faults.case import Moment
 from rig.faults.verdict import Verdict
 
 DOUBLE = "two at once"
+SUM = "all"
 
 
 class Row(NamedTuple):
@@ -43,8 +44,9 @@ class Row(NamedTuple):
     def cells(self) -> tuple[str, ...]:
         """Return it as text."""
         phases = [f"{n}!{wrong}" if wrong else str(n) if n else "" for n, wrong in self.phases]
-        times = [f"{1e3 * value:.3g}" for value in self.reactions]
-        cycles = [f"{value / self.period:.0f}" for value in self.reactions]
+        reactions = self.reactions if len(set(self.reactions)) > 1 else self.reactions[:1]
+        times = [f"{1e3 * value:.3g}" for value in reactions]
+        cycles = [f"{value / self.period:.0f}" for value in reactions]
         return (
             self.fault, self.rig, str(self.n), *phases,
             *[str(count) if count else "" for count in self.wrongs],
@@ -83,8 +85,8 @@ def make_rows(verdicts: Sequence[Verdict]) -> list[Row]:
     if len(rows) < 2:
         return rows
     rigs = dict.fromkeys(verdict.case.rig for verdict in verdicts)
-    sums = [make_row("all", rig, [v for v in verdicts if v.case.rig == rig]) for rig in rigs]
-    return [*rows, *sums, *([make_row("all", "", verdicts)] if len(rigs) > 1 else [])]
+    sums = [make_row(SUM, rig, [v for v in verdicts if v.case.rig == rig]) for rig in rigs]
+    return [*rows, *sums, *([make_row(SUM, "", verdicts)] if len(rigs) > 1 else [])]
 
 
 def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:
