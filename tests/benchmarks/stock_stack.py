@@ -9,6 +9,7 @@ twice.
 
 import struct
 import time
+from collections import deque
 
 import numpy as np
 from stock_control import StockCascade
@@ -19,6 +20,8 @@ from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 PERIOD = 2e-3
 ENERGISE, APPROACH = 1.0, 2.0
 SPAN = 500e3
+ECHO_WITHIN = 5  # cycles
+ECHO_SLACK = 0.5  # counts
 _TYPES = {"i8": 2, "i16": 3, "i32": 4, "u8": 5, "u16": 6, "u32": 7}  # CiA 301, table 44
 _SIZES = {2: 8, 3: 16, 4: 32, 5: 8, 6: 16, 7: 32}
 
@@ -57,7 +60,7 @@ class StockCycle:
         }
         regulators = nodes["regulators"]
         inputs = [variable for pdo in regulators.tpdo.values() for variable in pdo.map]
-        self.monitors, self.stop = inputs[:2], inputs[2]
+        self.monitors, self.echoes, self.stop = inputs[:2], inputs[2:-1], inputs[-1]
         for monitor in self.monitors:
             monitor.od.factor = SPAN / (16384 - 3277)
         self.receive_pdos = [pdo for pdo in regulators.rpdo.values() if pdo.map]
@@ -94,7 +97,8 @@ class StockCycle:
         self.previous = (0.0, 0.0)
         self.followed, self.followed_at = np.zeros(2), np.zeros(2)
         self.applied = np.zeros(2)
-        self.frames = 0
+        self.told = tuple(deque([0], maxlen=ECHO_WITHIN) for _ in self.setpoints)
+        self.frames = self.lost = 0
         self.count = 0
         self.unused = [0.0] * (width - 19)
         self.pack = struct.Struct(f"<4siIQd{width}d").pack
@@ -131,6 +135,8 @@ class StockCycle:
         for setpoint, value in zip(self.setpoints, self.applied, strict=True):
             setpoint.phys = float(value)
         self.supply.raw = 1
+        for setpoint, told in zip(self.setpoints, self.told, strict=True):
+            told.append(setpoint.raw)
         controlled = time.perf_counter()
 
         for pdo in self.receive_pdos:
@@ -197,6 +203,9 @@ class StockCycle:
                     raise RuntimeError("a node does not answer SYNC any more")
         if any(alarm.raw for *_, alarm in self.encoders) or self.stop.raw & 1 != 1:
             raise RuntimeError("an alarm or the emergency stop")
+        for echo, told in zip(self.echoes, self.told, strict=True):
+            # Counted only: what is fed echoes the setpoints of the recorded run, not these.
+            self.lost += all(abs(echo.raw - setpoint) > ECHO_SLACK for setpoint in told)
         if np.any(pressure < self.broken_below):
             raise RuntimeError("a monitor's wire is broken")
         if not np.all(np.isfinite(extension)):
