@@ -73,9 +73,8 @@ class SetpointEcho:
     def _is_among(self, demand: float) -> bool:
         sent, slack = self._sent, self._slack
         if self._exact:
-            if abs(demand - sent[-1]) <= slack:  # as good as always
-                return True
-            return any(abs(demand - setpoint) <= slack for setpoint in sent)
+            # As good as always it is the very number.
+            return demand in sent or any(abs(demand - setpoint) <= slack for setpoint in sent)
         return min(sent) - slack <= demand <= max(sent) + slack
 
     @property
