@@ -1,1 +1,81 @@
-"""Hardware-in-the-loop rig controller: one program for a lab's research rigs."""
+"""Hardware-in-the-loop rig controller: one program for a lab's research rigs.
+
+From Python::
+
+    import rig
+
+    run = rig.run("cylinder-sine", on="sim", seed=3)
+    print(run.metrics)
+    run.figure("tracking")
+
+What is offered here is imported when it is used first.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rig.hal import (
+        ConfigurationError,
+        DeviceError,
+        RigError,
+        SafetyError,
+    )
+    from rig.runtime.stop import StopRequests
+    from rig.scripting.calibrating import calibrate
+    from rig.scripting.checking import check
+    from rig.scripting.comparing import compare
+    from rig.scripting.errors import (
+        BoundMissed,
+        NotEnergised,
+        RunError,
+        RunFaulted,
+        RunInterrupted,
+    )
+    from rig.scripting.recorded import Run
+    from rig.scripting.running import load, run, runs
+
+_OFFERED = {
+    **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
+    "Run": "rig.scripting.recorded",
+    "check": "rig.scripting.checking",
+    "calibrate": "rig.scripting.calibrating",
+    "compare": "rig.scripting.comparing",
+    "StopRequests": "rig.runtime.stop",
+    **dict.fromkeys(
+        ("RunError", "BoundMissed", "NotEnergised", "RunFaulted", "RunInterrupted"),
+        "rig.scripting.errors",
+    ),
+    **dict.fromkeys(("RigError", "ConfigurationError", "DeviceError", "SafetyError"), "rig.hal"),
+}
+
+__all__ = [
+    "BoundMissed",
+    "ConfigurationError",
+    "DeviceError",
+    "NotEnergised",
+    "RigError",
+    "Run",
+    "RunError",
+    "RunFaulted",
+    "RunInterrupted",
+    "SafetyError",
+    "StopRequests",
+    "calibrate",
+    "check",
+    "compare",
+    "load",
+    "run",
+    "runs",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name not in _OFFERED:
+        raise AttributeError(f"module 'rig' has no attribute {name!r}")
+    found: object = getattr(importlib.import_module(_OFFERED[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_OFFERED})

@@ -42,8 +42,8 @@ def announcement(plan: Plan) -> Iterator[str]:
 
     experiment, rig = plan.experiment, plan.profile.name
     yield (
-        f"{experiment.name} moves {rig} for {plan.motion.duration:.1f} s, after an approach of "
-        f"{experiment.approach:.1f} s from where it stands:"
+        f"{experiment.name} moves {rig} for {plan.motion.foreseen.duration:.1f} s, after an "
+        f"approach of {experiment.approach:.1f} s from where it stands:"
     )
     try:
         extents = extent_of(plan)

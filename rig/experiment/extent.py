@@ -20,7 +20,7 @@ def extent_of(plan: Plan) -> list[tuple[Column, float, float]]:
     plan : Plan
         It is not followed: nothing moves, not even in simulation.
     """
-    motion = plan.motion
+    motion = plan.motion.foreseen
     with build_rig(plan.profile, Backend.SIM) as rig:
         mechanism = rig.mechanism
         mechanism.attach(copy.copy(plan.controller), motion)

@@ -111,7 +111,7 @@ def longest_freeze(plan: Plan, say: Callable[[str], None] = lambda _: None) -> F
     profile = plan.profile
     view = REGISTRY.load("mechanism", profile.mechanism)
     settings = profile.mechanism_settings
-    found: Freeze | None = view.longest_freeze(settings, plan.motion, profile.loop.period)
+    found: Freeze | None = view.longest_freeze(settings, plan.motion.foreseen, profile.loop.period)
     if found is not None:
         return found
     if profile.plant is None:
@@ -152,7 +152,7 @@ class _Trial:
 
     def _go_through(self, plan: Plan) -> list[_Instant]:
         """Follow the motion, or its fastest stretches, and keep the plant's instants."""
-        rig, motion = self._rig, plan.motion
+        rig, motion = self._rig, plan.motion.foreseen
         view = type(rig.mechanism)
         excerpts = None
         if motion.duration > WHOLE:

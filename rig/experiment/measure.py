@@ -46,6 +46,11 @@ class Samples:
         self.t = log.column("reference.time")[self._run]
         self.period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
+    @property
+    def log(self) -> "Log":
+        """The whole log."""
+        return self._log
+
     def controlled(self, name: str, energised: float) -> "Array":
         """Return a column of every cycle that was controlled, shape (n,).
 

@@ -107,6 +107,7 @@ def evaluate(
     specs: Mapping[str, MetricRequest],
     facts: Mapping[str, Fact] | None = None,
     mechanism: str | None = None,
+    measures: Mapping[str, Measure] | None = None,
 ) -> list[Metric]:
     """Compute an experiment's metrics from a log.
 
@@ -123,6 +124,8 @@ def evaluate(
         What the motion's plan says of it; a metric may name one instead of a measure.
     mechanism : str, optional
         Whose own measures go before those of others.
+    measures : mapping of str to Measure, optional
+        More measures than are installed; they go before all others.
 
     Returns
     -------
@@ -136,7 +139,7 @@ def evaluate(
         to its end: a number over half of it would look like one over all of it.
     """
     samples = Samples(log)
-    known = known_measures(mechanism)
+    known = {**known_measures(mechanism), **(measures or {})}
     metrics: list[Metric] = []
     for name, spec in specs.items():
         measure_name = spec.measure or name

@@ -1,10 +1,11 @@
 """An experiment with its profile, checked as a whole before anything is opened."""
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from rig.assembly import REGISTRY, check_profile, make_controller, plan_motion
@@ -37,12 +38,18 @@ class Plan(NamedTuple):
         The experiment's, with the profile's settings.
     motion : Motion
         What the controller follows.
+    measures : mapping of str to Measure
+        Beside those that are installed.
+    sources : mapping of str to str
+        Text of code that no package holds, by its path in the run folder.
     """
 
     experiment: Experiment
     profile: Profile
     controller: Any
     motion: Motion[Any]
+    measures: Mapping[str, Measure] = MappingProxyType({})
+    sources: Mapping[str, str] = MappingProxyType({})
 
 
 def load_plan(

@@ -11,6 +11,7 @@ from typing import Any
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import Plan
+from rig.hal import MotionRefused
 from rig.runtime.loop import Loop
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
@@ -61,6 +62,45 @@ def rehearse(plan: Plan) -> None:
         fault = error
     if fault is not None:
         _LOG.warning("the rehearsal in simulation ended early: %s", fault)
+
+
+def play_through(plan: Plan) -> None:
+    """Go through a whole plan on a simulated rig, and leave nothing behind.
+
+    Raises
+    ------
+    MotionRefused
+        It ended in a fault.
+    """
+    states = StateMachine()
+    states.move(RigState.IDLE)
+    controller = copy.copy(plan.controller)
+    with build_rig(plan.profile, Backend.SIM) as rig:
+        rig.mechanism.attach(controller, plan.motion)
+        plan.motion.attach(rig.devices)
+        rig.arm(torque=plan.motion.has_torque)
+        loop: Loop[Any, Any, Any] = Loop(
+            clock=rig.clock,
+            period=plan.profile.loop.period,
+            buses=tuple(rig.buses.values()),
+            devices=tuple(rig.devices.values()),
+            mechanism=rig.mechanism,
+            controller=controller,
+            states=states,
+        )
+        done = loop.run(
+            plan.motion, recorder=_Nothing(), events=_unheard, stop=StopRequests(),
+            timings=Timings(approach=plan.experiment.approach),
+        )  # fmt: skip
+    if done.fault is not None:
+        raise MotionRefused(f"in rehearsal on the simulated rig: {done.fault}") from done.fault
+
+
+class _Nothing:
+    """Records nothing."""
+
+    def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
+        pass
 
 
 class _Few:

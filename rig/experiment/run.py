@@ -74,6 +74,7 @@ def run_experiment(
     report: bool = True,
     frames: str | None = None,
     heed_calibrations: bool = True,
+    stop: StopRequests | None = None,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -98,6 +99,8 @@ def run_experiment(
     heed_calibrations : bool
         Refuse hardware whose calibration does not hold, or whose devices act too late by
         themselves; False: it is being calibrated.
+    stop : StopRequests, optional
+        By which another thread may ask for the end.
 
     Returns
     -------
@@ -115,7 +118,8 @@ def run_experiment(
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
-    with StopRequests() as stop:
+    stop = stop or StopRequests()
+    with stop:
         if backend is Backend.HARDWARE and heed_calibrations:
             refuse_slow_devices(plan, watcher.said)
         if not backend.is_simulated:
@@ -208,21 +212,25 @@ def _create_folder(
             "experiment.yaml": dump_resolved(experiment),
             **calibrations,
             **data_sheets,
+            **plan.sources,
         },
         seed=profile.simulation.seed if backend.is_simulated else None,
         command=[shlex.join(command)],
     )
-    folder.write_json(
-        EVALUATION,
-        evaluation_as_json(
-            plan.motion.segments,
-            experiment.metrics,
-            experiment.figures,
-            plan.motion.facts,
-            profile.mechanism,
-        ),
-    )
+    _write_evaluation(plan, folder)
     return folder
+
+
+def _write_evaluation(plan: Plan, folder: RunFolder) -> None:
+    experiment = plan.experiment
+    content = evaluation_as_json(
+        plan.motion.segments,
+        experiment.metrics,
+        experiment.figures,
+        plan.motion.facts,
+        plan.profile.mechanism,
+    )
+    folder.write_json(EVALUATION, content)
 
 
 def _text_of(path: Path) -> str:
@@ -362,6 +370,8 @@ def _finish(
     metrics: list[Metric] = []
     try:
         log = read_log(folder.log_path)
+        if plan.motion.watches:  # what it came to is known only now
+            _write_evaluation(plan, folder)
         if len(log.cycle):
             folder.write_timing(summarise_timing(log) | stopwatch.facts)
         if ending.status is RunStatus.OK:
@@ -371,6 +381,7 @@ def _finish(
                 plan.experiment.metrics,
                 plan.motion.facts,
                 plan.profile.mechanism,
+                plan.measures,
             )
             folder.write_metrics(metrics)
     except (RunFolderError, LogError) as error:

@@ -61,6 +61,35 @@ class Freeze(NamedTuple):
     what: str
 
 
+class Targets(Protocol[Reference]):
+    """Where a mechanism may be sent by numbers: what a plan written in Python needs of it."""
+
+    words: str
+    """What the numbers of a target are, for messages: names and units."""
+
+    @abstractmethod
+    def rest(self, target: Sequence[float]) -> Reference:
+        """Return the reference to rest at a target; ValueError if it is none."""
+        ...
+
+    @abstractmethod
+    def moving(
+        self, before: Reference, here: Reference, after: Reference, step: float
+    ) -> Reference:
+        """Return the reference of a motion through three rests that are `step` seconds apart."""
+        ...
+
+    @abstractmethod
+    def distance(self, one: Reference, other: Reference) -> float:
+        """Return how far two rests are apart, in the unit of a target."""
+        ...
+
+    @abstractmethod
+    def check(self, reference: Reference) -> None:
+        """Raise ValueError, with number and bound, if the rig must not be there or move so."""
+        ...
+
+
 class Mechanism(Protocol[Settings, State, Reference, Command]):
     """The loop's view of a rig's mechanics.
 
@@ -206,6 +235,19 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         -------
         Freeze or None
             None: it takes the plant to find out.
+        """
+        return None
+
+    @classmethod
+    def targets(cls, settings: Settings, controller: Any) -> Targets[Reference] | None:
+        """Return where the mechanism may be sent by numbers; None: it cannot.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        controller : Controller
+            The one that will follow.
         """
         return None
 

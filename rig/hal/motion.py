@@ -1,9 +1,9 @@
 """What the loop follows, and the stretches of it that metrics look at."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from rig.hal.devices import Device
 
@@ -44,6 +44,13 @@ class Fact(NamedTuple):
     description: str
 
 
+class Note(NamedTuple):
+    """Something that a motion wants written among the run's events: its kind, and a sentence."""
+
+    kind: str
+    message: str
+
+
 class Motion(Protocol[Followed]):
     """A desired motion, from rest to rest. Inherit it: what has a default need not be written."""
 
@@ -55,6 +62,9 @@ class Motion(Protocol[Followed]):
 
     facts: Mapping[str, Fact] = MappingProxyType({})
     """What is known of it before it is done."""
+
+    watches: bool = False
+    """Whether it depends on what is measured: `see` is called, and its end may come at any time."""
 
     @property
     @abstractmethod
@@ -72,6 +82,25 @@ class Motion(Protocol[Followed]):
     def at(self, t: float) -> Followed:
         """Return the reference at `t` seconds, 0 … `duration`."""
         ...
+
+    @property
+    def foreseen(self) -> "Motion[Followed]":
+        """What is known of it beforehand: itself, unless it depends on what is measured."""
+        return self
+
+    def see(self, t: float, state: Any, here: Any) -> Sequence[Note]:
+        """Take what was measured, right before `at` is asked for the same instant.
+
+        Parameters
+        ----------
+        t : float
+            Since the reference started, s.
+        state : State
+            What the controller will be told.
+        here : Reference
+            The reference that the rig fulfils as it stands.
+        """
+        return ()
 
     def attach(self, devices: Mapping[str, Device]) -> None:
         """Take the rig's devices by name; for a motion that works valves beside the setpoints."""

@@ -2,12 +2,16 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rig.hal import ConfigurationError
 from rig.report.comparison import ComparisonRow
 from rig.report.comparisons import comparison_of
 from rig.report.data import RunData, load_run, origin_of
 from rig.report.style import paper_style, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def compare_metrics(paths: Sequence[str | Path], labels: Sequence[str]) -> list[ComparisonRow]:
@@ -75,6 +79,13 @@ def draw_comparison(
         figure = comparison_of(runs).draw(runs, labels)
         origins = dict.fromkeys(origin_of(run.folder) for run in runs)
         return save(figure, Path(folder), "compare", "; ".join(origins))
+
+
+def comparison_figure(paths: Sequence[str | Path], labels: Sequence[str]) -> "Figure":
+    """Return what `draw_comparison` draws, for who shows it instead of keeping it."""
+    runs = _load(paths, labels)
+    with paper_style():
+        return comparison_of(runs).draw(runs, labels)
 
 
 def _load(paths: Sequence[str | Path], labels: Sequence[str]) -> list[RunData]:

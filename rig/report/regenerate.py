@@ -1,5 +1,6 @@
 """Everything that can be derived from a run's log, derived again."""
 
+import math
 from pathlib import Path
 from typing import cast
 
@@ -9,6 +10,7 @@ from rig.experiment.metrics import (
     evaluate,
     evaluation_from_json,
     facts_from_json,
+    known_measures,
 )
 from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
@@ -66,11 +68,27 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     content = folder.read_json(EVALUATION)
     segments, specs = evaluation_from_json(content)
     facts = facts_from_json(content)
+    mechanism = mechanism_of(folder)
+    known = {*known_measures(mechanism), *facts}
     metrics: list[Metric] = []
     problems: list[str] = []
     for name, spec in specs.items():
+        if (spec.measure or name) not in known:  # it came with the run, and so did its value
+            metrics += _as_recorded(folder, spec.measure or name)
+            continue
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts, mechanism_of(folder))
+            metrics += evaluate(log, segments, {name: spec}, facts, mechanism)
         except MetricError as error:
             problems.append(str(error))
     return metrics, problems
+
+
+def _as_recorded(folder: RunFolder, measure: str) -> list[Metric]:
+    return [
+        Metric(
+            row["name"], math.nan if row["value"] is None else row["value"], row["unit"],
+            row["bound"], row["bound_kind"], measure, row["segments"],
+        )
+        for row in folder.metrics()
+        if row.get("measure") == measure
+    ]  # fmt: skip

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rig.hal import CyclicBus
-from rig.runtime.pace import Events
+from rig.runtime.phases import Events
 
 _TOLD: Final = {
     "lost": "error frames say that the controller has lost frames",

@@ -17,8 +17,8 @@ from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
 from rig.runtime.bus_watch import BusWatch
 from rig.runtime.cycle import TIMING_COLUMNS, Cycle, Recorder, log_values_of
-from rig.runtime.pace import Events, Pace
-from rig.runtime.phases import Phase, Phases, Timings
+from rig.runtime.pace import Pace
+from rig.runtime.phases import Events, Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 from rig.runtime.stop_recording import StopRecording
@@ -261,6 +261,8 @@ class Loop(Generic[State, Reference, Command]):
                 raise (pace.stall or pace.blame(error)) from error
             reference, command, applied = cycle.decide(t, state, stop.count)
             cycle.act(now, applied)
+            if run.notes:
+                run.hand_over(events)
             try:
                 cycle.note(pace.tick, t, state, reference, command, applied)
             finally:

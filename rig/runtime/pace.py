@@ -9,10 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rig.hal import DeviceError, LoopStalled, StaleReading
-from rig.runtime.phases import Phases
-
-Events = Callable[[float, str, str, dict[str, Any]], None]
-"""``events(t, kind, message, data)``."""
+from rig.runtime.phases import Events, Phases
 
 _NOTICED = 2
 """Ticks missed by which a device may have tripped: its watchdogs are longer than two periods."""

@@ -1,14 +1,18 @@
 """One run's way from energising over the approach and its motion to an orderly release."""
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, Generic, NamedTuple
 
 from rig.hal import SafetyError
 from rig.hal.controller import Controller
 from rig.hal.mechanism import Command, Mechanism, Reference, State
-from rig.hal.motion import Motion
+from rig.hal.motion import Motion, Note
 from rig.runtime.braking import Braking
 from rig.runtime.states import RigState, StateMachine
+
+Events = Callable[[float, str, str, dict[str, Any]], None]
+"""``events(t, kind, message, data)``."""
 
 
 class Phase(IntEnum):
@@ -82,12 +86,15 @@ class Phases(Generic[State, Reference, Command]):
         self.cycles = 0
         self.missed = 0
         self.finished = False
+        self.notes: list[Note] = []
+        """What the motion wants written among the events, until somebody has taken it."""
         self._mechanism = mechanism
         self._controller = controller
         self._states = states
         self._period = period
         self._motion = motion
         self._waits = motion.waits
+        self._watches = motion.watches
         self._timings = timings
         self._controlling = False
         self._resting: Command | None = None
@@ -108,6 +115,8 @@ class Phases(Generic[State, Reference, Command]):
         held = self.missed * self._period if self._waits else 0.0
         self.reference_time = reference_time = t - energise - approach - held
 
+        if self._watches and reference_time >= 0.0 and self.phase is not _STOP and not stops:
+            self._show(reference_time, state)
         if self.phase is not _STOP and (stops or reference_time >= self.duration):
             self._begin_stop(t)
         if stops > 1:  # at once: the loop makes safe right after this cycle
@@ -129,6 +138,18 @@ class Phases(Generic[State, Reference, Command]):
             self.phase = _RUN
             reference = self._motion.at(reference_time)
         return reference, self._control(state, reference)
+
+    def hand_over(self, events: Events) -> None:
+        """Give what the motion wants written to the run's events."""
+        for kind, message in self.notes:
+            events(self.t, kind, message, {})
+        self.notes.clear()
+
+    def _show(self, reference_time: float, state: State) -> None:
+        """Let a motion that depends on it see what was measured; it may end here."""
+        motion = self._motion
+        self.notes += motion.see(reference_time, state, self._mechanism.reference_of(state))
+        self.duration = motion.duration
 
     def _approach(self, t: float) -> Reference:
         assert self._home is not None

@@ -1,6 +1,7 @@
 """Ctrl-C and SIGTERM, turned into requests that the cycle reads at a safe point."""
 
 import signal
+import threading
 from types import FrameType, TracebackType
 
 
@@ -10,6 +11,8 @@ class StopRequests:
     Once asks for an orderly stop (the rig is lowered to its safe state at a bounded rate),
     twice for the safe state at once. While the loop is not `in_loop` (connecting, say, where
     nothing moves and a call may block) a request raises `KeyboardInterrupt` as usual.
+
+    Signals come to the main thread only: in another one nobody but `request` asks for a stop.
     """
 
     def __init__(self) -> None:
@@ -38,6 +41,8 @@ class StopRequests:
             raise KeyboardInterrupt
 
     def __enter__(self) -> "StopRequests":
+        if threading.current_thread() is not threading.main_thread():
+            return self
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             self._previous[number] = signal.signal(number, self._handle)
         return self

@@ -24,6 +24,7 @@ from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
 from rig.mechanisms.servo.settings import ServoLimits
+from rig.mechanisms.servo.targets import AxisTargets
 
 SETTLING = 0.25
 """For how long the end of the motion is held before the run ends, s: the arm gets there later."""
@@ -143,6 +144,11 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
+
+    @classmethod
+    def targets(cls, settings: ArmSettings, controller: Any) -> AxisTargets[ArmReference]:
+        """Return where the six axes may be sent."""
+        return AxisTargets(cls.axis_limits(settings), ArmReference)
 
     def attach(self, controller: Any, motion: Motion[ArmReference]) -> None:
         """Take the motion if it is one that a law has planned."""

@@ -21,6 +21,7 @@ from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.cylinder.targets import PairTargets
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -165,6 +166,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     def pace_of(cls, reference: PairReference) -> float:
         """Return the speed, m/s."""
         return abs(reference.velocity)
+
+    @classmethod
+    def targets(cls, settings: CylinderSettings, controller: Any) -> PairTargets:
+        """Return where the pair may be sent by a number."""
+        return PairTargets(settings.limits)
 
     def attach(self, controller: EstimatingPairController, motion: Motion[PairReference]) -> None:
         """Take the controller whose estimate is logged."""

@@ -30,8 +30,9 @@ from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint.motion import JointMotion, PosedMotion, plan_motion
+from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -177,6 +178,11 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
     def pace_of(cls, reference: JointReference) -> float:
         """Return the speed of the ring's axis, rad/s."""
         return math.hypot(*reference.velocity)
+
+    @classmethod
+    def targets(cls, settings: JointSettings, controller: Any) -> PoseTargets:
+        """Return where the ring may be sent by its tilt and azimuth."""
+        return PoseTargets(checker(settings, controller))
 
     def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
         """Take the controller whose estimate is logged, and the motion if its poses are known."""

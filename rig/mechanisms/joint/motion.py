@@ -155,9 +155,13 @@ def plan_motion(
     if not isinstance(reference, JointDrawing):
         raise ValueError("the reference is not one for the spherical joint")
     motion = JointMotion(reference, period)
-    check = FeasibilityCheck(
-        settings.geometry, bounds_of(settings), controller.settings.wire, controller.settings.pose
-    )
+    check = checker(settings, controller)
     refuse(check.check_geometry())
     motion.plan(settings, check)
     return motion
+
+
+def checker(settings: JointSettings, controller: Any) -> FeasibilityCheck:
+    """Return the check of poses for the wires and poses that a controller believes in."""
+    its = controller.settings
+    return FeasibilityCheck(settings.geometry, bounds_of(settings), its.wire, its.pose)

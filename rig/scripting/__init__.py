@@ -1,0 +1,1 @@
+"""Experiments from Python: what ``import rig`` offers."""

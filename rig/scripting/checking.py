@@ -1,0 +1,38 @@
+"""`rig.check`: whether a profile or an experiment is valid, and what it says."""
+
+from pathlib import Path
+
+from rig.scripting.running import Settings, as_options
+
+
+def check(
+    source: str | Path,
+    *,
+    set: Settings | None = None,
+    configs: str | Path | None = None,
+) -> dict[str, object]:
+    """Return what a profile or an experiment says, as ``rig check --json`` prints it.
+
+    Parameters
+    ----------
+    source : str or Path
+        A name from ``rig list``, or the path of a YAML file.
+    set : mapping, optional
+        Settings by their dotted names.
+    configs : Path, optional
+        The folder of the configurations.
+
+    Raises
+    ------
+    ConfigurationError
+        It is not valid; with every error of the file, or why its motion cannot be.
+    """
+    from rig.cli.check import load
+    from rig.cli.description import describe_experiment, describe_frozen, describe_profile
+
+    profile, plan = load(str(source), as_options(set), None if configs is None else Path(configs))
+    described = dict(describe_profile(profile))
+    if plan is None:
+        return described
+    experiment = {**describe_experiment(plan), "frozen": describe_frozen(plan)}
+    return {"experiment": experiment, "profile": described}

@@ -1,0 +1,198 @@
+"""`rig.run`, `rig.load`, `rig.runs`: an experiment from Python, and what it left behind."""
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from rig.assembly import Backend, backend_of
+from rig.experiment.plan import Plan, load_plan
+from rig.experiment.run import run_experiment
+from rig.experiment.watcher import Watcher
+from rig.hal import ConfigurationError
+from rig.run_folder import MANIFEST
+from rig.runtime.stop import StopRequests
+from rig.scripting.errors import error_of
+from rig.scripting.given import MOST, Given
+from rig.scripting.played import PlanFunction
+from rig.scripting.recorded import Run
+
+Settings = Mapping[str, object]
+"""Settings by their dotted names, as ``--set`` takes them: numbers in SI, or text with a unit."""
+
+
+def run(
+    experiment: str | Path,
+    *,
+    on: str = "virtual",
+    set: Settings | None = None,
+    seed: int | None = None,
+    rig: str | None = None,
+    controller: object | None = None,
+    reference: object | None = None,
+    plan: PlanFunction | None = None,
+    measures: Mapping[str, object] | None = None,
+    most: float = MOST,
+    out: str | Path = "runs",
+    configs: str | Path | None = None,
+    frames: str | None = None,
+    report: bool = False,
+    strict: bool = False,
+    yes: str | None = None,
+    progress: bool | None = None,
+    stop: StopRequests | None = None,
+) -> Run:
+    """Run an experiment, and return what was recorded.
+
+    The same checks, limits and stops hold as on the command line. Ctrl-C stops the rig in an
+    orderly way, a second one at once.
+
+    Parameters
+    ----------
+    experiment : str or Path
+        A name from ``rig list``, or the path of a YAML file.
+    on : str
+        ``sim``, ``virtual``, ``vcan``, ``hardware`` or an interface, as ``rig run --on``.
+    set : mapping, optional
+        Settings of the experiment or its rig: ``{"reference.amplitude": "4 mm"}``.
+    seed : int, optional
+        Of the simulation.
+    rig : str, optional
+        Another rig than the experiment's.
+    controller : str or object, optional
+        Another controller of the profile by its name; or one in Python, see `Given`.
+    reference, plan, measures : optional
+        Python objects in the place of what the experiment names, see `Given`.
+    most : float
+        A plan that takes longer is a fault, s.
+    out : Path
+        Where run folders live.
+    configs : Path, optional
+        The folder of the configurations.
+    frames : str, optional
+        Record the CAN buses: ``"log"``, ``"asc"`` or ``"blf"``.
+    report : bool
+        Draw all figures and the page now; `Run.figure` and `Run.report` do it when asked for.
+    strict : bool
+        A bound that is missed is an exception, too.
+    yes : str, optional
+        The rig's name: hardware moves without asking at the terminal.
+    progress : bool, optional
+        Show the progress line; default: on a terminal.
+    stop : StopRequests, optional
+        ``rig.StopRequests()``, whose `request` stops the run from another thread, where no
+        Ctrl-C arrives.
+
+    Raises
+    ------
+    ConfigurationError
+        A file, a setting, an object or the motion cannot be; nothing was opened.
+    NotEnergised, RunFaulted, RunInterrupted, BoundMissed
+        How the run ended; each has it as `run`. All are `RunError`.
+    DeviceError
+        Hardware was refused before there was a run.
+    """
+    options = as_options(set)
+    if isinstance(controller, str):
+        options.append(f"controller={controller}")
+        controller = None
+    if seed is not None:
+        options.append(f"simulation.seed={seed}")
+    backend = backend_of(on)
+    loaded = load_plan(experiment, options, rig=rig, configs=_path(configs))
+    given = Given(reference, plan, controller, measures)
+    checked = given.applied(loaded, rehearse=backend is not Backend.SIM, most=most)
+    _ask(checked, on, yes)
+    if rig is not None:
+        options.append(f"rig={rig}")
+    with _shown(checked, on, progress) as watcher:
+        result = run_experiment(
+            checked, backend, Path(out),
+            on=None if on in list(Backend) else on, overrides=options, watcher=watcher,
+            report=report, frames=frames, stop=stop,
+        )  # fmt: skip
+    recorded = Run(result.path)
+    error = error_of(recorded, result.exit_code, strict=strict)
+    if error is not None:
+        raise error
+    return recorded
+
+
+def load(path: str | Path) -> Run:
+    """Return a recorded run.
+
+    Raises
+    ------
+    ConfigurationError
+        It is no run folder.
+    """
+    return Run(path)
+
+
+def runs(out: str | Path = "runs", where: Callable[[Run], bool] | None = None) -> list[Run]:
+    """Return recorded runs, the newest first.
+
+    Parameters
+    ----------
+    out : Path
+        Where run folders live.
+    where : callable, optional
+        ``where(run)``: whether it is wanted.
+    """
+    found = []
+    for path in sorted(Path(out).glob(f"*/{MANIFEST}"), reverse=True):
+        try:
+            one = Run(path.parent)
+        except ConfigurationError:
+            continue  # a manifest that is torn is no run that could be looked at
+        if where is None or where(one):
+            found.append(one)
+    return found
+
+
+def as_options(settings: Settings | None) -> list[str]:
+    """Return settings as the options of the command line."""
+    return [f"{key}={_as_text(value)}" for key, value in (settings or {}).items()]
+
+
+def _as_text(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(_as_text(item) for item in value)}]"
+    return str(value)
+
+
+def _path(path: str | Path | None) -> Path | None:
+    return None if path is None else Path(path)
+
+
+def _ask(plan: Plan, on: str, yes: str | None) -> None:
+    """Say what hardware will do, and have somebody type the rig's name.
+
+    Raises
+    ------
+    ConfigurationError
+        Nobody has.
+    """
+    from rig.cli.announce import may_move
+
+    if not may_move(plan, on, yes):
+        name = plan.profile.name
+        raise ConfigurationError(f"nothing was moved: give the rig's name, yes={name!r}")
+
+
+@contextlib.contextmanager
+def _shown(plan: Plan, on: str, progress: bool | None) -> Iterator[Watcher]:
+    """Yield who tells of the run as it goes on."""
+    from rig.cli.progress import ProgressLine
+
+    if progress is None:
+        progress = sys.stderr.isatty()
+    if not progress:
+        yield Watcher()
+        return
+    with ProgressLine(plan.experiment.name, on) as line:
+        yield line
