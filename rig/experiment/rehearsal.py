@@ -7,6 +7,7 @@ milliseconds to seconds: on a rig the loop would have stalled. Simulated time do
 import copy
 import logging
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from rig.assembly import Backend, build_rig
@@ -36,28 +37,10 @@ def rehearse(plan: Plan) -> None:
         A copy of its controller holds the simulated rig; what both share is reset when control of
         the rig itself begins.
     """
-    states = StateMachine()
-    states.move(RigState.IDLE)
     stop = StopRequests()
-    # What it believes of the simulated rig stays with the copy, and out of the other rig's log.
-    controller = copy.copy(plan.controller)
     fault: Exception | None
     try:
-        with build_rig(plan.profile, Backend.SIM) as rig:
-            rig.mechanism.attach(controller, plan.motion)
-            rig.arm(torque=plan.motion.has_torque)
-            loop: Loop[Any, Any, Any] = Loop(
-                clock=rig.clock,
-                period=plan.profile.loop.period,
-                buses=tuple(rig.buses.values()),
-                devices=tuple(rig.devices.values()),
-                mechanism=rig.mechanism,
-                controller=controller,
-                states=states,
-            )
-            fault = loop.run(
-                plan.motion, recorder=_Few(stop), events=_unheard, stop=stop, timings=_TIMINGS
-            ).fault
+        fault = _run(plan, _TIMINGS, stop, _Silent(stop, _CYCLES))
     except Exception as error:  # a rig's computer may lack what simulation takes
         fault = error
     if fault is not None:
@@ -65,15 +48,26 @@ def rehearse(plan: Plan) -> None:
 
 
 def play_through(plan: Plan) -> None:
-    """Go through a whole plan on a simulated rig, and leave nothing behind.
+    """Go through a whole plan on a simulated rig in which nothing breaks; nothing is left behind.
 
     Raises
     ------
     MotionRefused
         It ended in a fault.
     """
+    healthy = replace(plan.profile, simulation=replace(plan.profile.simulation, faults=()))
+    timings = Timings(approach=plan.experiment.approach)
+    stop = StopRequests()
+    fault = _run(plan._replace(profile=healthy), timings, stop, _Silent(stop))
+    if fault is not None:
+        raise MotionRefused(f"in rehearsal on the simulated rig: {fault}") from fault
+
+
+def _run(plan: Plan, timings: Timings, stop: StopRequests, silent: "_Silent") -> Exception | None:
+    """Run a plan on a simulated rig; return the fault that ended it."""
     states = StateMachine()
     states.move(RigState.IDLE)
+    # What it believes of the simulated rig stays with the copy, and out of the other rig's log.
     controller = copy.copy(plan.controller)
     with build_rig(plan.profile, Backend.SIM) as rig:
         rig.mechanism.attach(controller, plan.motion)
@@ -88,29 +82,20 @@ def play_through(plan: Plan) -> None:
             controller=controller,
             states=states,
         )
-        done = loop.run(
-            plan.motion, recorder=_Nothing(), events=_unheard, stop=StopRequests(),
-            timings=Timings(approach=plan.experiment.approach),
-        )  # fmt: skip
-    if done.fault is not None:
-        raise MotionRefused(f"in rehearsal on the simulated rig: {done.fault}") from done.fault
+        return loop.run(
+            plan.motion, recorder=silent, events=_unheard, stop=stop, timings=timings
+        ).fault
 
 
-class _Nothing:
-    """Records nothing."""
+class _Silent:
+    """Records nothing; may ask for the end after some cycles."""
 
-    def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
-        pass
-
-
-class _Few:
-    """Records nothing, and asks for the end after some cycles."""
-
-    def __init__(self, stop: StopRequests) -> None:
+    def __init__(self, stop: StopRequests, cycles: int | None = None) -> None:
         self._stop = stop
+        self._cycles = cycles
 
     def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
-        if cycle >= _CYCLES:
+        if self._cycles is not None and cycle >= self._cycles:
             self._stop.request()
 
 

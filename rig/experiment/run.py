@@ -32,7 +32,7 @@ from rig.run_folder import EVALUATION, RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import LogError, read_log
 from rig.runtime.loop import Loop, Outcome
-from rig.runtime.phases import Phase, Timings
+from rig.runtime.phases import Timings
 from rig.runtime.realtime import real_time
 from rig.runtime.recorder import LogRecorder
 from rig.runtime.states import RigState, StateMachine
@@ -398,6 +398,3 @@ class _Events:
     def __call__(self, t: float | None, kind: str, message: str, data: dict[str, Any]) -> None:
         with contextlib.suppress(RigError):
             self._folder.record_event(t, kind, message, **data)
-
-
-__all__ = ["Phase", "Result", "run_experiment"]

@@ -10,6 +10,7 @@ from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
 from rig.hal.offers import lacking
+from rig.hal.targets import Targets
 
 Settings = TypeVar("Settings")
 State = TypeVar("State")
@@ -59,35 +60,6 @@ class Freeze(NamedTuple):
     longest: float
     at: float
     what: str
-
-
-class Targets(Protocol[Reference]):
-    """Where a mechanism may be sent by numbers: what a plan written in Python needs of it."""
-
-    words: str
-    """What the numbers of a target are, for messages: names and units."""
-
-    @abstractmethod
-    def rest(self, target: Sequence[float]) -> Reference:
-        """Return the reference to rest at a target; ValueError if it is none."""
-        ...
-
-    @abstractmethod
-    def moving(
-        self, before: Reference, here: Reference, after: Reference, step: float
-    ) -> Reference:
-        """Return the reference of a motion through three rests that are `step` seconds apart."""
-        ...
-
-    @abstractmethod
-    def distance(self, one: Reference, other: Reference) -> float:
-        """Return how far two rests are apart, in the unit of a target."""
-        ...
-
-    @abstractmethod
-    def check(self, reference: Reference) -> None:
-        """Raise ValueError, with number and bound, if the rig must not be there or move so."""
-        ...
 
 
 class Mechanism(Protocol[Settings, State, Reference, Command]):
@@ -239,7 +211,7 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         return None
 
     @classmethod
-    def targets(cls, settings: Settings, controller: Any) -> Targets[Reference] | None:
+    def targets(cls, settings: Settings, controller: object) -> Targets[Reference] | None:
         """Return where the mechanism may be sent by numbers; None: it cannot.
 
         Parameters

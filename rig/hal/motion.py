@@ -3,7 +3,7 @@
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from rig.hal.devices import Device
 
@@ -88,7 +88,7 @@ class Motion(Protocol[Followed]):
         """What is known of it beforehand: itself, unless it depends on what is measured."""
         return self
 
-    def see(self, t: float, state: Any, here: Any) -> Sequence[Note]:
+    def see(self, t: float, state: object, here: object) -> Sequence[Note]:
         """Take what was measured, right before `at` is asked for the same instant.
 
         Parameters

@@ -1,11 +1,9 @@
 """Python objects in the place of what an experiment names: for trying things."""
 
 import inspect
-import types
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, is_dataclass, replace
+from typing import TypeAlias, cast
 
 from rig.assembly import REGISTRY, plan_motion
 from rig.assembly.contract_check import check_offers
@@ -15,8 +13,12 @@ from rig.experiment.measure import Measure, Windows
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import play_through
 from rig.hal import ConfigurationError
+from rig.hal.controller import Law
 from rig.hal.motion import Motion
 from rig.scripting.played import PlanFunction, PlayedPlan
+from rig.scripting.sources import keep_source
+
+AnyLaw: TypeAlias = Law[object, object, object]
 
 MOST = 600.0
 """A plan that takes longer is a fault, s."""
@@ -24,7 +26,7 @@ MOST = 600.0
 
 @dataclass(frozen=True, slots=True)
 class GivenInPython:
-    """What a run folder says of an object that was given: its name, and where its code is kept."""
+    """The name of an object that was given, and the place of its code in the run folder."""
 
     name: str
     source: str
@@ -77,7 +79,7 @@ class Given:
             raise ConfigurationError("give a reference or a plan, not both")
         if self.controller is not None:
             controller = _controller(self.controller, plan)
-            name = _keep(self.controller, sources)
+            name = keep_source(self.controller, sources)
             experiment = replace(experiment, controller=name)
             if self.reference is None and self.plan is None:
                 motion = plan_motion(profile, experiment.reference.settings, controller)
@@ -101,7 +103,7 @@ class Given:
 
 
 def _played(
-    play: PlanFunction, plan: Plan, controller: Any, most: float, *, rehearsing: bool
+    play: PlanFunction, plan: Plan, controller: object, most: float, *, rehearsing: bool
 ) -> PlayedPlan:
     if not callable(play):
         raise ConfigurationError(f"the plan is {play!r}, which is no function of the rig")
@@ -117,14 +119,14 @@ def _played(
     return PlayedPlan(play, targets, view.approach, start, most=most, rehearsing=rehearsing)
 
 
-def _motion(reference: object, profile: Profile, controller: Any) -> Motion[Any]:
+def _motion(reference: object, profile: Profile, controller: object) -> Motion[object]:
     if isinstance(reference, type):
         raise ConfigurationError(f"the reference is the class {reference.__name__}: make one of it")
     return plan_motion(profile, reference, controller)
 
 
 def _following(
-    experiment: Experiment, given: object, motion: Motion[Any] | None, sources: dict[str, str]
+    experiment: Experiment, given: object, motion: Motion[object] | None, sources: dict[str, str]
 ) -> Experiment:
     """Return an experiment that follows something else: its bounds were not made for that."""
     metrics = {
@@ -135,7 +137,7 @@ def _following(
     if motion is None:  # what a law has planned is not known of a plan in Python
         planned = REGISTRY.measures(None, Measure)
         metrics = {n: spec for n, spec in metrics.items() if (spec.measure or n) in planned}
-    kept = _keep(given, sources)
+    kept = keep_source(given, sources)
     own = type(given)
     entry = given if is_dataclass(given) and not isinstance(given, type) else None
     return replace(
@@ -149,30 +151,33 @@ def _following(
     )
 
 
-def _controller(given: object, plan: Plan) -> Any:
+def _controller(given: object, plan: Plan) -> object:
     """Return a controller, made if it is a class."""
-    view = REGISTRY.load("mechanism", plan.profile.mechanism)
-    made: Any = given
+    profile = plan.profile
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    made = given
     if isinstance(given, type):
-        kind: Any = given
-        wanted = getattr(kind, "Settings", None)
-        settings = next(
-            (own for own in plan.profile.controllers.values() if type(own) is wanted), None
-        )
-        if settings is None and wanted is not None:
-            try:
-                settings = wanted()
-            except TypeError as error:
-                lacking = [f.name for f in fields(wanted)] if is_dataclass(wanted) else []
-                raise ConfigurationError(
-                    f"{kind.__name__}: its Settings ({', '.join(lacking)}) have no defaults, and "
-                    f"{plan.profile.name} has no section for them"
-                ) from error
-        model = view.model_of(plan.profile.mechanism_settings)
-        made = kind(settings, model, plan.profile.loop.period)
+        check_offers(f"the controller {given.__name__}", given, view.law)
+        settings = _settings_for(cast("type[AnyLaw]", given), profile)
+        model = view.model_of(profile.mechanism_settings)
+        made = given(settings, model, profile.loop.period)
     check_offers(f"the controller {type(made).__name__}", made, view.law)
-    made.compile()
+    cast("AnyLaw", made).compile()
     return made
+
+
+def _settings_for(law: "type[AnyLaw]", profile: Profile) -> object:
+    """Return the profile's section for a law, or the defaults of its settings."""
+    for own in profile.controllers.values():
+        if type(own) is law.Settings:
+            return own
+    try:
+        return law.Settings()
+    except TypeError as error:
+        raise ConfigurationError(
+            f"{law.__name__}: its Settings have no defaults, and {profile.name} has no section "
+            f"for them ({error})"
+        ) from error
 
 
 def _measure(name: str, given: object, sources: dict[str, str]) -> Measure:
@@ -182,7 +187,7 @@ def _measure(name: str, given: object, sources: dict[str, str]) -> Measure:
         raise ConfigurationError(
             f"measure {name}: {given!r} is neither a function of the data nor (function, unit)"
         )
-    _keep(function, sources)
+    keep_source(function, sources)
 
     def compute(windows: Windows) -> float:
         from rig.scripting.recorded import as_structured
@@ -197,17 +202,3 @@ def _measure(name: str, given: object, sources: dict[str, str]) -> Measure:
             raise ValueError(f"{type(error).__name__}: {error}") from error
 
     return Measure(compute, unit, inspect.getdoc(function) or f"{name}, given in Python")
-
-
-def _keep(given: object, sources: dict[str, str]) -> str:
-    """Keep the text of an object's code for the run folder; return the object's name."""
-    named: Any = given if isinstance(given, type | types.FunctionType) else type(given)
-    name = "".join(c if c.isalnum() else "-" for c in named.__name__).strip("-") or "given"
-    try:
-        file = inspect.getsourcefile(named)
-        text = Path(file).read_text(encoding="utf-8") if file and Path(file).is_file() else ""
-        text = text or inspect.getsource(named)
-    except (OSError, TypeError):
-        text = f"# {named!r}: its source cannot be had\n"
-    sources[f"code/{name}.py"] = text
-    return name

@@ -5,14 +5,14 @@ from bisect import bisect_right
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from itertools import pairwise
 from types import GeneratorType
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from rig.hal import Device, SafetyError
-from rig.hal.mechanism import Targets
 from rig.hal.motion import Motion, Note, Segment
-from rig.scripting.steps import PlanFailed, Step, Steps
+from rig.hal.targets import Targets
+from rig.scripting.steps import PlanFailed, PlanStep, Steps
 
-PlanFunction: TypeAlias = Callable[[Steps], Generator[Step, bool, None]]
+PlanFunction: TypeAlias = Callable[[Steps], Generator[PlanStep, bool, None]]
 """``def plan(rig): yield rig.move(…)``."""
 
 
@@ -25,14 +25,14 @@ class _Played(NamedTuple):
 
     start: float
     end: float
-    step: Step
+    step: PlanStep
 
-    def at(self, t: float) -> Any:
+    def at(self, t: float) -> object:
         """Return the reference; beyond its ends the step rests there."""
         return self.step.path(min(max(t - self.start, 0.0), self.step.duration))
 
 
-class Foreseen(Motion[Any]):
+class Foreseen(Motion[object]):
     """A plan as its rehearsal went."""
 
     def __init__(self, played: Sequence[_Played], segments: Sequence[Segment]) -> None:
@@ -50,12 +50,12 @@ class Foreseen(Motion[Any]):
         """Its marks, and the whole of it."""
         return self._segments
 
-    def at(self, t: float) -> Any:
+    def at(self, t: float) -> object:
         """Return the reference at `t`."""
         return self._played[max(bisect_right(self._starts, t) - 1, 0)].at(t)
 
 
-class PlayedPlan(Motion[Any]):
+class PlayedPlan(Motion[object]):
     """Plays a plan: each step begins when the one before is over, and was checked before.
 
     Parameters
@@ -84,9 +84,9 @@ class PlayedPlan(Motion[Any]):
     def __init__(
         self,
         play: PlanFunction,
-        targets: Targets[Any],
-        approach: Callable[[Any, Any, float, float], Any],
-        start: Any,
+        targets: Targets[object],
+        approach: Callable[[object, object, float, float], object],
+        start: object,
         *,
         most: float,
         rehearsing: bool = False,
@@ -98,11 +98,11 @@ class PlayedPlan(Motion[Any]):
         self._most = most
         self._checked: set[str] = set()
         self._steps = Steps(targets, approach, start, rehearsing=rehearsing)
-        self._playing: Generator[Step, bool, None] | None = None
+        self._playing: Generator[PlanStep, bool, None] | None = None
         self._done: list[_Played] = []
-        self._start = Step(lambda _: start, 0.0, "start")
+        self._start = PlanStep(lambda _: start, 0.0, "start")
         self._now = _Played(0.0, 0.0, self._start)
-        self._next: tuple[Step, Iterator[float]] | None = None
+        self._next: tuple[PlanStep, Iterator[float]] | None = None
         self._ended = False
 
     @property
@@ -125,7 +125,7 @@ class PlayedPlan(Motion[Any]):
         return (Segment("all", 0.0, end), *named)
 
     @property
-    def foreseen(self) -> Motion[Any]:
+    def foreseen(self) -> Motion[object]:
         """The plan as its rehearsal went; before one, as it went so far."""
         source = self.known or self
         return Foreseen([*source._done, source._now], source.segments)
@@ -134,11 +134,11 @@ class PlayedPlan(Motion[Any]):
         """Take the rig's devices, for readings of their own."""
         self._steps.devices = dict(devices)
 
-    def at(self, t: float) -> Any:
+    def at(self, t: float) -> object:
         """Return the reference of the step at hand."""
         return self._now.at(t)
 
-    def see(self, t: float, state: Any, here: Any) -> Sequence[Note]:
+    def see(self, t: float, state: object, here: object) -> Sequence[Note]:
         """Take what was measured, and go on to the next step if this one is over."""
         steps = self._steps
         steps.t, steps.state = t, state
@@ -161,13 +161,13 @@ class PlayedPlan(Motion[Any]):
         notes, steps.notes = tuple(steps.notes), []
         return notes
 
-    def _begin(self) -> Generator[Step, bool, None]:
+    def _begin(self) -> Generator[PlanStep, bool, None]:
         playing = self._play(self._steps)
         if not isinstance(playing, GeneratorType):
             raise PlanFailed(f"it returns {playing!r}; a plan yields steps: yield rig.move(…)")
         return playing
 
-    def _go_on(self, t: float, here: Any) -> None:
+    def _go_on(self, t: float, here: object) -> None:
         start, _, step = self._now
         until = step.until
         reached = until is not None and until(t - start, here)
@@ -184,7 +184,7 @@ class PlayedPlan(Motion[Any]):
             self._ended = True
             self._now = self._now._replace(end=t)
             return
-        if not isinstance(step, Step):
+        if not isinstance(step, PlanStep):
             raise PlanFailed(f"it yields {step!r}, which is no step: yield rig.move(…)")
         self._next = (step, step.instants())
         self._check(t)
@@ -220,7 +220,7 @@ class PlayedPlan(Motion[Any]):
         return ""
 
 
-def _mark_of(step: Step) -> str:
+def _mark_of(step: PlanStep) -> str:
     """Return what tells a step from others: its words, and some places of its path."""
     places = [step.path(share * step.duration) for share in (0.0, 0.13, 0.37, 0.59, 0.83, 1.0)]
     return f"{step.what} {places}"

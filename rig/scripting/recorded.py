@@ -4,7 +4,7 @@ import html
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class Value(NamedTuple):
+class MetricValue(NamedTuple):
     """A metric of a run.
 
     Parameters
@@ -52,13 +52,13 @@ class Value(NamedTuple):
         return value if self.bound is None else f"{value} (bound {bound})"
 
 
-class Metrics(Mapping[str, Value]):
+class Metrics(Mapping[str, MetricValue]):
     """The metrics of a run by their names."""
 
-    def __init__(self, values: Mapping[str, Value]) -> None:
+    def __init__(self, values: Mapping[str, MetricValue]) -> None:
         self._values = dict(values)
 
-    def __getitem__(self, name: str) -> Value:
+    def __getitem__(self, name: str) -> MetricValue:
         try:
             return self._values[name]
         except KeyError:
@@ -117,7 +117,7 @@ class Run:
         """Its metrics by name, in SI."""
         return Metrics(
             {
-                row["name"]: Value(
+                row["name"]: MetricValue(
                     np.nan if row["value"] is None else row["value"], row["unit"],
                     row.get("bound"), row.get("pass"),
                 )
@@ -216,8 +216,8 @@ class Run:
 def as_structured(log: Log) -> "NDArray[np.void]":
     """Return all rows as one structured array, with the time and the number of each cycle."""
     names = [column.name for column in log.columns]
-    kinds: Any = [("cycle", "u8"), ("t", "f8"), *[(name, "f8") for name in names]]
-    rows = np.empty(len(log.t), kinds)
+    kinds = [("cycle", "u8"), ("t", "f8"), *[(name, "f8") for name in names]]
+    rows: NDArray[np.void] = np.empty(len(log.t), np.dtype(kinds))
     rows["cycle"], rows["t"] = log.cycle, log.t
     for name, values in zip(names, log.values.T, strict=True):
         rows[name] = values

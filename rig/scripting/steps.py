@@ -1,11 +1,11 @@
 """What a plan written in Python may ask of a rig, step by step."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from rig.hal import Device
-from rig.hal.mechanism import Targets
 from rig.hal.motion import Note
+from rig.hal.targets import Targets
 
 Target: TypeAlias = float | Sequence[float]
 """One number, or as many as the mechanism asks for; see `Targets.words`."""
@@ -21,7 +21,7 @@ class PlanFailed(Exception):
     """A plan asks for something that cannot be."""
 
 
-class Step(NamedTuple):
+class PlanStep(NamedTuple):
     """A step of a plan.
 
     Parameters
@@ -38,10 +38,10 @@ class Step(NamedTuple):
         Whether the reference changes in it.
     """
 
-    path: Callable[[float], Any]
+    path: Callable[[float], object]
     duration: float
     what: str
-    until: Callable[[float, Any], bool] | None = None
+    until: Callable[[float, object], bool] | None = None
     moves: bool = False
 
     def instants(self) -> Iterator[float]:
@@ -67,16 +67,16 @@ class Steps:
 
     def __init__(
         self,
-        targets: Targets[Any],
-        approach: Callable[[Any, Any, float, float], Any],
-        start: Any,
+        targets: Targets[object],
+        approach: Callable[[object, object, float, float], object],
+        start: object,
         *,
         rehearsing: bool,
     ) -> None:
         self.rehearsing = rehearsing
         self.t = 0.0
         """Time since the plan began, s."""
-        self.state: Any = None
+        self.state: object = None
         """What was measured in this cycle: a named tuple of the mechanism."""
         self.notes: list[Note] = []
         self.marks: list[tuple[float, str]] = []
@@ -88,7 +88,7 @@ class Steps:
 
     # What is yielded --------------------------------------------------------------------
 
-    def move(self, to: Target, duration: float) -> Step:
+    def move(self, to: Target, duration: float) -> PlanStep:
         """Go to a target smoothly.
 
         Parameters
@@ -101,24 +101,24 @@ class Steps:
         start, goal, approach = self.goal, self._rest(to), self._approach
         duration = _positive(duration, "the duration of a move")
         self.goal = goal
-        return Step(
+        return PlanStep(
             lambda t: approach(start, goal, duration, t), duration,
             f"move to {_told(to)} in {duration:g} s", moves=True,
         )  # fmt: skip
 
-    def step(self, to: Target, duration: float = 0.0) -> Step:
+    def step(self, to: Target, duration: float = 0.0) -> PlanStep:
         """Ask for a target at once, as a step response does, and stay for `duration` seconds."""
         goal = self.goal = self._rest(to)
-        return Step(lambda _: goal, _not_negative(duration, "the duration of a step"),
+        return PlanStep(lambda _: goal, _not_negative(duration, "the duration of a step"),
                     f"step to {_told(to)}")  # fmt: skip
 
-    def hold(self, duration: float) -> Step:
+    def hold(self, duration: float) -> PlanStep:
         """Stay for `duration` seconds."""
         goal = self.goal
-        return Step(lambda _: goal, _not_negative(duration, "the duration of a hold"),
+        return PlanStep(lambda _: goal, _not_negative(duration, "the duration of a hold"),
                     f"hold for {duration:g} s")  # fmt: skip
 
-    def settle(self, tolerance: float, within: float = 5.0, still: float = 0.2) -> Step:
+    def settle(self, tolerance: float, within: float = 5.0, still: float = 0.2) -> PlanStep:
         """Wait until the rig has been within `tolerance` of its reference for `still` seconds.
 
         ``yield`` returns whether it has, `within` seconds.
@@ -134,19 +134,19 @@ class Steps:
         tolerance = _positive(tolerance, "the tolerance of settle")
         since: list[float] = []
 
-        def has_settled(t: float, here: Any) -> bool:
+        def has_settled(t: float, here: object) -> bool:
             if distance(here, goal) > tolerance:
                 since.clear()
             else:
                 since.append(t)
             return bool(since) and t - since[0] >= still
 
-        return Step(
+        return PlanStep(
             lambda _: goal, _positive(within, "the time to settle within"),
             f"wait until settled to {tolerance:g}, {within:g} s at most", has_settled,
         )  # fmt: skip
 
-    def follow(self, path: Callable[[float], Target], duration: float) -> Step:
+    def follow(self, path: Callable[[float], Target], duration: float) -> PlanStep:
         """Follow a function of time.
 
         Parameters
@@ -163,13 +163,13 @@ class Steps:
             raise PlanFailed(f"the path starts {gap:.3g} away from where the rig is: move there")
         self.goal = rest(path(duration))
 
-        def at(t: float) -> Any:
+        def at(t: float) -> object:
             # Both ends are rests: there the speed is taken from one side.
             before, after = max(t - _SPACING, 0.0), min(t + _SPACING, duration)
             around = rest(path(before)), rest(path(t)), rest(path(after))
             return targets.moving(*around, 0.5 * (after - before))
 
-        return Step(at, duration, f"follow a path for {duration:g} s", moves=True)
+        return PlanStep(at, duration, f"follow a path for {duration:g} s", moves=True)
 
     # What is done at once ---------------------------------------------------------------
 
@@ -203,7 +203,7 @@ class Steps:
         known = [*fields, *(c.name for d in self.devices.values() for c in d.log_columns)]
         raise PlanFailed(f"there is no reading {name!r}; there are {', '.join(known)}")
 
-    def _rest(self, target: Target) -> Any:
+    def _rest(self, target: Target) -> object:
         try:
             numbers = (target,) if isinstance(target, int | float) else target
             return self._targets.rest([float(number) for number in numbers])

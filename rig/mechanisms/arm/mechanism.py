@@ -146,7 +146,7 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
 
     @classmethod
-    def targets(cls, settings: ArmSettings, controller: Any) -> AxisTargets[ArmReference]:
+    def targets(cls, settings: ArmSettings, controller: object) -> AxisTargets[ArmReference]:
         """Return where the six axes may be sent."""
         return AxisTargets(cls.axis_limits(settings), ArmReference)
 

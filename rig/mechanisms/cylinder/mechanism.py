@@ -168,7 +168,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         return abs(reference.velocity)
 
     @classmethod
-    def targets(cls, settings: CylinderSettings, controller: Any) -> PairTargets:
+    def targets(cls, settings: CylinderSettings, controller: object) -> PairTargets:
         """Return where the pair may be sent by a number."""
         return PairTargets(settings.limits)
 

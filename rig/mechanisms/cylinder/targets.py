@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from controllers.cylinder.types import PairReference
-from rig.hal.mechanism import Targets
+from rig.hal.targets import Targets
 from rig.mechanisms.cylinder.settings import CylinderLimits
 
 

@@ -30,7 +30,12 @@ from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion
+from rig.mechanisms.joint.motion import (
+    JointMotion,
+    PosedMotion,
+    checker,
+    plan_motion,
+)
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch

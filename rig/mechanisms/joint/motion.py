@@ -1,10 +1,12 @@
 """What an experiment asks of the spherical joint, as a motion that is possible and permitted."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 from controllers.spherical_joint.feasibility import FeasibilityCheck, refuse
+from controllers.spherical_joint.poses import PoseConvention
 from controllers.spherical_joint.types import JointReference, Lap
+from controllers.spherical_joint.wires import WireKind
 from rig.hal.motion import Fact, Motion, Segment
 from rig.mechanisms.joint.reach import JointReach, PoseFacts, bounds_of
 from rig.mechanisms.joint.settings import JointSettings
@@ -53,6 +55,22 @@ class PosedMotion(Motion[JointReference]):
     def pose(self) -> tuple[float, float, float]:
         """What is known of the pose that was asked for last, see `PoseFacts`."""
         raise NotImplementedError
+
+
+class Beliefs(Protocol):
+    """The wires and the pose with which a law of the joint computes its references."""
+
+    wire: WireKind
+    pose: PoseConvention
+
+
+class BelievingController(Protocol):
+    """A controller of the joint whose settings say what it believes in."""
+
+    @property
+    def settings(self) -> Beliefs:
+        """Of the profile."""
+        ...
 
 
 class JointMotion(PosedMotion):
@@ -131,7 +149,7 @@ class JointMotion(PosedMotion):
 
 
 def plan_motion(
-    settings: JointSettings, reference: object, controller: Any, period: float
+    settings: JointSettings, reference: object, controller: BelievingController, period: float
 ) -> JointMotion:
     """Return the motion, if every pose of it is possible and permitted.
 
@@ -161,7 +179,7 @@ def plan_motion(
     return motion
 
 
-def checker(settings: JointSettings, controller: Any) -> FeasibilityCheck:
+def checker(settings: JointSettings, controller: BelievingController) -> FeasibilityCheck:
     """Return the check of poses for the wires and poses that a controller believes in."""
     its = controller.settings
     return FeasibilityCheck(settings.geometry, bounds_of(settings), its.wire, its.pose)

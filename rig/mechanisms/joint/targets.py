@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from controllers.spherical_joint.feasibility import FeasibilityCheck, refuse
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointReference
-from rig.hal.mechanism import Targets
+from rig.hal.targets import Targets
 
 _ZERO = (0.0, 0.0, 0.0)
 

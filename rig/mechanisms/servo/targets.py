@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Generic
 
-from rig.hal.mechanism import Targets
+from rig.hal.targets import Targets
 from rig.mechanisms.servo.axes import AxisLimits, Reference
 
 
