@@ -94,10 +94,12 @@ class Given:
                 played.known = rehearsed
             motion = played
             experiment = _following(experiment, self.plan, None, sources)
-        measures = {
-            name: _measure(name, given, sources) for name, given in (self.measures or {}).items()
-        }
-        wanted = {**experiment.metrics, **{name: MetricSpec() for name in measures}}
+        measures = {}
+        wanted = dict(experiment.metrics)
+        for name, measure in (self.measures or {}).items():
+            made, source = _measure(name, measure, sources)
+            measures[source] = made
+            wanted[name] = MetricSpec(measure=source)
         experiment = replace(experiment, metrics=wanted)
         return Plan(experiment, profile, controller, motion, measures, sources)
 
@@ -180,14 +182,14 @@ def _settings_for(law: "type[AnyLaw]", profile: Profile) -> object:
         ) from error
 
 
-def _measure(name: str, given: object, sources: dict[str, str]) -> Measure:
-    """Return a function of a run's data as a measure."""
+def _measure(name: str, given: object, sources: dict[str, str]) -> tuple[Measure, str]:
+    """Return a function of a run's data as a measure, and what it is called: no other is."""
     function, unit = given if isinstance(given, tuple) and len(given) == 2 else (given, "")
     if not callable(function) or not isinstance(unit, str):
         raise ConfigurationError(
             f"measure {name}: {given!r} is neither a function of the data nor (function, unit)"
         )
-    keep_source(function, sources)
+    source = f"code/{keep_source(function, sources)}.py {name}"
 
     def compute(windows: Windows) -> float:
         from rig.scripting.recorded import as_structured
@@ -201,4 +203,5 @@ def _measure(name: str, given: object, sources: dict[str, str]) -> Measure:
         except Exception as error:
             raise ValueError(f"{type(error).__name__}: {error}") from error
 
-    return Measure(compute, unit, inspect.getdoc(function) or f"{name}, given in Python")
+    described = inspect.getdoc(function) or f"{name}, given in Python"
+    return Measure(compute, unit, described), source

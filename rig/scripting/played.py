@@ -144,7 +144,7 @@ class PlayedPlan(Motion[object]):
         steps.t, steps.state = t, state
         if self._ended:
             return ()
-        if t > self._most:
+        if t >= self._most:
             raise PlanRefused(f"the plan {self.name} takes longer than {self._most:g} s")
         try:
             if self._next is not None:

@@ -45,9 +45,9 @@ class PlanStep(NamedTuple):
     moves: bool = False
 
     def instants(self) -> Iterator[float]:
-        """Yield the instants at which its path is checked."""
+        """Yield the instants at which its path is checked, its end first."""
         count = max(_LEAST_CHECKS, round(self.duration / _CHECK_EVERY)) if self.moves else 0
-        return (self.duration * k / max(count, 1) for k in range(count + 1))
+        return (self.duration * (1.0 - k / max(count, 1)) for k in range(count + 1))
 
 
 class Steps:

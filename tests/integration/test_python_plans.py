@@ -1,0 +1,249 @@
+"""Plans in Python: steps that are checked, branches, marks, and every way to be wrong."""
+
+import math
+import os
+import random
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+import rig
+from rig.hal import MotionRefused
+from rig.run_folder import RunStatus
+
+FAST = {"approach": 0.3}
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    return tmp_path_factory.mktemp("plans")
+
+
+def follow(plan, out, on="sim", **more):
+    return rig.run("cylinder-staircase", on=on, plan=plan, set=FAST, out=out, **more)
+
+
+def levels(r):
+    for level in (2e-3, -3e-3):
+        r.mark(f"to {level * 1e3:g} mm")
+        yield r.move(level, 0.4)
+        if not (yield r.settle(0.2e-3, within=2.0)):
+            return
+        if r.reading("agonist") > 400e3:
+            return
+    yield r.follow(lambda t: -3e-3 + 2e-3 * math.sin(2 * t) ** 2, 1.0)
+    yield r.step(0.0, 0.5)
+    yield r.hold(0.2)
+
+
+@pytest.fixture(scope="module", params=["sim", "virtual"])
+def followed(request, out):
+    return follow(levels, out, request.param)
+
+
+def test_a_plan_is_followed_step_by_step(followed):
+    names = [segment.name for segment in followed.segments]
+    assert names == ["all", "to 2 mm", "to -3 mm"]
+    told = [event["message"] for event in followed.events if event["kind"] in ("plan", "mark")]
+    assert told[:3] == [
+        "to 2 mm", "move to 0.002 in 0.4 s", "wait until settled to 0.0002, 2 s at most",
+    ]  # fmt: skip
+    data = followed.data[followed.data["phase"] == 1]
+    assert np.max(data["reference.position"]) == pytest.approx(2e-3)
+    assert np.min(data["reference.position"]) == pytest.approx(-3e-3)
+    marks = {segment.name: segment for segment in followed.segments}
+    second = marks["to -3 mm"].start
+    settled = np.abs(data["reference.position"] - data["reading.position"])
+    before = (data["reference.time"] > second - 0.2) & (data["reference.time"] < second)
+    assert np.all(settled[before] <= 0.2e-3)
+    assert "def levels(r):" in (followed.path / "code" / "levels.py").read_text()
+    assert followed.status is RunStatus.OK
+    assert followed.metrics["pressure_min"].bound is None
+
+
+def test_the_speed_of_a_path_is_its_slope(followed):
+    data = followed.data[followed.data["phase"] == 1]
+    position, velocity = data["reference.position"], data["reference.velocity"]
+    jumps = np.abs(np.gradient(position, data["reference.time"]) - velocity) > 1e-3
+    assert np.mean(jumps) < 0.01  # but at the sudden step
+
+
+def test_the_joint_takes_tilt_and_azimuth(out):
+    def poses(r):
+        yield r.move((math.radians(8), 1.0), 1.0)
+        yield r.settle(math.radians(1))
+
+    run = rig.run("joint-poses", on="sim", plan=poses, set={"approach": 1.0}, out=out)
+    assert run.status == "ok"
+    axis = [run.data[f"reference.{name}"][-400] for name in ("axis_x", "axis_y")]
+    wanted = math.sin(math.radians(8)) * np.array([math.cos(1.0), math.sin(1.0)])
+    assert axis == pytest.approx(wanted, abs=0.02)
+
+
+def test_the_arm_takes_its_axes(out):
+    def turn(r):
+        here = r.goal.positions
+        yield r.move([here[0] + 0.2, *here[1:]], 1.0)
+
+    run = rig.run("arm-wrist-hit", on="sim", plan=turn, out=out)
+    data = run.data[run.data["phase"] == 1]
+    assert np.ptp(data["reference.position_q1"]) == pytest.approx(0.2, rel=1e-3)
+
+
+def test_legs_say_that_they_cannot(out):
+    with pytest.raises(rig.ConfigurationError, match="legs cannot be sent by numbers"):
+        rig.run("legs-squat", on="sim", plan=levels, out=out)
+
+
+# What is refused --------------------------------------------------------------------------
+
+
+def too_far(r):
+    yield r.move(0.5, 1.0)
+
+
+def too_fast(r):
+    yield r.move(5e-3, 1e-3)
+
+
+def no_step(r):
+    yield 5
+
+
+def no_plan(r):
+    return 5
+
+
+def divides(r):
+    yield r.hold(0.01)
+    yield r.move(1 / r.t * 0.0 / 0.0, 1.0)
+
+
+def no_number(r):
+    yield r.move("far", 1.0)
+
+
+def not_a_number(r):
+    yield r.move(math.nan, 1.0)
+
+
+def unknown(r):
+    yield r.hold(0.01)
+    r.reading("presure")
+
+
+def elsewhere(r):
+    yield r.follow(lambda t: 5e-3, 1.0)
+
+
+def never(r):
+    while True:
+        yield r.hold(1.0)
+
+
+def backwards(r):
+    yield r.move(1e-3, -1.0)
+
+
+@pytest.mark.parametrize(
+    ("plan", "said"),
+    [
+        (too_far, "line .*500 mm is outside limits.position"),
+        (too_fast, "line .*more than limits.speed"),
+        (no_step, "it yields 5, which is no step"),
+        (no_plan, "it returns 5; a plan yields steps"),
+        (divides, "line .*ZeroDivisionError"),
+        (no_number, "line .*'far' is no target, which is position of the pair"),
+        (not_a_number, "line .*nan mm is outside"),
+        (unknown, "no reading 'presure'; there are t, position"),
+        (elsewhere, "starts 0.00.* away from where the rig is"),
+        (never, "takes longer than 3 s"),
+        (backwards, "the duration of a move is -1.0"),
+    ],
+)
+def test_what_cannot_be_is_refused_before_anything_moves(out, plan, said):
+    before = set(out.iterdir())
+    with pytest.raises(MotionRefused, match=f"(?s)rehearsal.*{plan.__name__}.*{said}"):
+        follow(plan, out, "virtual", most=3.0)
+    assert set(out.iterdir()) == before
+
+
+def test_what_the_rehearsal_did_not_meet_is_checked_while_the_rig_waits(out):
+    def other_way(r):
+        yield r.hold(0.1)
+        yield r.move(3e-3 if r.rehearsing else -3e-3, 0.5)
+
+    run = follow(other_way, out, "virtual")
+    data = run.data[run.data["phase"] == 1]
+    assert np.min(data["reference.position"]) == pytest.approx(-3e-3)
+    assert data["reference.time"][-1] > 0.6 + 40 * 1e-3  # it was checked first, cycle by cycle
+
+
+def test_what_the_rehearsal_did_not_meet_is_refused_in_time(out):
+    def out_of_reach(r):
+        yield r.hold(0.1)
+        yield r.move(3e-3 if r.rehearsing else 0.5, 0.5)
+
+    with pytest.raises(rig.RunFaulted, match="500 mm is outside") as faulted:
+        follow(out_of_reach, out, "virtual")
+    truth = faulted.value.run.data["truth.position"]
+    assert np.max(np.abs(truth)) < 20e-3
+
+
+def test_a_simulated_fault_is_not_rehearsed(out):
+    fault = "[{at: 1.6, device: regulators, fault: emergency_stop}]"
+    with pytest.raises(rig.RunFaulted, match="emergency stop"):
+        rig.run("cylinder-staircase", on="virtual", plan=levels, out=out,
+                set={**FAST, "simulation.faults": fault})  # fmt: skip
+
+
+# Interrupts -------------------------------------------------------------------------------
+
+
+def wanders(r):
+    for k in range(10):
+        yield r.move(4e-3 * math.sin(k), 0.15)
+        yield r.settle(1e-3, within=0.2, still=0.05)
+
+
+def interrupted(out, delay, twice):
+    """Run the plan; interrupt this process after `delay` seconds. Return the error."""
+
+    def kill():
+        for _ in range(1 + twice):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(delay, kill)
+    before = set(out.iterdir())
+    timer.start()
+    try:
+        follow(wanders, out)
+        timer.join()
+    except KeyboardInterrupt as error:
+        timer.join()
+        return error, set(out.iterdir()) - before
+    return None, set(out.iterdir()) - before
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(500, marks=pytest.mark.slow)], ids=["8", "500"])
+def test_an_interrupt_leaves_the_rig_safe_and_the_folder_closed(out, count):
+    drawn = random.Random(20)
+    follow(wanders, out)  # everything is imported and compiled
+    hit = 0
+    for _ in range(count):
+        try:
+            error, folders = interrupted(out, drawn.uniform(0.0, 0.9), drawn.random() < 0.3)
+        except KeyboardInterrupt:
+            continue  # it came while nothing ran
+        for folder in folders:
+            run = rig.load(folder)
+            assert run.status in (RunStatus.OK, RunStatus.ABORTED), run
+            assert run.manifest["ended"]
+            assert "not made safe" not in (run.message or "")
+        if isinstance(error, rig.RunInterrupted):
+            hit += 1
+            assert isinstance(error, rig.RigError)
+            assert np.max(np.abs(error.run.data["truth.position"])) < 20e-3
+    assert hit > count / 4

@@ -1,0 +1,236 @@
+"""`import rig`: runs from Python, and what becomes of their exceptions."""
+
+import shutil
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rig
+from controllers.cylinder.pid import Pid
+from rig.mechanisms.cylinder.references import Sine, SineTone
+
+SHORT = {"approach": 0.5, "reference.levels": "[0, 2 mm]", "reference.dwell": 0.5}
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    return tmp_path_factory.mktemp("runs")
+
+
+@pytest.fixture(scope="module")
+def recorded(out):
+    return rig.run("cylinder-staircase", on="sim", set=SHORT, seed=3, out=out)
+
+
+def test_importing_costs_nothing():
+    asked = (
+        "import rig, sys; print([m for m in ('numpy', 'pydantic', 'click') if m in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    assert told.stdout.strip() == "[]"
+
+
+def test_everything_offered_is_there():
+    for name in rig.__all__:
+        assert getattr(rig, name).__doc__
+    with pytest.raises(AttributeError, match="no attribute 'walk'"):
+        rig.walk  # noqa: B018
+
+
+def test_a_run_tells_what_was_recorded(recorded):
+    assert recorded.status == "ok"
+    assert recorded.manifest["seed"] == 3
+    error = recorded.metrics["hold_rms"]
+    assert error.unit == "m"
+    assert 0 < float(error) < 1e-3
+    data = recorded.data
+    assert recorded.units["reading.position"] == "m"
+    assert np.all(np.diff(data["t"]) > 0)
+    assert [event["kind"] for event in recorded.events][0] == "state"
+    assert recorded.figure("tracking").axes
+    assert recorded.report.read_text().startswith("<!DOCTYPE html>")
+    with pytest.raises(KeyError, match="hold_rms"):
+        recorded.metrics["marker_rms"]
+    with pytest.raises(rig.ConfigurationError, match="there are tracking"):
+        recorded.figure("nothing")
+    with pytest.raises(rig.ConfigurationError, match="has not recorded what marker-track shows"):
+        recorded.figure("marker-track")
+
+
+def test_pandas_takes_the_data(recorded):
+    pytest.importorskip("pandas")
+    frame = recorded.frame()
+    assert frame.index.name == "t"
+    assert frame["reading.position"].to_numpy() == pytest.approx(recorded.data["reading.position"])
+
+
+def test_it_is_loaded_and_found_again(recorded, out):
+    assert rig.load(recorded.path).metrics == recorded.metrics
+    assert recorded.path in [run.path for run in rig.runs(out)]
+    assert not rig.runs(out, where=lambda run: run.manifest["seed"] == 77)
+    with pytest.raises(rig.ConfigurationError, match="not a run folder"):
+        rig.load(out)
+
+
+def test_runs_side_by_side(recorded, out):
+    other = rig.run("cylinder-staircase", on="sim", set=SHORT, seed=3, controller="pid", out=out)
+    compared = rig.compare({"ours": recorded, "pid": other})
+    rows = {row["name"]: row["values"] for row in compared.rows}
+    assert rows["hold_rms"] == [float(run.metrics["hold_rms"]) for run in (recorded, other)]
+    assert "pid" in repr(compared)
+    assert "<table>" in compared._repr_html_()
+    assert compared.figure().axes
+    with pytest.raises(rig.ConfigurationError, match="two runs"):
+        rig.compare([recorded])
+
+
+def test_a_check_says_what_a_file_says():
+    assert rig.check("cylinder")["name"] == "cylinder"
+    assert rig.check("cylinder-sine")["experiment"]["name"] == "cylinder-sine"
+    with pytest.raises(rig.ConfigurationError, match="did you mean"):
+        rig.check("cylindre")
+
+
+def test_a_calibration_is_written(tmp_path):
+    configs = tmp_path / "configs"
+    shutil.copytree(Path(__file__).parents[2] / "configs", configs)
+    done = rig.calibrate(
+        "cylinder-uncalibrated", "encoders", out=tmp_path, configs=configs, on="sim"
+    )
+    assert done.files
+    assert all(path.is_relative_to(configs) for path in done.files)
+    with pytest.raises(rig.ConfigurationError, match="yes='cylinder'"):
+        rig.calibrate("cylinder", "encoders", out=tmp_path, configs=configs, on="hardware")
+
+
+# How a run ends ---------------------------------------------------------------------------
+
+
+def test_a_missed_bound_is_an_exception_only_if_asked_for(out):
+    wrong = SHORT | {"metrics.hold_rms.max": "1 nm"}
+    run = rig.run("cylinder-staircase", on="sim", set=wrong, out=out)
+    assert run.status == "failed"
+    assert run.metrics["hold_rms"].passed is False
+    with pytest.raises(rig.BoundMissed) as missed:
+        rig.run("cylinder-staircase", on="sim", set=wrong, out=out, strict=True)
+    assert missed.value.run.status == "failed"
+
+
+def test_a_fault_is_an_exception_with_its_run(out):
+    fault = "[{at: 2.0, device: regulators, fault: emergency_stop}]"
+    with pytest.raises(rig.RunFaulted, match="emergency stop") as faulted:
+        rig.run("cylinder-staircase", on="sim", set={**SHORT, "simulation.faults": fault}, out=out)
+    assert isinstance(faulted.value, rig.RigError)
+    assert faulted.value.run.status == "faulted"
+    assert len(faulted.value.run.data)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"set": {"reference.amplitud": 1}}, "amplitud"),
+        ({"set": {"nothing.at.all": 1}}, "there is no key 'nothing'"),
+        ({"controller": "pdi"}, "did you mean 'pid'|no controller"),
+        ({"controller": object()}, "it has no"),
+        ({"controller": 3.0}, "it has no"),
+        ({"reference": object()}, "not one for a pair"),
+        ({"reference": Sine}, "make one of it"),
+        ({"reference": Sine(0.5, (SineTone(1.0, 2),))}, "outside limits.position"),
+        ({"plan": 3}, "no function of the rig"),
+        ({"plan": lambda r: None, "reference": object()}, "not both"),
+        ({"measures": {"m": "text"}}, "measure m"),
+        ({"on": "hardware"}, "yes='cylinder'"),
+    ],
+)
+def test_what_is_wrong_is_a_sentence_before_anything_moves(out, wrong, said):
+    before = set(out.iterdir())
+    with pytest.raises(rig.RigError, match=said):
+        rig.run("cylinder-staircase", **{"on": "sim", "out": out, **wrong})
+    assert set(out.iterdir()) == before
+
+
+# Python objects ---------------------------------------------------------------------------
+
+
+class Halved(Pid):
+    """Half of what a PID wants."""
+
+    def update(self, state, reference, load=0.0):
+        command = super().update(state, reference, load)
+        mean = 0.5 * (command.agonist + command.antagonist)
+        return type(command)(*(mean + 0.5 * (side - mean) for side in command))
+
+
+def overshoot(data):
+    """How far beyond the last level, m."""
+    return np.max(data["reading.position"]) - data["reference.position"][-1]
+
+
+def test_a_law_and_a_measure_in_python(out):
+    wanted = {"overshoot": (overshoot, "m"), "cycles": len}
+    run, other = (
+        rig.run("cylinder-staircase", on="sim", set=SHORT, controller=law, measures=wanted, out=out)
+        for law in (Halved, Pid)
+    )
+    assert float(run.metrics["hold_rms"]) != float(other.metrics["hold_rms"])
+    assert run.metrics["overshoot"].unit == "m"
+    followed = run.data[run.data["phase"] == 1]
+    assert float(run.metrics["overshoot"]) == overshoot(followed)
+    assert float(run.metrics["cycles"]) == len(followed)
+    kept = (run.path / "code" / "Halved.py").read_text()
+    assert "Half of what a PID wants." in kept
+    assert "code/Halved.py" in run.manifest["files"]
+    before = dict(run.metrics)
+    assert run.report.exists()  # derives all metrics once more; these came with the run
+    assert dict(rig.load(run.path).metrics) == before
+
+
+def test_a_measure_that_raises_names_itself(out):
+    with pytest.raises(rig.RigError, match="metric bad: ZeroDivisionError"):
+        rig.run("cylinder-staircase", on="sim", set=SHORT, out=out,
+                measures={"bad": lambda data: 1 / 0})  # fmt: skip
+
+
+def test_a_reference_in_python_is_checked_like_ours(out):
+    sine = Sine(4e-3, (SineTone(1.0, 2),))
+    run = rig.run("cylinder-staircase", on="sim", reference=sine, set={"approach": 0.5}, out=out)
+    assert np.max(run.data["reference.position"]) == pytest.approx(4e-3, rel=0.02)
+    assert run.metrics["pressure_min"].bound is None  # which was made for another motion
+
+
+# Threads ----------------------------------------------------------------------------------
+
+
+def test_runs_in_threads_of_another_program(out):
+    def in_thread(seed):
+        return rig.run("cylinder-staircase", on="sim", set=SHORT, seed=seed, out=out)
+
+    with ThreadPoolExecutor(2) as threads:
+        runs = list(threads.map(in_thread, (3, 4)))
+    alone = rig.run("cylinder-staircase", on="sim", set=SHORT, seed=4, out=out)
+    assert dict(runs[1].metrics) == dict(alone.metrics)
+    assert dict(runs[0].metrics) != dict(alone.metrics)
+
+
+def test_another_thread_may_stop_a_run(out):
+    stop, ended = rig.StopRequests(), []
+
+    def in_thread():
+        try:
+            rig.run("cylinder-sine", on="virtual", stop=stop, out=out)
+        except rig.RunInterrupted as error:
+            ended.append(error)
+
+    thread = threading.Thread(target=in_thread)
+    thread.start()
+    threading.Event().wait(3.0)
+    stop.request()
+    thread.join(60)
+    assert not thread.is_alive()
+    (error,) = ended
+    assert error.run.status == "aborted"
