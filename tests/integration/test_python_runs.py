@@ -28,9 +28,8 @@ def recorded(out):
 
 
 def test_importing_costs_nothing():
-    asked = (
-        "import rig, sys; print([m for m in ('numpy', 'pydantic', 'click') if m in sys.modules])"
-    )
+    heavy = ("numpy", "pydantic", "click")
+    asked = f"import rig, sys; print([m for m in {heavy} if m in sys.modules])"
     told = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
     assert told.stdout.strip() == "[]"
 
@@ -51,7 +50,7 @@ def test_a_run_tells_what_was_recorded(recorded):
     data = recorded.data
     assert recorded.units["reading.position"] == "m"
     assert np.all(np.diff(data["t"]) > 0)
-    assert [event["kind"] for event in recorded.events][0] == "state"
+    assert recorded.events[0]["kind"] == "state"
     assert recorded.figure("tracking").axes
     assert recorded.report.read_text().startswith("<!DOCTYPE html>")
     with pytest.raises(KeyError, match="hold_rms"):
