@@ -2,6 +2,7 @@
 
 import gc
 import os
+import sys
 
 import hypothesis
 
@@ -10,6 +11,11 @@ pytest_plugins = "rig.testing.plugin"
 # As many processes as cores: threads of linear algebra beside them would only wait for each other,
 # and make a fit of 2 s one of 14 s. Read when numpy is imported, here and in what tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Some containers keep no bytecode. Every process that a test starts would compile all of rig again,
+# and every worker all tests: half of what such a start costs.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 # What passed once passes again: the same examples in every run. Others are drawn with
 # `--hypothesis-profile=default`.
