@@ -29,6 +29,8 @@ class MotionWatch:
     ----------
     blind : set of int
         Joints whose encoders were found to lie: they cannot be held.
+    jumped : dict of int to float
+        Joints whose positions jumped, and where to, rad.
     """
 
     def __init__(
@@ -43,12 +45,14 @@ class MotionWatch:
         self._health = health
         self._encoders = tuple(EncoderWatch(step) for step in steps)
         self.blind: set[int] = set()
+        self.jumped: dict[int, float] = {}
 
     def reset(self, positions: Vector, now: float) -> None:
         """Start from where the joints stand, rad."""
         for watch, position in zip(self._joints, positions, strict=True):
             watch.reset(position, now)
         self.blind.clear()
+        self.jumped.clear()
         for encoder in self._encoders:
             encoder.reset()
 
@@ -87,6 +91,20 @@ class MotionWatch:
                     f"{watch.window:g} rad for {watch.time:g} s",
                 )
 
+    def settled(self, positions: Sequence[float], period: float) -> dict[int, float]:
+        """Return where joints stand that jumped, by what they show since then, rad; once.
+
+        A servo whose zero has gone turns its joint by as much. One that jumps again is not
+        believed, and so is not moved.
+        """
+        found = {
+            k: positions[k]
+            for k, then in self.jumped.items()
+            if abs(positions[k] - then) <= self._fastest[k] * period + self._slacks[k]
+        }
+        self.jumped.clear()
+        return found
+
     def find_jump(self, before: Reading[Vector], positions: Sequence[float], t: float) -> None:
         """Latch a fault if a joint cannot have come so far since the last reading."""
         last, then = before
@@ -96,6 +114,7 @@ class MotionWatch:
         ):
             reach = fastest * elapsed + slack
             if not -reach <= position - last[k] <= reach:
+                self.jumped[k] = position
                 self._health.latch(
                     k,
                     "jumped; somebody moved its zero, or the joint was struck",

@@ -185,7 +185,7 @@ class EmulatedCia402(EmulatedNode):
         """Obey mode, control word and target, which an RPDO or an SDO has just written."""
         self._motion.advance(now)
         objects = self.objects
-        self._mode = objects.mode.integer
+        self._take_mode(objects.mode.integer)
         self.machine.command(objects.control_word.integer)
         if self._follows_setpoints():
             if self._mode == CSP:
@@ -195,6 +195,19 @@ class EmulatedCia402(EmulatedNode):
         elif self.machine.state is State.ENABLED and self.machine.ending is None:
             self._slow_down("halt")
         self._serve(now)
+
+    def _take_mode(self, mode: int) -> None:
+        """Change the mode; a velocity loop starts from where the motor is, whatever is shown."""
+        if mode == self._mode:
+            return
+        self._mode = mode
+        self._port.closes_position = mode != CSV
+        if mode == CSV:
+            self._restart_motion()
+
+    def _restart_motion(self) -> None:
+        angle = self._port.motor_position(self._channel) - self._zero
+        self._motion.restart(round(angle * self._counts), self.now)
 
     def _follows_setpoints(self) -> bool:
         """Whether the drive is enabled, not on its way down, and not halted."""
@@ -259,10 +272,10 @@ class EmulatedCia402(EmulatedNode):
     def _state_entered(self, state: State) -> None:
         now = self.now
         if state is State.ENABLED:
-            self._motion.restart(self._measured(), now)
+            self._restart_motion()
             self._good_at = now
         elif state not in POWERED:
-            self._motion.restart(self._measured(), now)
+            self._restart_motion()
             self._limited = False
             self._pass_on(powered=False)
         if state in (State.DISABLED, State.NOT_READY) and self.objects.error_code.integer:
@@ -322,7 +335,7 @@ class EmulatedCia402(EmulatedNode):
     def restore_process(self) -> None:
         """Power-on: no torque, not ready, no mode."""
         self.machine.power_on()
-        self._mode = 0
+        self._take_mode(0)
         self._torque_off = self._limited = False
         self._motion.restart(0.0, self.now)
         self._cap()
@@ -384,7 +397,8 @@ class EmulatedCia402(EmulatedNode):
 
     def _inject_mode(self, value: float | None) -> None:
         mode = whole_number(self.name, "wrong_mode", value, 1, 10)
-        self._mode = self.objects.mode.value = mode
+        self.objects.mode.value = mode
+        self._take_mode(mode)
 
     def _set_stuck(self, stuck: bool) -> None:
         if stuck and self.machine.state in POWERED:
