@@ -178,10 +178,12 @@ def prepare_velocity_stop(node: CanopenNode, shared: Cia402Settings) -> bool:
     ConnectionFailed
         The drive did not take a target velocity of 0.
     """
-    supported = node.read_if_present(0x6502, 0, "u32")
-    if shared.mode == "csv" or not int(supported or 0) >> MODES["csv"] - 1 & 1:
+    supported = int(node.read_if_present(0x6502, 0, "u32") or 0)
+    left = node.read_if_present(0x60FF, 0, "i32")
+    if shared.mode == "csv" or left is None or not supported >> MODES["csv"] - 1 & 1:
         return False
-    node.write(0x60FF, 0, "i32", 0)
+    if left:
+        node.write(0x60FF, 0, "i32", 0)
     return True
 
 

@@ -175,8 +175,10 @@ class DynamixelServos(ServoBus):
         A servo whose encoder lies is let go of; one whose position has jumped holds its joint
         where it is, as soon as another reading has confirmed it.
         """
-        if not self._armed:
-            self._hold_jumped()
+        if self._motion.jumped and not self._armed and not self._is_velocity:
+            stand = self._positions.value
+            goals = self._motion.move_zeros(self._guard.positions, stand, self._period)
+            self._goals.payload = self._goal.pack(map(encode_position, self._scales, goals))
         self._armed = self._enabled = False
         for k in sorted(self._motion.blind):  # its loop would run away
             let_go = SyncPayload(table.TORQUE_ENABLE, (self._links[k].id,))
@@ -383,17 +385,6 @@ class DynamixelServos(ServoBus):
             self._goals.payload = self._goal.pack(map(encode_position, self._scales, positions))
         self._velocity_reference.reset()
         self._motion.reset(positions, self._bus.clock.now())
-
-    def _hold_jumped(self) -> None:
-        """Give servos whose positions have jumped where they stand now for their setpoints."""
-        stand = self._motion.settled(self._positions.value, self._period)
-        if self._is_velocity or not stand:
-            return
-        goals = list(self._guard.positions)
-        for k, (low, high) in enumerate(joint.limits for joint in self.settings.joints.values()):
-            if k in stand:  # the servo itself refuses what is outside
-                goals[k] = min(max(stand[k], low), high)
-        self._goals.payload = self._goal.pack(map(encode_position, self._scales, goals))
 
     def _send(self, velocities: Sequence[float]) -> None:
         """Make velocities the setpoints of servos in velocity mode, rad/s."""

@@ -38,6 +38,7 @@ class MotionWatch:
     ) -> None:
         joints = settings.joints.values()
         self._fastest = tuple(_JUMP * joint.max_speed for joint in joints)
+        self._ranges = tuple(joint.limits for joint in joints)
         self._slacks = tuple(2.0 * abs(step) for step in steps)
         self._joints = tuple(
             FollowingWatch(settings.following_window, settings.following_time) for _ in joints
@@ -91,19 +92,20 @@ class MotionWatch:
                     f"{watch.window:g} rad for {watch.time:g} s",
                 )
 
-    def settled(self, positions: Sequence[float], period: float) -> dict[int, float]:
-        """Return where joints stand that jumped, by what they show since then, rad; once.
+    def move_zeros(self, setpoints: Vector, positions: Vector, period: float) -> Vector:
+        """Return the setpoints that leave joints which have jumped where they are, rad; once.
 
-        A servo whose zero has gone turns its joint by as much. One that jumps again is not
-        believed, and so is not moved.
+        A servo whose zero has gone turns its joint by as much, unless it is told where it stands
+        by its new count. One that jumps again is not believed, and one beyond its limits would
+        refuse the setpoint.
         """
-        found = {
-            k: positions[k]
-            for k, then in self.jumped.items()
-            if abs(positions[k] - then) <= self._fastest[k] * period + self._slacks[k]
-        }
+        moved = list(setpoints)
+        for k, then in self.jumped.items():
+            low, high = self._ranges[k]
+            if abs(positions[k] - then) <= self._fastest[k] * period + self._slacks[k]:
+                moved[k] = min(max(positions[k], low), high)
         self.jumped.clear()
-        return found
+        return tuple(moved)
 
     def find_jump(self, before: Reading[Vector], positions: Sequence[float], t: float) -> None:
         """Latch a fault if a joint cannot have come so far since the last reading."""
