@@ -15,6 +15,7 @@ from drivers.cia402.setup import (
     check_kind,
     check_scale,
     configure,
+    prepare_velocity_stop,
     read_torque_unit,
     refuse_fault,
 )
@@ -36,6 +37,7 @@ from drivers.servos.setpoint_echo import SetpointEcho
 from rig.hal import ConnectionFailed, DeviceFault, not_standing
 
 _DEMAND_SLACK: Final = 2.0  # counts
+_SWITCHING: Final = 6  # cycles in which a drive must show another mode
 
 
 class Cia402Drive(AxisDrive[DriveSettings]):
@@ -90,6 +92,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self._torque_unit = 0.0
         self._mode = MODES[shared.mode]
         self._shown_mode = 0
+        self._stops_by_velocity = False
+        self._switching = _SWITCHING
         self._counts: int | None = None
         self._earlier = -inf
         self._target = 0
@@ -192,6 +196,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         if "torque" in shared.feedback:
             self._torque_unit = read_torque_unit(node, self.settings)
         configure(node, self.settings, shared, self._period)
+        self._stops_by_velocity = prepare_velocity_stop(node, shared)
 
     def start(self) -> None:
         """Bring the node to OPERATIONAL, still without torque, and have its PDO sent.
@@ -202,7 +207,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             It does not become OPERATIONAL.
         """
         self._trouble = None
-        self.is_blind = False
+        self.is_blind = self.has_jumped = False
+        self._switching = _SWITCHING
         self._encoder.reset()
         self._counts = None
         self._earlier = -inf
@@ -262,13 +268,28 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self._echo.reset()
 
     def stop(self) -> None:
-        """Stop quickly, from the next frame on; without torque if it is blind. Never raises."""
+        """Stop quickly, from the next frame on. Never raises."""
         self.goal = Goal.STOPPED
-        if self.is_blind:  # a ramp that trusts the encoder would run away
-            self.pdo.safe = self.pdo.data = self._pack(DISABLE_VOLTAGE, 0, self._mode)
-            return
+        control, mode = QUICK_STOP, self._mode
+        if self.is_blind or self.has_jumped:
+            control, mode = self._stop_without_position()
         target = 0 if self._follows_velocity else self._target
-        self.pdo.safe = self.pdo.data = self._pack(QUICK_STOP, target, self._mode)
+        self.pdo.safe = self.pdo.data = self._pack(control, target, mode)
+
+    def _stop_without_position(self) -> tuple[int, int]:
+        """Return control word and mode that stop a joint whose position cannot be trusted.
+
+        The velocity loop alone holds it: what gave the position away was that the velocity said
+        otherwise, so the drive has that from elsewhere. A drive that does not switch loses its
+        torque if its position loop would run away.
+        """
+        by_velocity, enabled = MODES["csv"], self.state is DriveState.OPERATION_ENABLED
+        if self._shown_mode == by_velocity:
+            return QUICK_STOP, by_velocity
+        if not self._stops_by_velocity or not self._switching:
+            return DISABLE_VOLTAGE if self.is_blind else QUICK_STOP, self._mode
+        self._switching -= 1
+        return ENABLE_OPERATION if enabled else QUICK_STOP, by_velocity
 
     def unsafe(self, now: float) -> str:
         """Return why the stopped joint is not known to be safe; see `rig.hal.Device.unsafe`."""

@@ -149,6 +149,10 @@ class Cia402Settings(NodeSettings):
         """Return the angle of one count of a joint, rad."""
         return 1.0 / abs(self.joints[channel].counts_per_radian)
 
+    def holds_without_position(self) -> bool:
+        """Return that a drive is switched to csv then; see `Cia402Drive.stop`."""
+        return True
+
     def acts_after(self, bus: object) -> float | None:
         """Return after how long without the program it makes itself safe, s: its heartbeat."""
         return bus.heartbeat_timeout if isinstance(bus, CanBusSettings) else None

@@ -170,6 +170,23 @@ def configure(
     node.map_pdos((shared.receive_layout,), shared.transmit_layouts, remap=shared.remap)
 
 
+def prepare_velocity_stop(node: CanopenNode, shared: Cia402Settings) -> bool:
+    """Have a drive in csp stand still when it is switched to csv; return whether it can be.
+
+    Raises
+    ------
+    ConnectionFailed
+        The drive did not take a target velocity of 0.
+    """
+    supported = int(node.read_if_present(0x6502, 0, "u32") or 0)
+    left = node.read_if_present(0x60FF, 0, "i32")
+    if shared.mode == "csv" or left is None or not supported >> MODES["csv"] - 1 & 1:
+        return False
+    if left:
+        node.write(0x60FF, 0, "i32", 0)
+    return True
+
+
 def read_torque_unit(node: CanopenNode, drive: DriveSettings) -> float:
     """Return the joint's torque for one count of 0x6077, N m; 0 if the drive does not say."""
     rated = node.read_if_present(0x6076, 0, "u32")  # mN m

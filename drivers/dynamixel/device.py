@@ -172,8 +172,13 @@ class DynamixelServos(ServoBus):
     def make_safe(self) -> None:
         """Hold the last setpoint at rest, or release the torque, until armed again.
 
-        A servo whose encoder lies is let go of.
+        A servo whose encoder lies is let go of; one whose position has jumped holds its joint
+        where it is, as soon as another reading has confirmed it.
         """
+        if self._motion.jumped and not self._armed and not self._is_velocity:
+            stand = self._positions.value
+            goals = self._motion.move_zeros(self._guard.positions, stand, self._period)
+            self._goals.payload = self._goal.pack(map(encode_position, self._scales, goals))
         self._armed = self._enabled = False
         for k in sorted(self._motion.blind):  # its loop would run away
             let_go = SyncPayload(table.TORQUE_ENABLE, (self._links[k].id,))

@@ -29,6 +29,8 @@ class MotionWatch:
     ----------
     blind : set of int
         Joints whose encoders were found to lie: they cannot be held.
+    jumped : dict of int to float
+        Joints whose positions jumped, and where to, rad.
     """
 
     def __init__(
@@ -36,6 +38,7 @@ class MotionWatch:
     ) -> None:
         joints = settings.joints.values()
         self._fastest = tuple(_JUMP * joint.max_speed for joint in joints)
+        self._ranges = tuple(joint.limits for joint in joints)
         self._slacks = tuple(2.0 * abs(step) for step in steps)
         self._joints = tuple(
             FollowingWatch(settings.following_window, settings.following_time) for _ in joints
@@ -43,12 +46,14 @@ class MotionWatch:
         self._health = health
         self._encoders = tuple(EncoderWatch(step) for step in steps)
         self.blind: set[int] = set()
+        self.jumped: dict[int, float] = {}
 
     def reset(self, positions: Vector, now: float) -> None:
         """Start from where the joints stand, rad."""
         for watch, position in zip(self._joints, positions, strict=True):
             watch.reset(position, now)
         self.blind.clear()
+        self.jumped.clear()
         for encoder in self._encoders:
             encoder.reset()
 
@@ -87,6 +92,21 @@ class MotionWatch:
                     f"{watch.window:g} rad for {watch.time:g} s",
                 )
 
+    def move_zeros(self, setpoints: Vector, positions: Vector, period: float) -> Vector:
+        """Return the setpoints that leave joints which have jumped where they are, rad; once.
+
+        A servo whose zero has gone turns its joint by as much, unless it is told where it stands
+        by its new count. One that jumps again is not believed, and one beyond its limits would
+        refuse the setpoint.
+        """
+        moved = list(setpoints)
+        for k, then in self.jumped.items():
+            low, high = self._ranges[k]
+            if abs(positions[k] - then) <= self._fastest[k] * period + self._slacks[k]:
+                moved[k] = min(max(positions[k], low), high)
+        self.jumped.clear()
+        return tuple(moved)
+
     def find_jump(self, before: Reading[Vector], positions: Sequence[float], t: float) -> None:
         """Latch a fault if a joint cannot have come so far since the last reading."""
         last, then = before
@@ -96,6 +116,7 @@ class MotionWatch:
         ):
             reach = fastest * elapsed + slack
             if not -reach <= position - last[k] <= reach:
+                self.jumped[k] = position
                 self._health.latch(
                     k,
                     "jumped; somebody moved its zero, or the joint was struck",

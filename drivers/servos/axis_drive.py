@@ -35,7 +35,9 @@ class AxisDrive(ABC, Generic[Axis]):
     watch : FollowingWatch
         Where the joint should be.
     is_blind : bool
-        Its encoder was found to lie: it cannot hold its joint, and is made safe without torque.
+        Its encoder was found to lie: its position loop cannot hold the joint.
+    has_jumped : bool
+        Its position is off by what it jumped, and its loop moves the joint by as much.
     """
 
     position_source: ClassVar[str]
@@ -49,7 +51,7 @@ class AxisDrive(ABC, Generic[Axis]):
         self.watch = FollowingWatch(settings.following_window, patience)
         self._reach = _JUMP * settings.max_speed
         self._trouble: DeviceFault | None = None
-        self.is_blind = False
+        self.is_blind = self.has_jumped = False
         self._encoder = EncoderWatch(self.resolution)
 
     @property
@@ -164,6 +166,7 @@ class AxisDrive(ABC, Generic[Axis]):
 
     def _latch_jump(self, what: str, position: float, reach: float) -> None:
         """Keep the fault of a position that is further away than the joint can have moved."""
+        self.has_jumped = True
         if self._trouble is None:
             self._trouble = self.fault(
                 what,

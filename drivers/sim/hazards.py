@@ -132,8 +132,9 @@ def legs_hazards(settings: _Legs) -> tuple[Hazard, ...]:
     """Return those of walking legs: they fall, or an axis runs away."""
     rate = (1.0 + SPEED_MARGIN) * settings.geometry.max_rate
     return (
-        Hazard("fall", "1", ("fell",), -math.inf, 0.5),
-        Hazard("rate", "rad/s", LEG_CHANNELS, -rate, rate, is_rate=True),
+        # On the ground the plant means nothing: only the soles touch it.
+        Hazard("fall", "1", ("fell",), -math.inf, 0.5, is_last=True),
+        Hazard("rate", "rad/s", tuple(f"{axis}_velocity" for axis in LEG_CHANNELS), -rate, rate),
     )
 
 

@@ -15,7 +15,8 @@ class ServoEncoder(ServoPort):
 
     The drive's position loop makes what the encoder shows follow the reference, so that a lie
     moves the joint. The velocity loop has a sensor of its own, as most drives take it from the
-    motor's commutation; velocity and torque stay true. Lies:
+    motor's commutation; velocity and torque stay true, and a drive that follows velocities alone
+    is not led astray. Lies:
 
     ``encoder_jump`` (value: rad, default 0.5)
         From now on every angle is off by this much.
@@ -34,6 +35,11 @@ class ServoEncoder(ServoPort):
         The plant.
     now : callable
         Returns the time, s.
+
+    Attributes
+    ----------
+    closes_position : bool
+        Whether the drive's position loop is closed; else its reference is the motor's own angle.
     """
 
     lies = ("encoder_jump", "encoder_frozen", "encoder_mirrored", "encoder_drift", "encoder_scale")
@@ -41,6 +47,7 @@ class ServoEncoder(ServoPort):
     def __init__(self, port: ServoPort, now: Callable[[], float]) -> None:
         self._port = port
         self._now = now
+        self.closes_position = True
         self.repair()
 
     def repair(self) -> None:
@@ -67,7 +74,7 @@ class ServoEncoder(ServoPort):
         self, channel: int, position: float, velocity: float, torque_on: bool
     ) -> None:
         """Give the joint the reference that moves what is shown to where the drive wants it."""
-        if self.lying and torque_on:
+        if self.lying and torque_on and self.closes_position:
             position += self._port.joint_position(channel) - self.joint_position(channel)
         self._port.command_joint(channel, position, velocity, torque_on)
 
@@ -82,6 +89,11 @@ class ServoEncoder(ServoPort):
             return true
         wandered = self._drift * (self._now() - self._since)
         return self._offset + self._gain * (true - self._pivot) + wandered
+
+    def motor_position(self, channel: int) -> float:
+        """Return the angle that a drive's velocity loop starts from, rad."""
+        shows = self.joint_position if self.closes_position else self._port.joint_position
+        return shows(channel)
 
     def joint_velocity(self, channel: int) -> float:
         """Return the velocity that the motor's own sensor shows, rad/s."""

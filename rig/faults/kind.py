@@ -2,7 +2,7 @@
 
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple
@@ -84,6 +84,38 @@ class Sizes(NamedTuple):
 Expect = Callable[[Sizes, Subject], Must]
 
 
+class Plight(NamedTuple):
+    """The state of a rig when a fault befalls it.
+
+    Parameters
+    ----------
+    subject : Subject
+        The rig.
+    place : Place
+        What breaks.
+    sizes : Sizes
+        How much of it.
+    truth : mapping
+        What is true of the plant, by its columns.
+    left : float
+        For how long the program is still there, s.
+    """
+
+    subject: Subject
+    place: Place
+    sizes: Sizes
+    truth: Mapping[str, float]
+    left: float
+
+
+Excuse = Callable[[Plight], frozenset[str]]
+
+
+def no_excuse(plight: Plight) -> frozenset[str]:
+    """Forgive nothing."""
+    return frozenset()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FaultKind:
     """One row of the reaction table.
@@ -110,6 +142,8 @@ class FaultKind:
         How long it may last; for good without.
     forgives : frozenset of str
         Hazards that no controller could prevent, and that the mechanism must bear.
+    excuses : callable
+        Returns more of these, where the plant shows that it could not be helped.
     spoils_law : bool
         Whether it is felt only when the controller is followed, and is counted from then on.
     """
@@ -124,6 +158,7 @@ class FaultKind:
     magnitude: Magnitudes | None = None
     lasts: Magnitudes | None = None
     forgives: frozenset[str] = frozenset()
+    excuses: Excuse = no_excuse
     spoils_law: bool = False
 
 

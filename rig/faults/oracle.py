@@ -67,6 +67,10 @@ def judge(
     forgiven : collection of str
         Names of hazards that this fault brings with it.
     """
+    for hazard in hazards:
+        if hazard.is_last and hazard.name in forgiven:
+            first = min(_first(hazard, columns, times, rows), default=math.inf)
+            times, rows = times[times < first], rows[times < first]
     found: dict[str, Violation] = {}
     for hazard in hazards:
         if hazard.name in forgiven:
@@ -76,6 +80,15 @@ def judge(
             if violation is not None and _excess(violation) > _excess(found.get(hazard.name)):
                 found[hazard.name] = violation
     return list(found.values())
+
+
+def _first(hazard: Hazard, columns: Sequence[str], times: Samples, rows: Samples) -> list[float]:
+    """Return when each column that broke a hazard did so first, s."""
+    found = [
+        _worst(hazard, column, times, rows[:, columns.index(column)], -math.inf)
+        for column in hazard.columns
+    ]
+    return [violation.t for violation in found if violation is not None]
 
 
 def _worst(

@@ -2,6 +2,7 @@
 
 import json
 import random
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from rig.assembly import Rig
 from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
+from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, Stage
 from rig.faults.subject import Subject
@@ -215,7 +217,11 @@ class Performance(Watcher):
         # A dead program says nothing; what its devices do of themselves has to be done by then.
         safe_from = ended_at if code is not None else ended_at + AFTERMATH - 0.1
         times, rows = (np.array(values) for values in self._stage.truth)
-        forgiven = {name for item in self._case.breaks for name in item.row.forgives}
+        forgiven = {
+            name
+            for item in self._case.breaks
+            for name in item.row.forgives | item.row.excuses(self._plight(item, ended_at))
+        }
         violations = judge(
             self.subject.hazards, self._columns, times, rows,
             safe_from=safe_from, forgiven=forgiven,
@@ -230,6 +236,15 @@ class Performance(Watcher):
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
         return verdict
+
+    def _plight(self, item: Break, ended_at: float) -> Plight:
+        """Return how the rig was when its faults began."""
+        truth, broke_at = self._stage.truth, self._broke_at
+        at = ended_at if broke_at is None else broke_at
+        row = truth.rows[max(bisect_right(truth.times, at) - 1, 0)]
+        place = item.place(self.subject)
+        values = dict(zip(self._columns, row, strict=True))
+        return Plight(self.subject, place, item.sizes, values, ended_at - at)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:

@@ -29,6 +29,8 @@ class Subject:
         Names of the devices on each bus.
     hazards : tuple of Hazard
         What must never be true.
+    by_velocity : frozenset of str
+        Devices whose axes their velocity loops alone can hold.
     connecting : float
         How long it takes until it is energised, s.
     reading_age : float
@@ -49,6 +51,7 @@ class Subject:
     hazards: tuple[Hazard, ...]
     connecting: float
     reading_age: float
+    by_velocity: frozenset[str] = frozenset()
     chosen: tuple[str, ...] = ()
     configs: str = ""
 

@@ -106,6 +106,11 @@ def survey(
         hazards=dangers,
         connecting=look.connecting,
         reading_age=_reading_age(profile),
+        by_velocity=frozenset(
+            name
+            for name, entry in profile.devices.items()
+            if entry.settings.holds_without_position()
+        ),
         chosen=experiments if chosen else (),
         configs="" if configs is None else str(configs),
     )

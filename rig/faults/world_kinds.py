@@ -7,7 +7,20 @@ has. A row says what must come of it while the rig runs.
 from collections.abc import Sequence
 from functools import partial
 
-from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride, safe
+from rig.faults.kind import (
+    Excuse,
+    Expect,
+    FaultKind,
+    Magnitudes,
+    Must,
+    Place,
+    Plight,
+    Sizes,
+    either,
+    no_excuse,
+    ride,
+    safe,
+)
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
@@ -19,9 +32,32 @@ _ALONE = frozenset({*_ON_A_WIRE, "pressure"})
 alone, with what the supply gives, until the mechanical stop bears it."""
 
 
-_FALLS = frozenset({"fall"})
-"""What becomes of legs of which one joint must be let go of. Where a loop turns round, a light foot
-is fast as well before anybody can act."""
+_LATE_CYCLES = 3
+"""Read in one, told in the next, obeyed by the end of the third: what breaks later, nobody sees."""
+_ROOM = 0.3
+"""rad: by so much a servo of legs may be told another angle for the one where it stands, since
+its own limits are no nearer; a jump that goes beyond them turns the joint by the rest."""
+
+
+def _lets_fall(plight: Plight) -> frozenset[str]:
+    """Forgive a fall where a leg bears that one of its joints cannot hold, or nobody is there.
+
+    A servo with one loop on one encoder follows its lie for as long as it has torque; without
+    torque a standing leg folds.
+    """
+    if plight.left < _LATE_CYCLES * plight.subject.period:
+        return frozenset({"fall", "rate"})
+    leg = plight.place.axis.partition("_")[0]
+    bears = plight.truth.get(f"load_{leg}", 0.0) > 0.0
+    helpless = plight.place.target not in plight.subject.by_velocity
+    return frozenset({"fall"}) if bears and helpless else frozenset()
+
+
+def _lets_fall_far(plight: Plight) -> frozenset[str]:
+    """Forgive a fall as `_lets_fall` does, if the jump is beyond what can be made up for."""
+    is_far = abs(plight.sizes.magnitude or 0.0) > _ROOM
+    is_late = plight.left < _LATE_CYCLES * plight.subject.period
+    return _lets_fall(plight) if is_far or is_late else frozenset()
 
 
 def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
@@ -87,10 +123,12 @@ def _kind(
     magnitude: Magnitudes | None = None,
     lasts: Magnitudes | None = None,
     forgives: frozenset[str] = frozenset(),
+    excuses: Excuse = no_excuse,
 ) -> FaultKind:
     return FaultKind(
         name=name, what=what, places=places, apply=partial(_inject, fault or name), must=must,
         within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
+        excuses=excuses,
     )  # fmt: skip
 
 
@@ -104,11 +142,11 @@ def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
 def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
                magnitude: Magnitudes | None = None, lasts: Magnitudes | None = None,
-               forgives: frozenset[str] = frozenset()) -> FaultKind:  # fmt: skip
+               excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     places = partial(_devices, fault or name, words)
     return _kind(
         name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
-        forgives=forgives,
+        excuses=excuses,
     )  # fmt: skip
 
 
@@ -197,12 +235,13 @@ SERVOS = (
                why="an axis that is not asked to move does not show it"),
     _of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
                fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True),
-               forgives=_FALLS),
+               why="a servo that holds by position alone turns by what is outside its limits",
+               excuses=_lets_fall_far),
     _of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
-               0.2, fault="encoder_frozen", forgives=_FALLS,
+               0.2, fault="encoder_frozen", excuses=_lets_fall,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
-               0.2, fault="encoder_mirrored", forgives=_FALLS | {"rate"},
+               0.2, fault="encoder_mirrored", excuses=_lets_fall,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),

@@ -100,6 +100,10 @@ class DriverSettings:
         """
         return None
 
+    def holds_without_position(self) -> bool:
+        """Return whether its velocity loop alone holds an axis whose position encoder lies."""
+        return False
+
     @classmethod
     def read_description(cls, path: Path) -> DeviceFile | None:
         """Read the file that the device's key ``eds`` names; None: the driver reads none.

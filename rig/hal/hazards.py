@@ -32,6 +32,8 @@ class Hazard(NamedTuple):
         Whether it is the columns' change in time that is bounded.
     of : callable
         What is bounded, of a column's value.
+    is_last : bool
+        Whether nothing is judged that comes after it, where it is forgiven.
     """
 
     name: str
@@ -42,3 +44,4 @@ class Hazard(NamedTuple):
     only_safe: bool = False
     is_rate: bool = False
     of: Callable[[float], float] = _as_it_is
+    is_last: bool = False

@@ -12,7 +12,7 @@ from math import copysign, inf, pi, sqrt
 
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.drive_objects import DriveObjects, error_register
-from drivers.sim.nodes.drive_states import POWERED, DriveStateMachine, State
+from drivers.sim.nodes.drive_states import POWERED, DriveStateMachine, State, stop_for
 from drivers.sim.nodes.faults import whole_number
 from drivers.sim.nodes.motion_reference import MotionReference
 from drivers.sim.servo_encoder import SERVO_PERIOD, ServoEncoder
@@ -93,9 +93,7 @@ class EmulatedCia402(EmulatedNode):
         self._motion = MotionReference()
         self._motion_due = self._node_due = -inf
         self._mode = 0
-        self._stuck = False
-        self._torque_off = False
-        self._limited = False
+        self._stuck = self._torque_off = self._limited = False
         self._good_at = 0.0
         self._shown_status = 0
         self.machine = DriveStateMachine(
@@ -185,7 +183,7 @@ class EmulatedCia402(EmulatedNode):
         """Obey mode, control word and target, which an RPDO or an SDO has just written."""
         self._motion.advance(now)
         objects = self.objects
-        self._mode = objects.mode.integer
+        self._take_mode(objects.mode.integer)
         self.machine.command(objects.control_word.integer)
         if self._follows_setpoints():
             if self._mode == CSP:
@@ -195,6 +193,17 @@ class EmulatedCia402(EmulatedNode):
         elif self.machine.state is State.ENABLED and self.machine.ending is None:
             self._slow_down("halt")
         self._serve(now)
+
+    def _take_mode(self, mode: int) -> None:
+        """Change the mode; a velocity loop starts from where the motor is, whatever is shown."""
+        changed, self._mode = mode != self._mode, mode
+        self._port.closes_position = mode != CSV
+        if changed and mode == CSV:
+            self._restart_motion()
+
+    def _restart_motion(self) -> None:
+        angle = self._port.motor_position(self._channel) - self._zero
+        self._motion.restart(round(angle * self._counts), self.now)
 
     def _follows_setpoints(self) -> bool:
         """Whether the drive is enabled, not on its way down, and not halted."""
@@ -258,11 +267,10 @@ class EmulatedCia402(EmulatedNode):
 
     def _state_entered(self, state: State) -> None:
         now = self.now
-        if state is State.ENABLED:
-            self._motion.restart(self._measured(), now)
+        if state is State.ENABLED or state not in POWERED:
+            self._restart_motion()
             self._good_at = now
-        elif state not in POWERED:
-            self._motion.restart(self._measured(), now)
+        if state not in POWERED:
             self._limited = False
             self._pass_on(powered=False)
         if state in (State.DISABLED, State.NOT_READY) and self.objects.error_code.integer:
@@ -275,17 +283,7 @@ class EmulatedCia402(EmulatedNode):
         """Start the ramp that the option code for `reason` asks for; return what follows it."""
         objects = self.objects
         slow, quick = objects.slow_down_ramp.integer, objects.quick_stop_ramp.integer
-        option = objects.options[reason].integer
-        if reason == "quick stop":
-            follows = {5: None, 6: None}.get(option, State.DISABLED)
-            ramp = {0: 0, 1: slow, 5: slow}.get(option, quick)
-        elif reason == "fault":
-            follows, ramp = State.FAULT, (0, slow, quick)[option]
-        elif reason == "halt":
-            follows, ramp = None, quick if option == 2 else slow
-        else:
-            follows = State.READY if reason == "shutdown" else State.SWITCHED_ON
-            ramp = slow if option else 0
+        follows, ramp = stop_for(reason, objects.options[reason].integer, slow, quick)
         # Without a ramp the torque goes at once, and the motor runs out.
         self._motion.slow_down(self._ramp(ramp), self.now)
         self._motion_due = self.now
@@ -322,7 +320,7 @@ class EmulatedCia402(EmulatedNode):
     def restore_process(self) -> None:
         """Power-on: no torque, not ready, no mode."""
         self.machine.power_on()
-        self._mode = 0
+        self._take_mode(0)
         self._torque_off = self._limited = False
         self._motion.restart(0.0, self.now)
         self._cap()
@@ -384,7 +382,8 @@ class EmulatedCia402(EmulatedNode):
 
     def _inject_mode(self, value: float | None) -> None:
         mode = whole_number(self.name, "wrong_mode", value, 1, 10)
-        self._mode = self.objects.mode.value = mode
+        self.objects.mode.value = mode
+        self._take_mode(mode)
 
     def _set_stuck(self, stuck: bool) -> None:
         if stuck and self.machine.state in POWERED:

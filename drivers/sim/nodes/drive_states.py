@@ -153,3 +153,25 @@ class DriveStateMachine:
         if meanwhile is not self.state:
             self.enter(meanwhile)
         self.ending = self._slow_down(reason)
+
+
+def stop_for(reason: str, option: int, slow: int, quick: int) -> tuple[State | None, int]:
+    """Return the state after a stop, None for the same, and its ramp, 0 for none.
+
+    Parameters
+    ----------
+    reason : str
+        Which option code it is that counts.
+    option : int
+        Its value.
+    slow, quick : int
+        The ramps 0x6084 and 0x6085.
+    """
+    if reason == "quick stop":
+        ramp = {0: 0, 1: slow, 5: slow}.get(option, quick)
+        return {5: None, 6: None}.get(option, State.DISABLED), ramp
+    if reason == "fault":
+        return State.FAULT, (0, slow, quick)[option]
+    if reason == "halt":
+        return None, quick if option == 2 else slow
+    return State.READY if reason == "shutdown" else State.SWITCHED_ON, slow if option else 0

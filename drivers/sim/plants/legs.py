@@ -68,6 +68,7 @@ class LegsPlant:
         ("saturated", "1"),
         ("fell", "1"),
         *((joint, "rad") for joint in CHANNELS),
+        *((f"{joint}_velocity", "rad/s") for joint in CHANNELS),
         *((f"{leg}_foot_{axis}", "m") for leg in ("right", "left") for axis in "xyz"),
     )
     """Names and units of `truth`. ``advance`` is of the waist since the stand let go; a slip is how
@@ -107,6 +108,7 @@ class LegsPlant:
         self._soles = data.site_xpos
         self._sole_geoms = (model.geom("right_sole").id, model.geom("left_sole").id)
         self._damping_share = settings.servo.damping / settings.servo.stiffness
+        self._reach = np.full(len(CHANNELS), math.inf)
         self._stand_ready(geometry)
         self._command = self._angles.copy()
         self._lead = np.zeros(12)
@@ -158,6 +160,8 @@ class LegsPlant:
         """Cap a servo at what it is told, rad/s and N m, and at what it can."""
         self._turns[channel] = min(speed, self._rate_limit) * self._timestep
         self._least_turn = float(self._turns.min())
+        # The position loop asks its velocity loop for stiffness / damping of what is left to go.
+        self._reach[channel] = speed * self._damping_share if self._damping_share else math.inf
         most = min(torque, self._peaks[channel])
         self.model.actuator_forcerange[channel] = (-most, most)
 
@@ -215,6 +219,7 @@ class LegsPlant:
             float(self._turning + self._at_peak()),
             float(self._fell),
             *self._angles.tolist(),
+            *self._speeds.tolist(),
             *self._soles[0].tolist(),
             *self._soles[1].tolist(),
         )
@@ -248,7 +253,8 @@ class LegsPlant:
             turn = np.clip(away, -self._turns, self._turns)
             self._target += turn
             self._turning = int(np.count_nonzero(turn != away))
-        self._control[:] = self._target + self._lead
+        asked, angles, reach = self._target + self._lead, self._angles, self._reach
+        self._control[:] = np.minimum(np.maximum(asked, angles - reach), angles + reach)
 
     def _at_peak(self) -> int:
         return sum(

@@ -69,3 +69,21 @@ def test_a_value_that_is_no_number_is_beyond_every_bound():
     rows = np.array([[0.0, 0.0, 0.0], [math.nan, 0.0, 0.0]])
     found = judge([Hazard("x", "m", ("a",), -1, 1)], COLUMNS, np.arange(2.0), rows, safe_from=0.0)
     assert found
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_comes_after_a_forgiven_end_is_not_judged(seed):
+    chance = random.Random(seed)
+    times, rows = truth_of(chance)
+    fall = chance.randrange(1, len(times))
+    rows[:, 0] = np.arange(len(times)) >= fall
+    hazards = [
+        Hazard("fall", "1", ("a",), -math.inf, 0.5, is_last=True),
+        Hazard("rate", "m", ("b",), -1.5, 1.5),
+    ]
+    before = np.any(np.abs(rows[:fall, 1]) > 1.5)
+    forgiven = judge(hazards, COLUMNS, times, rows, safe_from=0.0, forgiven={"fall"})
+    assert [violation.hazard for violation in forgiven] == ["rate"] * int(before)
+    whole = judge(hazards, COLUMNS, times, rows, safe_from=0.0)
+    after = np.any(np.abs(rows[:, 1]) > 1.5)
+    assert [violation.hazard for violation in whole] == ["fall", *["rate"] * int(after)]

@@ -1,6 +1,7 @@
 """The whole robot on its floor: it stands, walks, slips, sags and falls."""
 
 import math
+import random
 
 import numpy as np
 import pytest
@@ -109,6 +110,24 @@ def test_robot_stands_on_its_servos_and_sags_a_little():
     weight = 9.81 * plant.model.body_mass.sum()
     assert truth["load_right"] + truth["load_left"] == pytest.approx(weight, rel=0.01)
     assert abs(truth["waist_pitch"]) < 0.01
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_capped_servo_turns_a_light_leg_no_faster(seed):
+    chance = random.Random(seed)
+    plant = make(seed)
+    channel, speed = chance.randrange(12), chance.uniform(1.0, 6.0)
+    way = chance.choice((-1.0, 1.0)) * chance.uniform(0.3, 1.0)
+    for capped in range(12):
+        plant.limit_joint(capped, speed, math.inf)
+    power(plant)
+    plant.data.qpos[2] += 1.0  # in the air: nothing slows a leg down but its own loop
+    plant.command_joint(channel, plant.joint_position(channel) + way, 0.0, True)
+    fastest = 0.0
+    for cycle in range(1, 120):
+        plant.advance(cycle * 2.5e-3)
+        fastest = max(fastest, abs(plant.joint_velocity(channel)))
+    assert 0.5 * min(speed, GEOMETRY.max_rate) < fastest <= 1.02 * speed
 
 
 def test_robot_without_torque_collapses():

@@ -1,0 +1,55 @@
+"""A fall is forgiven only where the plant shows that nothing could have held the robot."""
+
+import math
+import random
+
+import pytest
+
+from rig.faults.catalogue import kind_named
+from rig.faults.kind import Place, Plight, Sizes
+from rig.faults.subject import Subject
+
+LIES = ("servo_encoder_jump", "servo_encoder_frozen", "servo_encoder_mirrored")
+
+
+def plight(chance, kind, *, bears, knows_velocities=False, left=1.0, size=None):
+    leg = chance.choice(("right", "left"))
+    subject = Subject(
+        rig="legs", experiments=("walk",), period=0.005, channels={}, knows={}, frames={},
+        on_bus={}, hazards=(), connecting=1.0, reading_age=0.03,
+        by_velocity=frozenset({"servos"} if knows_velocities else ()),
+    )  # fmt: skip
+    other = "left" if leg == "right" else "right"
+    weight = chance.uniform(5.0, 60.0)
+    truth = {f"load_{leg}": weight if bears else 0.0, f"load_{other}": 0.0 if bears else weight}
+    magnitude = chance.choice((-1.0, 1.0)) * (chance.uniform(0.31, 1.0) if size is None else size)
+    place = Place("servos", "servos knee", ("knee",), axis=f"{leg}_knee")
+    return kind_named(kind), Plight(subject, place, Sizes(magnitude, math.inf), truth, left)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("kind", LIES)
+def test_only_a_leg_that_bears_on_a_servo_with_one_loop_may_fold(kind, seed):
+    chance = random.Random(f"{kind} {seed}")
+    row, case = plight(chance, kind, bears=True)
+    assert row.excuses(case) == {"fall"}
+    row, case = plight(chance, kind, bears=False)
+    assert row.excuses(case) == frozenset()
+    row, case = plight(chance, kind, bears=True, knows_velocities=True)
+    assert row.excuses(case) == frozenset()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_jump_that_can_be_made_up_for_is_no_excuse(seed):
+    chance = random.Random(seed)
+    row, case = plight(chance, LIES[0], bears=True, size=chance.uniform(0.05, 0.29))
+    assert row.excuses(case) == frozenset()
+
+
+@pytest.mark.parametrize("kind", LIES)
+def test_what_breaks_when_the_program_is_about_to_end_is_seen_by_nobody(kind):
+    chance = random.Random(kind)
+    row, case = plight(chance, kind, bears=True, knows_velocities=True, left=0.0149)
+    assert row.excuses(case) == {"fall", "rate"}
+    row, case = plight(chance, kind, bears=True, knows_velocities=True, left=0.0151)
+    assert row.excuses(case) == frozenset()
