@@ -1,10 +1,10 @@
 """A CAN bus with CANopen devices as the cycle sees it: one place for all its I/O."""
 
 from collections.abc import Callable
-from math import inf
 from typing import TYPE_CHECKING, Final
 
 from drivers.can.cyclic import CyclicCanBus
+from drivers.canopen.answers import SyncTrain
 from drivers.canopen.heartbeat import HeartbeatProducer, NmtState
 from drivers.canopen.settings import CanBusSettings
 from rig.hal import Clock, FastCanBus
@@ -28,10 +28,10 @@ class CanopenBus(CyclicCanBus):
 
     Attributes
     ----------
-    sync_count : int
-        SYNCs so far.
-    sync_time : float
-        When the last one was sent, s.
+    syncs : SyncTrain
+        Those so far.
+    late_samples : list of callable
+        Each returns how many samples of a device came in another cycle than that of their SYNC.
     lost_setpoints : list of callable
         Each returns how many setpoints a device was sent and did not get.
     """
@@ -48,8 +48,8 @@ class CanopenBus(CyclicCanBus):
     ) -> None:
         super().__init__(name, settings, open_bus, clock, period)
         self.settings = settings
-        self.sync_count = 0
-        self.sync_time = -inf
+        self.syncs = SyncTrain(can_omit=settings.sync)
+        self.late_samples: list[Callable[[], int]] = []
         self.lost_setpoints: list[Callable[[], int]] = []
         self._now = clock.now
         self._heartbeat = HeartbeatProducer(settings.heartbeat)
@@ -77,7 +77,8 @@ class CanopenBus(CyclicCanBus):
 
     def transmit(self, now: float) -> None:
         """Send this cycle's setpoints, SYNC, and the heartbeat if it is due. Hot path."""
-        if self._exchange() and now >= self._heartbeat.due:
+        exchanged = self._leave_sync_out() if self.syncs.wanted else self._exchange()
+        if exchanged and now >= self._heartbeat.due:
             try:
                 self._send(self._heartbeat_id, _OPERATIONAL)
             except Exception as error:
@@ -92,6 +93,7 @@ class CanopenBus(CyclicCanBus):
         Nodes watch the master from its first heartbeat on, which the running loop sends.
         """
         self._exchange()
+        self.syncs.settle()
 
     def make_safe(self) -> None:
         """Send the safe setpoints of every driver now. Never raises."""
@@ -103,7 +105,13 @@ class CanopenBus(CyclicCanBus):
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""
         strange = 0 if self._network is None else self._network.strange
-        found = {**super().statistics(), "syncs": self.sync_count, "strange_answers": strange}
+        found = {
+            **super().statistics(),
+            "syncs": self.syncs.count - self.syncs.omissions,
+            "omitted_syncs": self.syncs.omissions,
+            "late_samples": sum(late() for late in self.late_samples),
+            "strange_answers": strange,
+        }
         if self.lost_setpoints:
             found["lost_setpoints"] = sum(lost() for lost in self.lost_setpoints)
         return found
@@ -113,13 +121,17 @@ class CanopenBus(CyclicCanBus):
             return self._send_cyclic()
         if not self._send_cyclic(_SYNC):
             return False
-        self.sync_count += 1
-        self.sync_time = self._now()
+        self.syncs.send(self._now())
+        return True
+
+    def _leave_sync_out(self) -> bool:
+        if not self._send_cyclic():
+            return False
+        self.syncs.leave_out()
         return True
 
     def _owners(self, can_id: int) -> str:
         return f"devices have node number 0x{can_id & 0x7F:02X}"
 
     def _on_foreign_sync(self, data: bytes, now: float) -> None:
-        self.sync_count += 1
-        self.sync_time = now
+        self.syncs.send(now)

@@ -69,6 +69,8 @@ class DescribedNode:
         Which key of the device's settings asks for the object.
     told : tuple of Told
         What the node says of its scales.
+    deadline : bool
+        Whether `setpoint_deadline` asks for a deadline of what it receives.
     """
 
     name: str
@@ -79,3 +81,4 @@ class DescribedNode:
     quantities: Mapping[Entry, Quantity]
     origins: Mapping[Entry, Keys] = field(default_factory=dict)
     told: tuple[Told, ...] = ()
+    deadline: bool = False

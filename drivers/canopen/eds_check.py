@@ -118,7 +118,16 @@ class EdsFile(DeviceFile):
         if kind.access not in _SETTABLE and found not in (None, _ON_EVERY_SYNC):
             text = f"{name} has transmission type {found}, which cannot be changed"
             yield Shortfall(last, f"{text}, and {_ON_EVERY_SYNC} is needed {self._at(kind)}")
+        if node.deadline and name.startswith("R"):
+            yield from self._check_deadline(name, index)
         yield from self._check_mapping(node, name, index + _MAPPING_OFFSET, layout)
+
+    def _check_deadline(self, name: str, index: int) -> Iterator[Shortfall]:
+        keys, timer = ("setpoint_deadline",), self.eds.find(index, 5)
+        if timer is None:
+            yield Shortfall(keys, f"{self.eds.path} has no deadline of {name} (0x{index:04X}:05)")
+        elif timer.access not in _SETTABLE:
+            yield Shortfall(keys, f"the deadline of {name} cannot be set {self._at(timer)}")
 
     def _check_mapping(
         self, node: DescribedNode, name: str, mapping: int, layout: Layout

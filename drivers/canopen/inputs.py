@@ -4,6 +4,7 @@ import struct
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from drivers.canopen.answers import Answers
 from drivers.canopen.mapping import STRUCT_CODES, Layout, layout_size
 from rig.hal import ConnectionFailed, DeviceFault
 
@@ -24,8 +25,8 @@ class CyclicInputs:
     """The transmit PDOs of one node, which it samples at each SYNC.
 
     A sample counts when all its PDOs have come, and is stamped with the time of the SYNC
-    that triggered it. Of two in one cycle (the first was late, or it came twice) the newer
-    one is taken.
+    that triggered the oldest of them. Of two in one cycle (the first was late, or it came twice)
+    the newer one is taken.
 
     Parameters
     ----------
@@ -71,7 +72,10 @@ class CyclicInputs:
         self._seen = 0
         self._seen_sync = -1
         self._parts: list[tuple[Any, ...]] = [()] * len(layouts)
+        self._sampled = [0.0] * len(layouts)
         self._taken_sync = 0
+        self._answers = tuple(Answers(bus.syncs) for _ in layouts)
+        bus.late_samples.append(self._count_late)
         self._wrong_in_a_row = 0
         self._wrong: tuple[int, int, int] = (0, 0, 0)
         self.held = 0
@@ -82,8 +86,10 @@ class CyclicInputs:
 
     def arm(self) -> None:
         """Expect samples from now on."""
-        self._taken_sync = self._bus.sync_count
+        self._taken_sync = self._bus.syncs.count
         self._wrong_in_a_row = 0
+        for answers in self._answers:
+            answers.arm()
 
     def take_first(self) -> None:
         """Send SYNC and wait for the sample that answers it.
@@ -108,7 +114,7 @@ class CyclicInputs:
 
     def is_current(self) -> bool:
         """Return whether the sample of the last SYNC has come."""
-        return self._taken_sync == self._bus.sync_count
+        return self._taken_sync == self._bus.syncs.count
 
     def check(self, now: float) -> None:
         """Count what is missing, and raise if it is too much.
@@ -118,7 +124,7 @@ class CyclicInputs:
         DeviceFault
             Samples are missing, or their length is wrong, too many times in a row.
         """
-        missed = self._bus.sync_count - self._taken_sync
+        missed = self._bus.syncs.count - self._taken_sync
         if not missed:
             return
         if missed >= self._hold_after:
@@ -149,37 +155,42 @@ class CyclicInputs:
 
     def _single(self, layout: Layout) -> Callable[[bytes, float], None]:
         size, unpack = layout_size(layout), layout_struct(layout).unpack
-        take, bus, can_id = self._take, self._bus, self.can_ids[0]
+        take, syncs, can_id = self._take, self._bus.syncs, self.can_ids[0]
+        answer = self._answers[0].take
 
         def receive(data: bytes, now: float) -> None:
             if len(data) != size:
                 self._count_wrong(can_id, len(data), size)
                 return
-            self._taken_sync = bus.sync_count
+            self._taken_sync = syncs.count
             self._wrong_in_a_row = 0
-            take(unpack(data), bus.sync_time)
+            take(unpack(data), answer())
 
         return receive
 
     def _part(self, number: int, layout: Layout) -> Callable[[bytes, float], None]:
         size, unpack = layout_size(layout), layout_struct(layout).unpack
         can_id, bit = self.can_ids[number], 1 << number
+        syncs, answer, sampled = self._bus.syncs, self._answers[number].take, self._sampled
 
         def receive(data: bytes, now: float) -> None:
             if len(data) != size:
                 self._count_wrong(can_id, len(data), size)
                 return
-            bus = self._bus
-            if self._seen_sync != bus.sync_count:
-                self._seen_sync, self._seen = bus.sync_count, 0
+            if self._seen_sync != syncs.count:
+                self._seen_sync, self._seen = syncs.count, 0
             self._parts[number] = unpack(data)
+            sampled[number] = answer()
             self._seen |= bit
             if self._seen == self._complete:
-                self._taken_sync = bus.sync_count
+                self._taken_sync = syncs.count
                 self._wrong_in_a_row = 0
-                self._take(tuple([v for part in self._parts for v in part]), bus.sync_time)
+                self._take(tuple([v for part in self._parts for v in part]), min(sampled))
 
         return receive
+
+    def _count_late(self) -> int:
+        return max(answers.late for answers in self._answers)
 
     def _count_wrong(self, can_id: int, size: int, expected: int) -> None:
         self._wrong_in_a_row += 1

@@ -111,7 +111,12 @@ class CanopenNode:
         return device_type >> 16
 
     def map_pdos(
-        self, receive: Sequence[Layout], transmit: Sequence[Layout], *, remap: bool
+        self,
+        receive: Sequence[Layout],
+        transmit: Sequence[Layout],
+        *,
+        remap: bool,
+        deadline: float | None = None,
     ) -> None:
         """Set up the PDOs, all synchronous, and switch off those that are not used.
 
@@ -121,6 +126,8 @@ class CanopenNode:
             What the node receives and sends, from PDO 1 on.
         remap : bool
             Write the mapping, else compare it.
+        deadline : float, optional
+            For how long what it receives may stay away, s, once it has come.
 
         Raises
         ------
@@ -134,6 +141,8 @@ class CanopenNode:
                     self._switch_off(base + number)
                 else:
                     default = (0x200 if base == _RECEIVE else 0x180) + 0x100 * number
+                    if deadline is not None and base == _RECEIVE:
+                        self.write(base + number, 5, "u16", _milliseconds(deadline))
                     self._map(base + number, default + self.node, layout, remap=remap)
 
     def arm(self) -> None:

@@ -28,6 +28,7 @@ from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
+    ConfigurationError,
     DeviceFault,
     EmergencyStopInput,
     LimitExceeded,
@@ -62,6 +63,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self.settings = settings
         self.channels = tuple(settings.channels)
         self.pressure_range = settings.pressure_range
+        _check_deadline(name, settings.setpoint_deadline, bus.period)
         self._bus = bus
         self._serial = serial
         self._node = CanopenNode(name, settings.node, bus)
@@ -125,7 +127,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._broken = [0] * count
         self._intact = True
         self._signals = [0.0] * count
-        self._armed = False
+        self._armed = self._sending = False
 
     # Codec ----------------------------------------------------------------------------
 
@@ -203,7 +205,12 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             node.write(0x6206, 1, "u8", 0xFF & ~self._kept)
             node.write(0x6207, 1, "u8", 0)
         node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
-        node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
+        node.map_pdos(
+            self._receive_layouts,
+            self._transmit_layouts,
+            remap=settings.remap,
+            deadline=settings.setpoint_deadline,
+        )
         for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
             signal = channel.setpoint
             raw = encode_pressure(codec, self._vented[0])
@@ -223,8 +230,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._forget_setpoints()
         self._set_safe()
         self._node.arm()
-        for pdo in self._pdos:
-            pdo.active = True
+        # The first setpoints start the deadline, and other devices take their time to be armed.
+        self._send_setpoints(self.settings.setpoint_deadline is None)
         self._broken = [0] * len(self.channels)
         self._intact = True
         self._inputs.take_first()
@@ -312,6 +319,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             counts.append(encode(value))
         self._setpoint = pressure
         self._echoes.send(counts)
+        if not self._sending:
+            self._send_setpoints(True)
         digital = self._opened
         self._digital = self._kept
         if self._pack_only is not None:  # as most modules have it: one PDO for everything
@@ -366,6 +375,11 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             for held, setpoint, vented in zip(self._held, self._setpoint, self._vented, strict=True)
         )
 
+    def _send_setpoints(self, active: bool) -> None:
+        self._sending = active
+        for pdo in self._pdos:
+            pdo.active = active
+
     def _forget_setpoints(self) -> None:
         """Hold nothing and keep nothing open: nothing has been commanded yet."""
         self._echoes.reset()
@@ -394,4 +408,13 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             object=str(signal.entry),
             value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
             bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
+        )
+
+
+def _check_deadline(name: str, deadline: float | None, period: float | None) -> None:
+    """Raise if one lost setpoint would stop the rig."""
+    if deadline is not None and period is not None and deadline < 2.0 * period:
+        raise ConfigurationError(
+            f"{name}: setpoint_deadline ({deadline:g} s) is less than two cycles of {period:g} s; "
+            "one lost setpoint would stop the rig."
         )

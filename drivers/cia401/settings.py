@@ -63,6 +63,10 @@ class Cia401Settings(NodeSettings):
         its maker decided.
     error_mode_type : str
         Data type of the error mode; some makers took u16.
+    setpoint_deadline : float, optional
+        After so long without setpoints the module itself takes its error values, s: 0x1400:5 of
+        each receive PDO, in whole milliseconds. None: it is not used, and the heartbeat alone ends
+        the last setpoints. Only for a module that acts on it; not each that has the object does.
     echo : bool
         The module sends the setpoints that it has got back each cycle, if its outputs can be
         mapped: those that do not arrive, or come late, are found. It costs as many bytes again.
@@ -79,6 +83,7 @@ class Cia401Settings(NodeSettings):
     error_mode: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6443
     error_value: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6444
     error_mode_type: Literal["u8", "u16"] = "u8"
+    setpoint_deadline: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] | None = None
     echo: bool = False
     following: FollowingSettings = field(default_factory=FollowingSettings)
 
@@ -174,8 +179,14 @@ class Cia401Settings(NodeSettings):
         return tuple(self.channels)
 
     def acts_after(self, bus: object) -> float | None:
-        """Return after how long without the program it makes itself safe, s: its heartbeat."""
-        return bus.heartbeat_timeout if isinstance(bus, CanBusSettings) else None
+        """Return after how long without the program it makes itself safe, s.
+
+        By its heartbeat, or by the deadline of its setpoints if that is shorter.
+        """
+        ends = [bus.heartbeat_timeout] if isinstance(bus, CanBusSettings) else []
+        if self.setpoint_deadline is not None:
+            ends.append(self.setpoint_deadline)
+        return min(ends, default=None)
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the module's node."""
@@ -196,5 +207,6 @@ class Cia401Settings(NodeSettings):
                 self.remap,
                 quantities,
                 origins,
+                deadline=self.setpoint_deadline is not None,
             ),
         )

@@ -93,8 +93,8 @@ def refuse_slow_devices(plan: Plan, say: Callable[[str], None]) -> None:
             slowest.device,
             f"if the program dies, it keeps its setpoints for {slowest.after * 1e3:.0f} ms, and "
             f"after {bound.longest * 1e3:.0f} ms from {bound.at:.2f} s of the motion on, "
-            f"{bound.what} would pass its limit; shorten its heartbeat_timeout or watchdog, or "
-            "slow the motion down",
+            f"{bound.what} would pass its limit; shorten its heartbeat_timeout or watchdog, "
+            "give it a setpoint_deadline, or slow the motion down",
         )
 
 

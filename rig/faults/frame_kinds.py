@@ -81,6 +81,10 @@ def _unless_early(least: float) -> Expect:
     )
 
 
+def _unless_fresh(sizes: Sizes, subject: Subject) -> Must:
+    return _unless_early(subject.reading_age + 2.0 * subject.period)(sizes, subject)
+
+
 def _kind(name: str, what: str, way: Way, kind: str, must: Expect, within: float, *,
           why: str = "", magnitude: Magnitudes | None = None,
           lasts: Magnitudes | None = _LASTING) -> FaultKind:  # fmt: skip
@@ -99,7 +103,7 @@ KINDS = (
     _kind("readings_lost", "What a device measures does not arrive.", "from", "drop",
           _unless_bridged, 0.1, why=_BRIDGED),
     _kind("readings_late", "What a device measures comes late.", "from", "delay",
-          _unless_early(30e-3), 0.2, why=_BRIDGED, magnitude=_DELAY),
+          _unless_fresh, 0.2, why=_BRIDGED, magnitude=_DELAY),
     _kind("readings_twice", "What a device measures comes twice.", "from", "duplicate",
           either, 0.1, why="the second copy says nothing new"),
     _kind("readings_out_of_order", "Every other reading comes after its successor.", "from",

@@ -10,6 +10,7 @@ _TOLD: Final = {
     "lost": "error frames say that the controller has lost frames",
     "dropped": "frames were lost, since nobody took them in time",
     "unknown": "frames have come that the profile knows nothing of",
+    "late_samples": "samples answer an older SYNC than the last one: they come late",
     "strange_answers": "nodes answer questions that somebody else asks",
 }
 

@@ -108,7 +108,7 @@ def test_servos_bear_the_time_that_their_range_leaves_them():
     ("rig", "experiment", "device", "after"),
     [
         ("cylinder", "cylinder-sine", "regulators", 0.03),
-        ("joint", "joint-circle", "regulators", 0.015),
+        ("joint", "joint-circle", "regulators", 0.005),
         ("arm", "arm-wrist-hit", "drives", 0.15),
         ("arm-odrive", "arm-wrist-hit", "drives", 0.05),
         ("legs", "legs-squat", "servos", 0.06),

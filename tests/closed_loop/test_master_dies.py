@@ -76,6 +76,21 @@ def test_cylinder_does_not_reach_its_end(experiment, seed, at):
     assert max(truth["pressure_agonist"][-1], truth["pressure_antagonist"][-1]) < 20e3
 
 
+FASTEST = [("joint-range", 26.40), ("joint-wide", 18.77), ("joint-poses", 14.85)]
+"""When frozen setpoints act soonest, as `rig check` says, s."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("experiment", "seed", "at"),
+    [(name, DRAWN.randrange(1000), at + DRAWN.uniform(-0.1, 0.1)) for name, at in FASTEST],
+)
+def test_ring_stays_within_its_limits_in_the_fastest_motions(experiment, seed, at):
+    truth = kill(experiment, (f"simulation.seed={seed}",), at)
+    assert np.degrees(np.arccos(truth["axis_z"])).max() < 66.0  # a tenth beyond its limit
+    assert max(truth[f"pressure_ch{k}"][-1] for k in (1, 2, 3, 4)) < 20e3
+
+
 @pytest.mark.parametrize(("experiment", "seed", "at"), draw(4, ["joint-circle"], 3.9))
 def test_ring_is_not_thrown_over(experiment, seed, at):
     truth = kill(experiment, (*CIRCLE, f"simulation.seed={seed}"), at)

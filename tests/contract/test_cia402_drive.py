@@ -102,7 +102,7 @@ def test_velocities_are_followed(mode):
 def test_readings_are_quantised_and_bear_the_time_of_their_sync(rig):
     turn(rig, 10)
     reading = rig.driver.positions()
-    assert reading.t == rig.bus.sync_time - PERIOD
+    assert reading.t == rig.bus.syncs.time - PERIOD
     for k, q in enumerate(reading.value):
         drive = rig.driver.settings.joints[f"q{k + 1}"]
         counts = (q - drive.offset) * drive.counts_per_radian

@@ -1,6 +1,7 @@
 """The frames of a start, a cycle and an end, byte by byte, and every way they can be wrong."""
 
 import errno
+from dataclasses import replace
 
 import pytest
 from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
@@ -12,7 +13,7 @@ from drivers.cia401.device import Cia401Regulators
 from drivers.cia401.settings import Cia401Settings, FollowingSettings
 from drivers.cia406.device import Cia406Encoder
 from drivers.cia406.settings import Cia406Settings
-from rig.hal import ConnectionFailed, DeviceFault, LimitExceeded
+from rig.hal import ConfigurationError, ConnectionFailed, DeviceFault, LimitExceeded
 
 
 def channel(sub):
@@ -112,6 +113,44 @@ def test_the_start_sends_these_frames_in_this_order():
         "601#2F00620100000000",
     ]
     assert bench.node.objects[0x6444, 1] == bytes(4)
+
+
+def with_deadline():
+    bench = Regulators(replace(SETTINGS, setpoint_deadline=0.006))
+    bench.node.objects[0x1400, 5] = u16(0)
+    return bench
+
+
+def test_the_deadline_of_setpoints_is_set_and_starts_with_the_first_of_them():
+    bench = with_deadline()
+    sent = bench.start()
+    assert bench.node.objects[0x1400, 5] == u16(6)
+    assert not [frame for frame in sent if frame.startswith("201#")]
+    bench.bus.synchronise()  # another device takes its first readings
+    assert bench.sent() == ["080#"]
+    assert bench.run(VENTED)[0].startswith("201#")
+    bench.driver.make_safe()
+    bench.bus.make_safe()
+    assert bench.sent()[0] == "201#0000000000"
+
+
+def test_a_module_without_the_deadline_or_that_does_not_keep_it_is_refused():
+    bench = with_deadline()
+    del bench.node.objects[0x1400, 5]
+    with pytest.raises(ConnectionFailed, match="0x1400:05"):
+        bench.driver.connect()
+    bench = with_deadline()
+    bench.node.stubborn.add((0x1400, 5))
+    with pytest.raises(ConnectionFailed, match=r"reads back another.*0x1400:05"):
+        bench.driver.connect()
+
+
+def test_a_deadline_that_one_lost_setpoint_passes_is_refused():
+    bench = Regulators()
+    bench.bus.period = 4e-3
+    settings = replace(SETTINGS, node=2, setpoint_deadline=6e-3)
+    with pytest.raises(ConfigurationError, match=r"setpoint_deadline \(0\.006 s\).*two cycles"):
+        Cia401Regulators("others", settings, bench.bus)
 
 
 def test_a_setpoint_of_12287_counts_is_the_manuals_frame():

@@ -97,7 +97,7 @@ def test_a_position_is_scaled_rounded_and_sent_before_sync(arm):
 
 def test_positions_velocities_and_torques_are_decoded(arm):
     arm.run(0x1227, -4, velocity=-250, torque=100)
-    sampled = arm.bus.sync_time
+    sampled = arm.bus.syncs.time
     arm.run(0x1227, -5, velocity=-250, torque=100)
     assert arm.driver.positions().value == pytest.approx((-0.005,))
     assert arm.driver.positions().t == pytest.approx(sampled)

@@ -307,7 +307,13 @@ class EmulatedNode(FaultInjection):
         self.emergency.raise_error(
             f"heartbeat {node}", emcy.HEARTBEAT_ERROR, emcy.COMMUNICATION, bytes((node,))
         )
-        # The emergency goes out first: in STOPPED it could not.
+        self.communication_failed()
+
+    def communication_failed(self) -> None:
+        """Leave OPERATIONAL as 0x1029:1 says; the emergency goes out first.
+
+        In STOPPED it could not.
+        """
         self.emergency.tick(self.now, allowed=self.state is not NmtState.STOPPED)
         reaction = _ERROR_BEHAVIOUR.get(self._error_behaviour.integer)
         if self.state is NmtState.OPERATIONAL and reaction is not None:

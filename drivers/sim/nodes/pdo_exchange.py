@@ -28,6 +28,10 @@ class Process(Protocol):
         """Have the node look at what is due."""
         ...
 
+    def communication_failed(self) -> None:
+        """Do what the node is told to do when its communication fails."""
+        ...
+
 
 class PdoExchange:
     """Four PDOs each way.
@@ -134,13 +138,16 @@ class PdoExchange:
             self._process.apply_outputs(now)
 
     def tick(self, now: float) -> None:
-        """Report setpoints that are late; send what events and timers ask for."""
-        for pdo in self.receive:
-            if now >= pdo.due:
-                pdo.due = inf
-                self._emergency.raise_error(
-                    f"rpdo{pdo.number} late", emcy.RPDO_TIMEOUT, emcy.COMMUNICATION
-                )
+        """Act on setpoints that are late; send what events and timers ask for."""
+        late = [pdo for pdo in self.receive if now >= pdo.due]
+        for pdo in late:
+            pdo.due = inf
+            self._emergency.raise_error(
+                f"rpdo{pdo.number} late", emcy.RPDO_TIMEOUT, emcy.COMMUNICATION
+            )
+        if late:
+            self._process.communication_failed()
+            return
         wanted = [pdo for pdo in self.transmit if now >= pdo.due]
         if wanted:
             self._process.sample_inputs(now)

@@ -117,6 +117,18 @@ def test_a_range_that_only_the_files_type_can_hold_is_accepted(tmp_path):
         ),
         (
             "regulators",
+            lambda eds: without(eds, "1400sub5"),
+            "    setpoint_deadline: 5 ms\n",
+            r"mine\.yaml:5:24: regulators: .*device\.eds has no deadline of RPDO1 \(0x1400:05\)",
+        ),
+        (
+            "regulators",
+            lambda eds: changed(eds, "1400sub5", "AccessType", "ro"),
+            "    setpoint_deadline: 5 ms\n",
+            r"the deadline of RPDO1 cannot be set \(.*device\.eds:\d+\)",
+        ),
+        (
+            "regulators",
             lambda eds: without(eds, *(f"1A00sub{k}" for k in range(3, 9))),
             "",
             r"cylinder\.yaml:\d+:\d+: regulators: TPDO1 can map 2 objects at most, not 4",
@@ -155,7 +167,8 @@ def test_a_range_that_only_the_files_type_can_hold_is_accepted(tmp_path):
         ),
     ],
     ids=[
-        "absent", "not mappable", "not readable", "not writable", "too many", "granularity",
+        "absent", "not mappable", "not readable", "not writable", "no deadline", "fixed deadline",
+        "too many", "granularity",
         "no PDO", "identifier", "transmission type", "too long",
     ],
 )  # fmt: skip

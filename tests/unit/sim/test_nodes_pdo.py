@@ -1,10 +1,12 @@
 """PDOs of the emulated nodes: configuration rules, SYNC, events, deadlines, bad lengths."""
 
+import random
 from itertools import pairwise
 
 import pytest
 from emulated_rig import AGONIST, MONITOR, REGULATORS, SETPOINT
 
+DRAWN = random.Random(1400)
 NO_OBJECT, NOT_MAPPABLE, TOO_LONG = 0x06020000, 0x06040041, 0x06040042
 UNSUPPORTED, RANGE, NO_SUB = 0x06010000, 0x06090030, 0x06090011
 
@@ -196,6 +198,7 @@ def test_analogue_inputs_are_not_event_driven_until_enabled(bench):
 
 def test_late_setpoints_are_reported_where_a_deadline_is_set(bench):
     bench.run()
+    bench.write(REGULATORS, 0x1029, 1, 1, 1)  # it stays OPERATIONAL
     bench.write(REGULATORS, 0x1401, 5, 20, 2)
     bench.ask("000#0110")
     assert bench.run(0.1) == []  # it starts with the first
@@ -203,6 +206,27 @@ def test_late_setpoints_are_reported_where_a_deadline_is_set(bench):
     assert bench.run(0.015) == []
     assert bench.run(0.01) == ["090#5082110000000000"]
     assert bench.ask("310#0000000000000000") == ["090#0000000000000000"]
+
+
+@pytest.mark.parametrize("deadline", DRAWN.sample(range(2, 60), 3))
+def test_late_setpoints_have_the_module_take_its_error_values(bench, deadline):
+    bench.run()
+    bench.write(REGULATORS, 0x6443, 1, 1, 1)
+    bench.write(REGULATORS, 0x6443, 2, 0, 1)  # this one holds
+    bench.write(REGULATORS, 0x6444, 1, 0x1000, 4)
+    bench.write(REGULATORS, 0x1401, 5, deadline, 2)
+    bench.ask("000#0110")
+    commanded = "310#0040004000000000"
+    for _ in range(5):  # none stays away for long
+        bench.ask(commanded)
+        assert bench.run(0.9e-3 * (deadline - 1)) == []
+    before = list(bench.plant.setpoints)
+    assert "090#5082110000000000" in bench.run(0.2e-3 * deadline + 2e-3)
+    first, second = bench.plant.setpoints
+    assert first == pytest.approx(0.25 * before[0], rel=1e-3)
+    assert second == before[1]
+    bench.ask(commanded)  # too late: it is in PRE-OPERATIONAL
+    assert bench.plant.setpoints == [first, second]
 
 
 def test_monitor_and_setpoint_scales_are_their_own(bench):
