@@ -11,19 +11,21 @@ from typing import Any
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import Plan
+from rig.experiment.watcher import Watcher
 from rig.runtime.loop import Loop
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
-_CYCLES = 50
+CYCLES = 50
+"""So many cycles are rehearsed."""
 _TIMINGS = Timings(energise=0.01, approach=60.0, release=0.0, brake=0.0, settle=0.0)
 """Control takes over at once and has not come to the motion when the rehearsal ends."""
 
 _LOG = logging.getLogger(__name__)
 
 
-def rehearse(plan: Plan) -> None:
+def rehearse(plan: Plan, watcher: Watcher | None = None) -> None:
     """Let the plan's controller hold a simulated rig for a moment.
 
     A rehearsal that fails is no reason to refuse the rig itself, which may well be another than
@@ -34,7 +36,10 @@ def rehearse(plan: Plan) -> None:
     plan : Plan
         A copy of its controller holds the simulated rig; what both share is reset when control of
         the rig itself begins.
+    watcher : Watcher, optional
+        Is told of the simulated rig.
     """
+    watcher = watcher or Watcher()
     states = StateMachine()
     states.move(RigState.IDLE)
     stop = StopRequests()
@@ -44,6 +49,7 @@ def rehearse(plan: Plan) -> None:
     try:
         with build_rig(plan.profile, Backend.SIM) as rig:
             rig.mechanism.attach(controller, plan.motion)
+            watcher.rehearsing(rig)
             rig.arm(torque=plan.motion.has_torque)
             loop: Loop[Any, Any, Any] = Loop(
                 clock=rig.clock,
@@ -51,7 +57,7 @@ def rehearse(plan: Plan) -> None:
                 buses=tuple(rig.buses.values()),
                 devices=tuple(rig.devices.values()),
                 mechanism=rig.mechanism,
-                controller=controller,
+                controller=watcher.employed(controller),
                 states=states,
             )
             fault = loop.run(
@@ -70,7 +76,7 @@ class _Few:
         self._stop = stop
 
     def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
-        if cycle >= _CYCLES:
+        if cycle >= CYCLES:
             self._stop.request()
 
 

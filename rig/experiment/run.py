@@ -74,6 +74,7 @@ def run_experiment(
     report: bool = True,
     frames: str | None = None,
     heed_calibrations: bool = True,
+    rehearses: bool = False,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -98,6 +99,8 @@ def run_experiment(
     heed_calibrations : bool
         Refuse hardware whose calibration does not hold, or whose devices act too late by
         themselves; False: it is being calibrated.
+    rehearses : bool
+        Rehearse a simulated run as well, although nothing stalls in virtual time.
 
     Returns
     -------
@@ -118,8 +121,8 @@ def run_experiment(
     with StopRequests() as stop:
         if backend is Backend.HARDWARE and heed_calibrations:
             refuse_slow_devices(plan, watcher.said)
-        if not backend.is_simulated:
-            rehearse(plan)
+        if rehearses or not backend.is_simulated:
+            rehearse(plan, watcher)
         frame_log = None if frames is None else make_frame_log(plan.profile, backend)
         rig = build_rig(plan.profile, backend, on, frame_log)
         stop.shield()  # a folder that is half made could not tell how the run ended

@@ -112,6 +112,8 @@ class FaultKind:
         Hazards that no controller could prevent, and that the mechanism must bear.
     spoils_law : bool
         Whether it is felt only when the controller is followed, and is counted from then on.
+    is_rehearsable : bool
+        Whether it may happen in a rehearsal, which touches no bus and no device.
     """
 
     name: str
@@ -125,6 +127,7 @@ class FaultKind:
     lasts: Magnitudes | None = None
     forgives: frozenset[str] = frozenset()
     spoils_law: bool = False
+    is_rehearsable: bool = False
 
 
 def ride(sizes: Sizes, subject: Subject) -> Must:
