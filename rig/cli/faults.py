@@ -204,11 +204,14 @@ def _jobs(
 
 
 def _scenario_job(path: Path, configs: Path | None) -> Job:
+    from rig.faults.case import Moment
     from rig.faults.scenario_file import case_of, load_scenario
-    from rig.faults.survey import survey
+    from rig.faults.survey import experiments_of, survey
 
     scenario = load_scenario(path)
-    subject = survey(scenario.rig, (scenario.experiment,), configs)
+    calibrates = scenario.when.phase is Moment.CALIBRATION
+    among = experiments_of(scenario.rig, configs)[:1] if calibrates else (scenario.experiment,)
+    subject = survey(scenario.rig, among, configs)
     return case_of(scenario, subject, str(path)), subject
 
 

@@ -12,20 +12,22 @@ from typing import Any
 
 from rig.assembly import Backend, build_rig
 from rig.experiment.plan import Plan
+from rig.experiment.watcher import Watcher
 from rig.hal import MotionRefused
 from rig.runtime.loop import Loop
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
-_CYCLES = 50
+CYCLES = 50
+"""So many cycles are rehearsed."""
 _TIMINGS = Timings(energise=0.01, approach=60.0, release=0.0, brake=0.0, settle=0.0)
 """Control takes over at once and has not come to the motion when the rehearsal ends."""
 
 _LOG = logging.getLogger(__name__)
 
 
-def rehearse(plan: Plan) -> None:
+def rehearse(plan: Plan, watcher: Watcher | None = None) -> None:
     """Let the plan's controller hold a simulated rig for a moment.
 
     A rehearsal that fails is no reason to refuse the rig itself, which may well be another than
@@ -36,11 +38,14 @@ def rehearse(plan: Plan) -> None:
     plan : Plan
         A copy of its controller holds the simulated rig; what both share is reset when control of
         the rig itself begins.
+    watcher : Watcher, optional
+        Is told of the simulated rig.
     """
+    watcher = watcher or Watcher()
     stop = StopRequests()
     fault: Exception | None
     try:
-        fault = _run(plan, _TIMINGS, stop, _Silent(stop, _CYCLES))
+        fault = _run(plan, _TIMINGS, stop, _Silent(stop, CYCLES), watcher)
     except Exception as error:  # a rig's computer may lack what simulation takes
         fault = error
     if fault is not None:
@@ -58,12 +63,14 @@ def play_through(plan: Plan) -> None:
     healthy = replace(plan.profile, simulation=replace(plan.profile.simulation, faults=()))
     timings = Timings(approach=plan.experiment.approach)
     stop = StopRequests()
-    fault = _run(plan._replace(profile=healthy), timings, stop, _Silent(stop))
+    fault = _run(plan._replace(profile=healthy), timings, stop, _Silent(stop), Watcher())
     if fault is not None:
         raise MotionRefused(f"in rehearsal on the simulated rig: {fault}") from fault
 
 
-def _run(plan: Plan, timings: Timings, stop: StopRequests, silent: "_Silent") -> Exception | None:
+def _run(
+    plan: Plan, timings: Timings, stop: StopRequests, silent: "_Silent", watcher: Watcher
+) -> Exception | None:
     """Run a plan on a simulated rig; return the fault that ended it."""
     states = StateMachine()
     states.move(RigState.IDLE)
@@ -72,6 +79,7 @@ def _run(plan: Plan, timings: Timings, stop: StopRequests, silent: "_Silent") ->
     with build_rig(plan.profile, Backend.SIM) as rig:
         rig.mechanism.attach(controller, plan.motion)
         plan.motion.attach(rig.devices)
+        watcher.rehearsing(rig)
         rig.arm(torque=plan.motion.has_torque)
         loop: Loop[Any, Any, Any] = Loop(
             clock=rig.clock,
@@ -79,7 +87,7 @@ def _run(plan: Plan, timings: Timings, stop: StopRequests, silent: "_Silent") ->
             buses=tuple(rig.buses.values()),
             devices=tuple(rig.devices.values()),
             mechanism=rig.mechanism,
-            controller=controller,
+            controller=watcher.employed(controller),
             states=states,
         )
         return loop.run(

@@ -75,6 +75,7 @@ def run_experiment(
     frames: str | None = None,
     heed_calibrations: bool = True,
     stop: StopRequests | None = None,
+    rehearses: bool = False,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -101,6 +102,8 @@ def run_experiment(
         themselves; False: it is being calibrated.
     stop : StopRequests, optional
         By which another thread may ask for the end.
+    rehearses : bool
+        Rehearse a simulated run as well, although nothing stalls in virtual time.
 
     Returns
     -------
@@ -122,8 +125,8 @@ def run_experiment(
     with stop:
         if backend is Backend.HARDWARE and heed_calibrations:
             refuse_slow_devices(plan, watcher.said)
-        if not backend.is_simulated:
-            rehearse(plan)
+        if rehearses or not backend.is_simulated:
+            rehearse(plan, watcher)
         frame_log = None if frames is None else make_frame_log(plan.profile, backend)
         rig = build_rig(plan.profile, backend, on, frame_log)
         stop.shield()  # a folder that is half made could not tell how the run ended

@@ -15,6 +15,9 @@ class Watcher:
     def built(self, rig: Rig) -> None:
         """Take note of the rig before anything of it is opened."""
 
+    def rehearsing(self, rig: Rig) -> None:
+        """Take note of the simulated rig on which the run is rehearsed."""
+
     def moved(self, state: RigState, t: float | None) -> None:
         """Take note that the rig is in another state now.
 

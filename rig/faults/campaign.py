@@ -133,9 +133,11 @@ def _ready(running: Sequence[Connection]) -> list[Connection]:
 
 
 def _units(jobs: Sequence[Job]) -> list[list[Job]]:
-    def key(job: Job) -> tuple[str, int]:
+    def key(job: Job) -> tuple[str, str, str, int, int]:
+        """Return what the cases of a run have in common."""
         case = job[0]
-        return case.rig, -1 if case.drawn_with is None else case.drawn_with // UNIT
+        drawn = -1 if case.drawn_with is None else case.drawn_with // UNIT
+        return case.rig, case.stretch, case.experiment, case.seed, drawn
 
     return [list(group) for _, group in groupby(sorted(jobs, key=key), key)]
 

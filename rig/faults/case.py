@@ -2,10 +2,12 @@
 
 import random
 import shlex
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from math import inf
+from pathlib import Path
 
+from rig.experiment.rehearsal import CYCLES
 from rig.faults.catalogue import kind_named
 from rig.faults.kind import FaultKind, Place, Sizes
 from rig.faults.subject import Subject
@@ -13,14 +15,16 @@ from rig.runtime.phases import Timings
 
 
 class Moment(StrEnum):
-    """The phase of a run in which a fault happens."""
+    """The phase of a run in which a fault happens; or a calibration's run, from energising on."""
 
+    REHEARSAL = "rehearsal"
     CONNECT = "connect"
     ENERGISE = "energise"
     APPROACH = "approach"
     RUN = "run"
     RELEASE = "release"
     STOP = "stop"
+    CALIBRATION = "calibration"
 
 
 WEIGHTS = {
@@ -28,6 +32,11 @@ WEIGHTS = {
     Moment.RELEASE: 1, Moment.STOP: 1,
 }  # fmt: skip
 """How often each is drawn: most of a rig's life is the run."""
+CALIBRATIONS, REHEARSALS = 0.08, 0.02
+"""Share of the cases that are drawn into a calibration and a rehearsal instead."""
+
+CALIBRATION_SHARE = 20.0
+"""Longest time into a calibration at which a fault is drawn, s, as `RUN_SHARE`."""
 
 RUN_SHARE = 2.5
 """Longest time into the run at which a fault is drawn, s: a campaign has to end."""
@@ -93,7 +102,7 @@ class Case:
     Parameters
     ----------
     rig, experiment : str
-        What is run.
+        What is run: an experiment, or a procedure while it calibrates.
     seed : int
         Of the simulated unit and its noise.
     moment : Moment
@@ -140,6 +149,12 @@ class Case:
         return tuple(item.kind for item in self.breaks)
 
     @property
+    def stretch(self) -> str:
+        """The stretch of the program in which cases may share a run."""
+        alone = (Moment.CALIBRATION, Moment.REHEARSAL)
+        return str(self.moment) if self.moment in alone else "run"
+
+    @property
     def command(self) -> str:
         """The command that runs this case again."""
         configs = f" --configs {shlex.quote(self.configs)}" if self.configs else ""
@@ -152,7 +167,7 @@ class Case:
     @property
     def folder(self) -> str:
         """Name of the folder that it leaves."""
-        drawn = "by-hand" if self.drawn_with is None else str(self.drawn_with)
+        drawn = Path(self.source).stem if self.drawn_with is None else str(self.drawn_with)
         return f"{self.rig}-{drawn}-{'+'.join(self.kinds)}"
 
     def as_json(self) -> dict[str, object]:
@@ -184,7 +199,7 @@ def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int) -> Case:
         Moment.RELEASE: timings.release, Moment.STOP: 0.05,
     }  # fmt: skip
     breaks = [_draw_break(subject, name, chance) for name in kinds]
-    return Case(
+    case = Case(
         subject.rig,
         experiment,
         unit_seed,
@@ -197,6 +212,22 @@ def draw_case(subject: Subject, kinds: tuple[str, ...], seed: int) -> Case:
         subject.chosen,
         configs=subject.configs,
     )
+    return _elsewhere(case, subject, unit, random.Random(f"{chance.random()} elsewhere"))
+
+
+def _elsewhere(case: Case, subject: Subject, unit: random.Random, chance: random.Random) -> Case:
+    """Return the case, now and then as one of a calibration or of the rehearsal of a run."""
+    share = chance.random()
+    if share < CALIBRATIONS and subject.procedures and not subject.chosen:
+        procedure = unit.choice(list(subject.procedures))
+        length = min(subject.procedures[procedure], CALIBRATION_SHARE)
+        after = chance.uniform(0.0, length)
+        return replace(case, experiment=procedure, moment=Moment.CALIBRATION, after=after)
+    is_rehearsable = case.then is None and case.first.row.is_rehearsable
+    if CALIBRATIONS <= share < CALIBRATIONS + REHEARSALS and is_rehearsable:
+        after = chance.uniform(0.0, 0.8 * CYCLES * subject.period)
+        return replace(case, moment=Moment.REHEARSAL, after=after)
+    return case
 
 
 def _draw_break(subject: Subject, name: str, chance: random.Random) -> Break:

@@ -40,7 +40,8 @@ def _places(way: Way, subject: Subject) -> list[Place]:
 
 def _parts_of(device: str, subject: Subject) -> tuple[str, ...]:
     """Return what else may be named for a device: its channels, and a contact that it reads."""
-    contact = ("emergency stop",) if "emergency_stop" in subject.knows.get(device, ()) else ()
+    reads_stop = "emergency_stop" in subject.knows.get(device, ())
+    contact = ("emergency stop",) if reads_stop else ()
     return (*subject.channels.get(device, ()), *contact)
 
 

@@ -146,6 +146,8 @@ class FaultKind:
         Returns more of these, where the plant shows that it could not be helped.
     spoils_law : bool
         Whether it is felt only when the controller is followed, and is counted from then on.
+    is_rehearsable : bool
+        Whether it may happen in a rehearsal, which touches no bus and no device.
     """
 
     name: str
@@ -160,6 +162,7 @@ class FaultKind:
     forgives: frozenset[str] = frozenset()
     excuses: Excuse = no_excuse
     spoils_law: bool = False
+    is_rehearsable: bool = False
 
 
 def ride(sizes: Sizes, subject: Subject) -> Must:

@@ -1,5 +1,6 @@
 """A run that is broken on cue, in one of many ways: the program as it is, on a stage."""
 
+import contextlib
 import json
 import random
 from bisect import bisect_right
@@ -15,7 +16,7 @@ from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
-from rig.faults.stage import PausableClock, Program, Stage
+from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Controller
@@ -96,13 +97,31 @@ class Performance(Watcher):
         self._made = 0
         self._said: list[str] = []
         self._stage: Stage
+        self._rehearsal: RehearsalStage | None = None
+        self._is_built = False
+        self._unwritten: list[Break] = []
 
     # What the run tells ------------------------------------------------------------------
+
+    def rehearsing(self, rig: Rig) -> None:
+        """Put the rehearsal on a stage of its own."""
+        clock = cast("PausableClock", rig.clock)
+        self._stage = self._rehearsal = RehearsalStage(clock, self._program)
+        clock.world = self._stage  # type: ignore[assignment]
+        for case in self.waiting:
+            self._stage.cue(case.after, partial(self._come, case))
 
     def built(self, rig: Rig) -> None:
         """Put the world on the stage."""
         clock = cast("PausableClock", rig.clock)
+        if self._rehearsal is not None:
+            self._rehearsal.finish()
         self._stage = clock.world = Stage(clock, self._program)  # type: ignore[assignment]
+        self._is_built = True
+        if self._case is not None:  # it was broken while the run was rehearsed
+            self._broke_at = 0.0
+            end = self.subject.connecting + _lead_in() + HORIZON
+            self._stage.cue(end, self._stage.interrupt)
         self._columns = [column.name.removeprefix("truth.") for column in rig.truth_columns]
         for case in self.waiting:
             if case.moment is Moment.CONNECT:
@@ -116,6 +135,8 @@ class Performance(Watcher):
         """Take note of the run folder."""
         self.folder = path
         self._program.log = path / LOG
+        for item in self._unwritten:
+            self._note(item)
 
     def said(self, sentence: str) -> None:
         """Take note of what the operator is told beside the message."""
@@ -164,8 +185,9 @@ class Performance(Watcher):
         now = self._broke_at = self._stage.world.time
         if case.then is not None:
             self._stage.cue(now + case.then_after, self._break_second)
-        lead_in = _lead_in() if case.moment is Moment.CONNECT else 0.0
-        self._stage.cue(now + lead_in + case.then_after + HORIZON, self._stage.interrupt)
+        if case.moment is not Moment.REHEARSAL:
+            lead_in = _lead_in() if case.moment is Moment.CONNECT else 0.0
+            self._stage.cue(now + lead_in + case.then_after + HORIZON, self._stage.interrupt)
         self._make(case.first)
 
     def _feel(self) -> None:
@@ -189,6 +211,7 @@ class Performance(Watcher):
     def _note(self, item: Break) -> None:
         """Write into the run's events what was done to it."""
         if self.folder is None:
+            self._unwritten.append(item)
             return
         start = self._running_from
         t = None if start is None else self._stage.world.time - start
@@ -196,7 +219,10 @@ class Performance(Watcher):
         if item.lasts < float("inf"):
             data["lasts"] = item.lasts
         event = {"t": t, "kind": "injected", "message": item.row.what, "data": data}
-        with (self.folder / EVENTS).open("a", encoding="utf-8") as file:
+        with (
+            contextlib.suppress(OSError),  # the disk may be full by now
+            (self.folder / EVENTS).open("a", encoding="utf-8") as file,
+        ):
             file.write(json.dumps(event) + "\n")
 
     # What came of it ---------------------------------------------------------------------
@@ -212,6 +238,10 @@ class Performance(Watcher):
             What the operator was told.
         """
         assert self._case is not None
+        self._program.free_disk()
+        if not self._is_built:  # no device was ever opened, so nobody can have been hurt
+            ending = CaseEnding(code, message, self._broke_at, None)
+            return give_verdict(self._case, ending, self.subject)
         ended_at = self._stage.world.time
         self._stage.watch_on(AFTERMATH)
         # A dead program says nothing; what its devices do of themselves has to be done by then.
@@ -228,7 +258,9 @@ class Performance(Watcher):
         )  # fmt: skip
         told = " ".join((message, *self._said))
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
-        ending = CaseEnding(code, message, self._broke_at, self._seen_at, wrong)
+        rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
+        seen_at = None if rehearsed else self._seen_at
+        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong)
         verdict = give_verdict(self._case, ending, self.subject)
         if self._made < len(self._case.breaks):  # what did not happen was not ridden through
             why = "it was all over before the moment of its fault came"
@@ -261,7 +293,7 @@ def _lead_in() -> float:
 def _comes_at(case: Case) -> float:
     """Return when the case's own way begins, s after the loop did."""
     timings = Timings()
-    if case.moment is Moment.ENERGISE:
+    if case.moment in (Moment.ENERGISE, Moment.CALIBRATION):
         return case.after
     if case.moment is Moment.APPROACH:
         return timings.energise + case.after

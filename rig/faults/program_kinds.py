@@ -2,14 +2,14 @@
 
 import dataclasses
 import os
-import resource
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 
 from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride, safe
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
+from rig.runtime.recorder import LogRecorder
 
 
 def _here(words: tuple[str, ...], subject: Subject) -> list[Place]:
@@ -73,11 +73,26 @@ def _interrupt(times: int, stage: Stage, place: Place, sizes: Sizes) -> None:
 
 
 def _fill_disk(stage: Stage, place: Place, sizes: Sizes) -> None:
-    """Let no file grow any further, as on a full disk: the error comes from the system."""
-    log = stage.program.log
-    if log is not None and log.exists():
-        size = log.stat().st_size
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+    stage.program.fill_disk()
+
+
+def _slow_disk(stage: Stage, place: Place, sizes: Sizes) -> Callable[[], None]:
+    """Have every write of the log take so long; the world does not wait for it."""
+    write = LogRecorder.write
+
+    def wait_and_write(self: LogRecorder, cycle: int, t: float, row: Sequence[float]) -> None:
+        stage.clock.sleep_until(stage.clock.now() + (sizes.magnitude or 0.0))
+        write(self, cycle, t, row)
+
+    def be_fast() -> None:
+        LogRecorder.write = write  # type: ignore[method-assign]
+
+    LogRecorder.write = wait_and_write  # type: ignore[method-assign]
+    return be_fast
+
+
+def _step_clock(stage: Stage, place: Place, sizes: Sizes) -> None:
+    stage.program.step_clock(sizes.magnitude or 0.0)
 
 
 def _lose_reader(stage: Stage, place: Place, sizes: Sizes) -> None:
@@ -94,7 +109,7 @@ def _late_if(least: float) -> Expect:
 _LAW = ("controller", "command", "law")
 _HOST = ("paused", "stall", "late", "overrun", "program", "ticks")
 
-KINDS = (
+_KINDS = (
     FaultKind(name="controller_nan", spoils_law=True,
               what="The controller commands what is no number.",
               places=partial(_here, _LAW), apply=partial(_spoil, float("nan")), must=safe,
@@ -124,4 +139,13 @@ KINDS = (
               apply=_fill_disk, must=safe, within=0.05),
     FaultKind(name="reader_gone", what="Whoever read the messages is gone.",
               places=partial(_here, ()), apply=_lose_reader, must=ride),
+    FaultKind(name="disk_slow", what="Every write of the log takes long.",
+              places=partial(_here, _HOST), apply=_slow_disk, must=_late_if(0.2), within=0.6,
+              magnitude=Magnitudes(10e-3, 0.5, "s"), lasts=Magnitudes(1e-3, 1.0, "s"),
+              why="a few late cycles are ridden through"),
+    FaultKind(name="clock_stepped", what="The wall's clock is set to another time.",
+              places=partial(_here, ()), apply=_step_clock, must=ride,
+              magnitude=Magnitudes(1e-3, 1e8, "s", signed=True)),
 )  # fmt: skip
+
+KINDS = tuple(dataclasses.replace(kind, is_rehearsable=True) for kind in _KINDS)

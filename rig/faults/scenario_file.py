@@ -25,8 +25,8 @@ class When:
     Parameters
     ----------
     phase : Moment
-        ``connect``, ``energise``, ``approach``, ``run``, ``release`` (after one Ctrl-C) or
-        ``stop`` (after two).
+        ``rehearsal``, ``connect``, ``energise``, ``approach``, ``run``, ``release`` (after one
+        Ctrl-C), ``stop`` (after two) or ``calibration``.
     after : float
         Since the phase began, s.
     """
@@ -67,7 +67,7 @@ class Scenario:
     Parameters
     ----------
     rig, experiment : str
-        What is run.
+        What is run: an experiment, or in the phase ``calibration`` a procedure.
     fault, where, magnitude, lasts
         What breaks.
     when : When
@@ -126,6 +126,7 @@ def case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
     ConfigurationError
         The rig has nothing that could break so: nothing is left out silently.
     """
+    _check_stretch(scenario, subject)
     first = _break(scenario.fault, scenario.where, scenario.magnitude, scenario.lasts, subject)
     then = scenario.then
     second = (
@@ -146,6 +147,24 @@ def case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
         source=source,
         configs=subject.configs,
     )
+
+
+def _check_stretch(scenario: Scenario, subject: Subject) -> None:
+    """Refuse what cannot be expressed in a calibration or a rehearsal."""
+    phase, known = scenario.when.phase, tuple(subject.procedures)
+    if phase is Moment.CALIBRATION and scenario.experiment not in known:
+        raise ConfigurationError(
+            f"no procedure that moves {subject.rig} is called {scenario.experiment!r}; "
+            f"{nearest(scenario.experiment, known) or 'there is ' + (', '.join(known) or 'none')}"
+        )
+    if phase is Moment.REHEARSAL:
+        if scenario.then is not None:
+            raise ConfigurationError("a rehearsal takes too short for a second fault")
+        if not kind_named(scenario.fault).is_rehearsable:
+            raise ConfigurationError(
+                f"{scenario.fault} cannot be expressed in a rehearsal: it touches no device and "
+                "no bus, so only the program and its computer can fail in it"
+            )
 
 
 def _break(

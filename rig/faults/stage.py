@@ -1,7 +1,10 @@
 """The stage of a case: a simulated world whose truth is watched and in which faults happen."""
 
+import resource
 import signal
+import time
 from collections.abc import Callable
+from math import inf
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -109,6 +112,42 @@ class Stage:
         self._next_look = now + SAMPLE
 
 
+class RehearsalStage(Stage):
+    """The stage of a rehearsal: only the program and its computer can fail on it.
+
+    No device and no bus is touched, so there is no truth that anybody could be hurt by.
+
+    Parameters
+    ----------
+    clock : PausableClock
+        Of the rig that is rehearsed on; its world has no time of its own.
+    program : Program
+        See `Stage`.
+    """
+
+    def __init__(self, clock: PausableClock, program: "Program") -> None:
+        clock.world = _Timed(clock.world)  # type: ignore[assignment]
+        super().__init__(clock, program)
+        self._next_look = inf
+
+    def finish(self) -> None:
+        """Have happen now what was to: there is no time left for it."""
+        while self._cues:
+            self._cues.pop(0).act()
+
+
+class _Timed:
+    """A world that tells how far it has gone."""
+
+    def __init__(self, world: BreakableWorld) -> None:
+        self._world = world
+        self.time = 0.0
+
+    def advance(self, t: float) -> None:
+        self._world.advance(t)
+        self.time = t
+
+
 class Program:
     """The failures of the program itself, in the process that a case has for its own.
 
@@ -121,8 +160,29 @@ class Program:
     """
 
     def __init__(self, dies: Callable[[], None]) -> None:
+        self._disk: tuple[int, int] | None = None
         self.spoils: Callable[[object], object] | None = None
         self.dies = dies
         self.has_ended = False
         self.log: Path | None = None
         """Path of the run's log, once there is one."""
+
+    def fill_disk(self) -> None:
+        """Let no file grow beyond the log, as on a full disk: the error comes from the system."""
+        self._disk = self._disk or resource.getrlimit(resource.RLIMIT_FSIZE)
+        size = self.log.stat().st_size if self.log is not None and self.log.exists() else 0
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, self._disk[1]))
+
+    def free_disk(self) -> None:
+        """Let files grow again."""
+        if self._disk is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, self._disk)
+
+    def step_clock(self, by: float) -> None:
+        """Have the wall's clock say another time than it did, s; virtual time knows nothing of it.
+
+        The system's own clock is everybody's; so this process alone is told another time.
+        """
+        now, now_ns = time.time, time.time_ns
+        time.time = lambda: now() + by
+        time.time_ns = lambda: now_ns() + round(by * 1e9)

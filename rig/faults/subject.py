@@ -1,7 +1,7 @@
 """The rig that is broken: what it has that may break, and how it runs when nothing does."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rig.hal.hazards import Hazard
 from rig.hal.world import BreakableWorld, Frames
@@ -35,6 +35,8 @@ class Subject:
         How long it takes until it is energised, s.
     reading_age : float
         Oldest reading that its loop goes on with, s.
+    procedures : mapping
+        How long each procedure that calibrates it by moving it takes, s.
     chosen : tuple of str
         The experiments, if somebody chose them.
     configs : str
@@ -52,6 +54,7 @@ class Subject:
     connecting: float
     reading_age: float
     by_velocity: frozenset[str] = frozenset()
+    procedures: Mapping[str, float] = field(default_factory=dict)
     chosen: tuple[str, ...] = ()
     configs: str = ""
 

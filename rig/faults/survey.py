@@ -1,11 +1,14 @@
 """What a rig has that may break, as a short run without faults shows it."""
 
+import contextlib
 import signal
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import cast
 
 from rig.assembly import REGISTRY, Backend, Rig
+from rig.calibration.catalogue import procedures
+from rig.calibration.recording import RigLacks
 from rig.config import Profile, find_configs, find_file, list_files, load_experiment, load_profile
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
@@ -111,9 +114,21 @@ def survey(
             for name, entry in profile.devices.items()
             if entry.settings.holds_without_position()
         ),
+        procedures=_procedures(profile),
         chosen=experiments if chosen else (),
         configs="" if configs is None else str(configs),
     )
+
+
+def _procedures(profile: Profile) -> dict[str, float]:
+    """Return how long those procedures take that move the rig, s."""
+    found = {}
+    for name, procedure in procedures(profile).items():
+        with contextlib.suppress(RigLacks):
+            excitation = procedure.excite(profile, ())
+            if excitation is not None:
+                found[name] = excitation.motion.duration
+    return found
 
 
 def _reading_age(profile: Profile) -> float:

@@ -7,14 +7,19 @@ import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from rig.assembly import Backend
+from rig.assembly import REGISTRY, Backend
+from rig.calibration.catalogue import pick
+from rig.calibration.session import record
+from rig.config import find_configs, load_profile
+from rig.experiment.ending import ending_of
 from rig.experiment.plan import load_plan
-from rig.experiment.run import run_experiment
+from rig.experiment.run import Result, run_experiment
 from rig.faults.branch import Home, die_with_parent, make_home
-from rig.faults.case import Case
+from rig.faults.case import Case, Moment
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
 from rig.faults.verdict import OURS, CaseEnding, Verdict, give_verdict
+from rig.hal import RigError
 
 DEADLINE = 120.0
 """How long a case may take by the wall's clock, s: it hangs."""
@@ -54,15 +59,35 @@ def perform_unit(
         cases, subject, branch=branch.go, over=over, dies=lambda: branch.tell_end(None, "killed")
     )
     branch.performance = performance
-    plan = load_plan(
-        first.experiment, [f"simulation.seed={first.seed}"], rig=first.rig, configs=configs
-    )
     try:
-        result = run_experiment(plan, Backend.VIRTUAL, home.path, watcher=performance, report=False)
+        result = _run(first, home.path, configs, performance)
+    except (RigError, KeyboardInterrupt) as error:  # as the command line has them
+        ending = ending_of(error)
+        branch.tell_end(ending.code, ending.message or "")
     except Exception as error:  # a bug, or one that was injected: the command line's exit 70
         branch.tell_end(OURS, f"{type(error).__name__}: {error}")
     else:
         branch.tell_end(result.exit_code, result.message or "")
+
+
+def _run(case: Case, out: Path, configs: Path | None, performance: Performance) -> Result:
+    """Run the experiment of a case, or the first run that its calibration records."""
+    options = [f"simulation.seed={case.seed}"]
+    if case.moment is not Moment.CALIBRATION:
+        plan = load_plan(case.experiment, options, rig=case.rig, configs=configs)
+        return run_experiment(
+            plan, Backend.VIRTUAL, out, watcher=performance, report=False,
+            rehearses=case.moment is Moment.REHEARSAL,
+        )  # fmt: skip
+    profile = load_profile(case.rig, REGISTRY, options, find_configs(configs))
+    (procedure,) = pick(profile, (case.experiment,))
+    puts = iter([True])
+    result, _ = record(
+        procedure, profile, Backend.VIRTUAL, out, watcher=performance,
+        place=lambda what: next(puts, False),
+    )  # fmt: skip
+    assert result is not None, "nothing was recorded before"
+    return result
 
 
 class _Branch:

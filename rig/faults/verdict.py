@@ -10,6 +10,8 @@ from rig.faults.subject import Subject
 
 OK, MISSED, REFUSED, FAULTED, OURS, INTERRUPTED = 0, 1, 3, 4, 70, 130
 """Exit codes of a run."""
+_CONTROLLED = (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
+"""Phases in which what breaks must be seen; a procedure widens what rests on what it looks for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +123,7 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     late = (
         must is Must.SAFE
         and reaction is not None
-        and case.moment in (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
+        and case.moment in _CONTROLLED
         and reaction > case.first.row.within
     )
     return Verdict(
@@ -142,10 +144,9 @@ def what_must_come(case: Case, subject: Subject) -> Must:
     musts = [item.row.must(item.sizes, subject) for item in case.breaks]
     if case.moment is Moment.CONNECT and case.first.kind != "nothing":
         return Must.EITHER  # it may be refused, or be past before anybody looks
-    while_running = case.moment in (Moment.ENERGISE, Moment.APPROACH, Moment.RUN)
     if Must.SAFE in musts:
         # While it connects or is made safe anyway, what breaks need not be told apart.
-        return Must.SAFE if while_running else Must.EITHER
+        return Must.SAFE if case.moment in _CONTROLLED else Must.EITHER
     return Must.EITHER if Must.EITHER in musts else Must.RIDE
 
 

@@ -106,6 +106,21 @@ def _is_felt(least: float) -> Expect:
     return lambda sizes, subject: Must.SAFE if abs(sizes.magnitude or 0.0) >= least else Must.EITHER
 
 
+def _open_contact(times: int, stage: Stage, place: Place, sizes: Sizes) -> None:
+    """Open a contact for so long, and close it for so long, so many times."""
+    length = sizes.magnitude or 0.0
+    now = stage.world.time
+    for k in range(times):
+        for at, value in ((2 * k, 1.0), (2 * k + 1, 0.0)):
+            act = partial(stage.world.inject, place.target, "emergency_stop", value)
+            stage.cue(now + at * length, act)
+
+
+def _outlasts_cycle(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that a contact is seen which is open for longer than from one look to the next."""
+    return Must.SAFE if (sizes.magnitude or 0.0) > 1.5 * subject.period else Must.EITHER
+
+
 def _outlasts_readings(sizes: Sizes, subject: Subject) -> Must:
     """Expect what leaves readings too old to be seen, and what is shorter to be bridged."""
     return Must.SAFE if sizes.lasts > 3.0 * subject.reading_age else Must.EITHER
@@ -151,6 +166,7 @@ def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
 
 
 _MOMENT = Magnitudes(1e-3, 1.0, "s")
+_CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
 PNEUMATIC = (
     _of_plant("regulator_stuck", "A regulator holds the pressure that it has.", either, 1.0,
@@ -184,8 +200,23 @@ PNEUMATIC = (
     _of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
               ("regulator",), why="as a regulator that holds its pressure"),
     _of_plant("wire_break", "The wire of a pressure monitor breaks.", safe, 0.05, ("monitor",)),
+)  # fmt: skip
+
+EMERGENCY_STOPS = (
     _of_device("emergency_stop", "The emergency stop is pressed.", safe, 0.02,
                ("emergency stop",)),
+    _of_device("stop_wire_cut", "The wire of the emergency stop's chain breaks.", safe, 0.02,
+               ("emergency stop",), fault="emergency_stop"),
+    FaultKind(name="emergency_stop_tapped", what="The emergency stop is pressed and let go of.",
+              places=partial(_devices, "emergency_stop", ("emergency stop",)),
+              apply=partial(_open_contact, 1), must=_outlasts_cycle, within=0.02,
+              magnitude=Magnitudes(1e-3, 1.0, "s"),
+              why="what is over before the next cycle looks was not there"),
+    FaultKind(name="emergency_stop_bounced", what="The contact of the emergency stop bounces.",
+              places=partial(_devices, "emergency_stop", ("emergency stop",)),
+              apply=partial(_open_contact, 4), must=_outlasts_cycle, within=0.05,
+              magnitude=Magnitudes(0.1e-3, 5e-3, "s"),
+              why="what is over before the next cycle looks was not there"),
 )  # fmt: skip
 
 SENSORS = (
@@ -274,6 +305,18 @@ SERVOS = (
           magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
 )  # fmt: skip
 
+CAMERAS = tuple(
+    _of_device(f"camera_{name}", what, either, 1.0, ("camera", "marker", "image"), fault=fault,
+               why=_CAMERA, magnitude=magnitude, lasts=lasts)
+    for name, fault, what, magnitude, lasts in (
+        ("blind", "covered", "Something is before the camera.", None, _MOMENT),
+        ("loses_marker", "lost", "The marker is out of the camera's sight.", None, _MOMENT),
+        ("sees_another", "swapped", "Another marker is mounted.", None, _MOMENT),
+        ("stalled", "stalled", "The camera sends no images.", None, _MOMENT),
+        ("late", "late", "The camera's latency steps up.", Magnitudes(5e-3, 0.5, "s"), None),
+    )
+)  # fmt: skip
+
 INTERFACES = (
     _kind("frame_loss", "Frames are lost at random.", partial(_whole, "frame_loss", ()), either,
           magnitude=Magnitudes(1e-3, 0.5, "1"),
@@ -283,6 +326,9 @@ INTERFACES = (
     _kind("flood", "Somebody else fills the bus.", partial(_whole, "flood", ()), either,
           magnitude=Magnitudes(8.0, 4000.0, "1"), why="frames that nobody wants cost time only"),
     _kind("no_buffers", "Nothing can be sent any more.", partial(_whole, "no_buffers", ())),
+    _kind("no_buffers_burst", "Nothing can be sent for a moment.",
+          partial(_whole, "no_buffers", ()), _outlasts_readings, fault="no_buffers", lasts=_MOMENT,
+          why="a gap within the age that a reading may have is bridged"),
     _kind("bus_off", "The CAN controller leaves the bus.", partial(_whole, "bus_off", ())),
     _kind("error_passive", "The CAN controller counts errors.",
           partial(_whole, "error_passive", ()), either, why="frames still pass"),
@@ -293,4 +339,4 @@ INTERFACES = (
           why="an answer that is spoilt is a gap"),
 )  # fmt: skip
 
-KINDS = (*PNEUMATIC, *SENSORS, *NODES, *SERVOS, *INTERFACES)
+KINDS = (*PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *INTERFACES)

@@ -157,3 +157,65 @@ def test_what_makes_no_sense_is_refused_before_anything_runs(tmp_path, arguments
     out = () if "--out" in arguments else ("--out", tmp_path)
     result = run("run", *[part.format(file=file) for part in arguments], *out)
     assert said in str(result.exception)
+
+
+GENERATOR = np.random.default_rng(17)
+
+
+@pytest.mark.parametrize("after", GENERATOR.uniform(0.0, 8.0, 2).round(3).tolist())
+@pytest.mark.parametrize(
+    ("procedure", "fault", "where"),
+    [("response", "wire_cut", "plant agonist"), ("encoders", "program_killed", "program")],
+)
+def test_a_procedure_is_broken_while_it_calibrates(tmp_path, after, procedure, fault, where):
+    file = tmp_path / "calibrating.yaml"
+    file.write_text(
+        f"rig: cylinder\nexperiment: {procedure}\nfault: {fault}\nwhere: {where}\n"
+        f"when: {{phase: calibration, after: {after}}}\n"
+    )
+    result = run("run", file, "--out", tmp_path)
+    assert result.return_value == 0, result.output
+    (case,) = campaign(tmp_path, 0)["cases"]
+    assert case["ending"]["broke_at"] is not None
+    assert case["ending"]["code"] == (4 if fault == "wire_cut" else None), case["ending"]
+    (row,) = campaign(tmp_path, 0)["rows"]
+    assert row["phases"]["calibration"] == [1, 0]
+
+
+@pytest.mark.parametrize("cycle", GENERATOR.integers(1, 40, 2).tolist())
+@pytest.mark.parametrize(
+    ("fault", "code", "said"),
+    [
+        ("interrupted", 130, "interrupted"),
+        ("disk_full", 2, "File too large"),
+        ("controller_nan", 4, "nan"),
+        ("program_killed", None, "killed"),
+        ("reader_gone", 130, "stopped by the operator"),
+    ],
+)
+def test_what_breaks_in_a_rehearsal_is_not_forgotten(tmp_path, fault, code, said, cycle):
+    """Nothing is opened yet: the run is refused, or goes on and sees it."""
+    file = tmp_path / "rehearsed.yaml"
+    file.write_text(
+        f"rig: cylinder\nexperiment: cylinder-sine\nfault: {fault}\n"
+        f"when: {{phase: rehearsal, after: {cycle} ms}}\n"
+    )
+    result = run("run", file, "--out", tmp_path)
+    assert result.return_value == 0, result.output
+    (case,) = campaign(tmp_path, 0)["cases"]
+    assert (case["ending"]["code"], case["wrongs"]) == (code, []), case["ending"]
+    assert said in case["ending"]["message"]
+
+
+def test_files_of_two_experiments_run_both(tmp_path):
+    """They were drawn with nothing that they could share a run by."""
+    for experiment in ("cylinder-sine", "cylinder-step"):
+        text = CASE.replace("cylinder-sine", experiment)
+        (tmp_path / f"{experiment}.yaml").write_text(text)
+    files = [tmp_path / "cylinder-sine.yaml", tmp_path / "cylinder-step.yaml"]
+    assert run("run", *files, "--out", tmp_path / "both").return_value == 0
+    endings = [case["ending"] for case in campaign(tmp_path / "both", 0)["cases"]]
+    for file, ending in zip(files, endings, strict=True):
+        run("run", file, "--out", tmp_path / "alone")
+        (case,) = campaign(tmp_path / "alone", 0)["cases"]
+        assert case["ending"] == ending

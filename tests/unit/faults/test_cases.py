@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Moment
 from rig.faults.catalogue import KINDS, kinds_for
@@ -32,6 +33,7 @@ SUBJECT = Subject(
     hazards=(),
     connecting=0.5,
     reading_age=15e-3,
+    procedures={"friction": 49.0, "legs": 1.1},
 )
 
 
@@ -63,7 +65,8 @@ def test_a_case_is_drawn_again_from_its_own_line():
 def test_cases_of_a_unit_share_experiment_and_seed_and_units_differ():
     units = {}
     for case in draw_each(SUBJECT, 5, 20):
-        units.setdefault(case.drawn_with // UNIT, set()).add((case.experiment, case.seed))
+        stretch = (case.drawn_with // UNIT, case.moment is Moment.CALIBRATION)
+        units.setdefault(stretch, set()).add((case.experiment, case.seed))
     assert all(len(shared) == 1 for shared in units.values())
     assert len(set.union(*units.values())) == len(units) > 5
 
@@ -75,7 +78,14 @@ def test_everything_is_drawn_somewhere():
         "plant agonist",
         "plant antagonist",
     }
-    assert {case.experiment for case in cases} == set(SUBJECT.experiments)
+    calibrations = [case for case in cases if case.moment is Moment.CALIBRATION]
+    assert {case.experiment for case in calibrations} == set(SUBJECT.procedures)
+    assert all(case.after <= SUBJECT.procedures[case.experiment] for case in calibrations)
+    others = {case.experiment for case in cases if case not in calibrations}
+    assert others == set(SUBJECT.experiments)
+    rehearsed = [case for case in cases if case.moment is Moment.REHEARSAL]
+    assert {case.first.where for case in rehearsed} == {"program"}
+    assert all(case.after < CYCLES * SUBJECT.period for case in rehearsed)
     assert any(case.then is not None for case in cases)
     for case in cases:
         for item in case.breaks:
@@ -83,6 +93,11 @@ def test_everything_is_drawn_somewhere():
             assert (limits is None) == (item.magnitude is None)
             if limits is not None:
                 assert limits.low <= abs(item.magnitude) <= limits.high * (1 + 1e-12)
+
+
+def test_who_chose_the_experiments_gets_no_calibration():
+    cases = draw_random(replace(SUBJECT, chosen=SUBJECT.experiments), 1, 500)
+    assert all(case.moment is not Moment.CALIBRATION for case in cases)
 
 
 def test_what_a_size_asks_for():
@@ -144,6 +159,14 @@ def test_a_file_says_what_breaks(tmp_path):
         ("where: plant antagonist", "where: plant agonist\nlasts: 1 s", "it cannot last 1 s"),
         ("where: plant antagonist", "where: plant agonist\nmagnitude: 3", "has no magnitude"),
         ("seed: 7", "sed: 7", "case.yaml:3:1"),
+        ("phase: release", "phase: calibration", "no procedure that moves cylinder is called"),
+        ("phase: release", "phase: rehearsal", "too short for a second fault"),
+        (
+            "when: {phase: release, after: 31 ms}\nthen: {fault: silent, where: encoder, "
+            "lasts: 20 ms, after: 4 ms}",
+            "when: {phase: rehearsal}",
+            "wire_cut cannot be expressed in a rehearsal",
+        ),
     ],
 )  # fmt: skip
 def test_a_file_that_cannot_be_done_is_refused(tmp_path, wrong, right, said):
