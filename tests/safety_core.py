@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-_LOOP = ("runtime/test_loop.py", "runtime/test_loop_ways.py")
+_LOOP = ("runtime/test_cycle.py", "runtime/test_loop.py", "runtime/test_loop_ways.py")
 SAFETY_CORE = {
     # The loop: its states, what it sends, how it stops.
     "rig/runtime/states.py": ("runtime/test_states_and_limits.py",),
@@ -20,8 +20,8 @@ SAFETY_CORE = {
     ),
     "rig/runtime/loop.py": _LOOP,
     "rig/runtime/cycle.py": _LOOP,
-    "rig/runtime/pace.py": _LOOP,
-    "rig/runtime/phases.py": _LOOP,
+    "rig/runtime/pace.py": ("runtime/test_pace.py", *_LOOP),
+    "rig/runtime/phases.py": ("runtime/test_phases.py", *_LOOP),
     "rig/runtime/braking.py": ("runtime/test_braking.py",),
     "rig/runtime/stop.py": ("runtime/test_states_and_limits.py",),
     "rig/runtime/stop_recording.py": _LOOP,

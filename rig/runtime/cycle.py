@@ -34,8 +34,6 @@ class Recorder(Protocol):
 def log_values_of(devices: Sequence[Device]) -> Callable[[], tuple[float, ...]]:
     """Return what tells the values of the devices' own columns, in their order."""
     tellers = [device.log_values for device in devices if device.log_columns]
-    if not tellers:  # as on nearly every rig
-        return tuple
     return lambda: tuple([value for teller in tellers for value in teller()])
 
 
@@ -83,10 +81,9 @@ class Cycle(Generic[State, Reference, Command]):
         self._record = recorder.write
         self._truth = truth
         self._period = period
-        self._began = self._received = self._read = self._controlled = self._sent = 0.0
         self._record_time = 0.0
 
-    def sense(self, now: float, lost: float = 0.0, stall: Exception | None = None) -> State:
+    def sense(self, now: float, lost: float, stall: Exception | None) -> State:
         """Drain the buses, assemble one frozen state, and check everything.
 
         Parameters
@@ -96,7 +93,7 @@ class Cycle(Generic[State, Reference, Command]):
         lost : float
             Time that the program itself lost before this cycle, s. A reading is not too old for
             its sake: nobody could have asked for a newer one.
-        stall : Exception, optional
+        stall : Exception or None
             The program lost too much of it: what is read is recorded, and not judged.
 
         Raises

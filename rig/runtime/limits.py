@@ -31,7 +31,6 @@ class VectorLimiter:
         self.name = name
         self.lower = lower
         self.upper = upper
-        self.rate = rate
         self.unit = unit
         self._step = rate * period
         self._last: Vector | None = None
@@ -73,4 +72,4 @@ class VectorLimiter:
         if not math.isfinite(value):
             raise LimitExceeded(f"commanded {self.name}", value, self.lower, self.upper, self.unit)
         self.range_hits += 1
-        return self.lower if value < self.lower else self.upper
+        return min(max(value, self.lower), self.upper)

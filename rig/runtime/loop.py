@@ -164,7 +164,6 @@ class Loop(Generic[State, Reference, Command]):
             unsafe = self.make_safe(None if fault is None else self._recording(run, recorder))
             stop.in_loop = False
         if fault is None:
-            self.states.move(RigState.STOPPING) if run.phase is not Phase.STOP else None
             self.states.move(RigState.IDLE)
         else:
             self.states.latch_fault(fault)
@@ -184,7 +183,7 @@ class Loop(Generic[State, Reference, Command]):
         tuple of str
             A sentence for each device that is not known to be safe in the end.
         """
-        recorded = recording.cycles if recording else 0
+        recorded = recording.cycles if recording else SAFE_CYCLES
         least = max(SAFE_CYCLES, recorded)
         most = max(least, math.ceil(self.safe_within / self.period))
         unsafe: list[str] = []

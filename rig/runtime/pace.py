@@ -43,7 +43,7 @@ class Pace:
         self, run: Phases[Any, Any, Any], period: float, max_missed: int, events: Events
     ) -> None:
         self.tick = 0
-        self.lost = 0.0
+        self.lost: float
         self.stall: LoopStalled | None = None
         self._run = run
         self._period = period
@@ -51,8 +51,9 @@ class Pace:
         self._events = events
         self._skipped = 0
         self._in_a_row = 0
-        self._woke = (0.0, 0.0)  # when this cycle began and how late, s
-        self._pause = (0, 0.0)  # the last one that a device may have noticed: tick after it, s
+        self._woke: tuple[float, float]  # when this cycle began and how late, s
+        # The last one that a device may have noticed: the tick after it, and its length, s.
+        self._pause: tuple[int, float] | None = None
 
     def wake(self, t: float) -> None:
         """Judge how late a cycle begins, before anything is read. Hot path.
@@ -64,13 +65,12 @@ class Pace:
         """
         late = t - self.tick * self._period
         self._woke = (t, late)
-        if late < self._period and not self._skipped:
-            self.lost = 0.0
+        self.lost = self._skipped * self._period
+        if late < self._period:
             return
-        asleep = late if late >= self._period else 0.0
-        self.lost = asleep + self._skipped * self._period
+        self.lost += late
         missed = math.ceil((late - self._period) / self._period)
-        if missed > 0 and self._in_a_row + missed > self._max_missed:
+        if self._in_a_row + missed > self._max_missed:
             self.stall = self._miss(t, missed, late, late)
 
     def advance(self, t: float, now: float, busiest: Callable[[], str]) -> float:
@@ -108,17 +108,22 @@ class Pace:
 
     def blame(self, error: Exception) -> Exception:
         """Return a device's error as the program's own if the program was paused right before."""
-        after, pause = self._pause
-        paused = self.lost >= _NOTICED * self._period
-        recently = pause > 0.0 and self.tick - after <= self._max_missed
-        if not isinstance(error, DeviceError | StaleReading) or not (paused or recently):
+        now = self.lost if self.lost >= _NOTICED * self._period else 0.0
+        pause = max(now, self._recent_pause())
+        if not isinstance(error, DeviceError | StaleReading) or not pause:
             return error
         t, late = self._woke
         missed = math.floor(late / self._period)
-        if paused and missed > 0:  # this cycle is the last: nobody else counts them
+        if now and missed > 0:  # this cycle is the last: nobody else counts them
             self._miss(t, missed, late, late)
-        length = max(self.lost if paused else 0.0, pause if recently else 0.0)
-        return LoopStalled(f"the program was paused for {length * 1e3:.1f} ms, and then {error}")
+        return LoopStalled(f"the program was paused for {pause * 1e3:.1f} ms, and then {error}")
+
+    def _recent_pause(self) -> float:
+        """Return the last pause that a device may still suffer from, s; 0: there is none."""
+        if self._pause is None:
+            return 0.0
+        after, length = self._pause
+        return length if self.tick - after <= self._max_missed else 0.0
 
     def _miss(
         self, t: float, skipped: int, late_by: float, pause: float, place: str = ""

@@ -98,15 +98,15 @@ class Phases(Generic[State, Reference, Command]):
         self._timings = timings
         self._controlling = False
         self._resting: Command | None = None
-        self._home: Reference | None = None
+        self._home: Reference
         self._braking: Braking[Reference] | None = None
-        self._stop_at = 0.0
+        self._stop_at: float
         self._stopped_from: Command | None = None
 
     def step(self, t: float, state: State, stops: int) -> tuple[Reference, Command]:
         """Return the reference and command of this cycle, and move on to the next phase."""
         mechanism = self._mechanism
-        if self._resting is None or self._home is None:
+        if self._resting is None:
             self._resting = mechanism.resting_command(state)
             self._home = mechanism.reference_of(state)
             mechanism.start_limiting(state)
@@ -152,7 +152,6 @@ class Phases(Generic[State, Reference, Command]):
         self.duration = motion.duration
 
     def _approach(self, t: float) -> Reference:
-        assert self._home is not None
         start = self._motion.at(0.0)
         return self._mechanism.approach(self._home, start, self._timings.approach, t)
 
@@ -166,8 +165,7 @@ class Phases(Generic[State, Reference, Command]):
 
     def _begin_stop(self, t: float) -> None:
         timings = self._timings
-        brakes = timings.brake + timings.settle > 0.0 and not self._mechanism.brakes_itself
-        if self._controlling and brakes:
+        if self._controlling and not self._mechanism.brakes_itself:
             path, at, end = self._motion.at, self.reference_time, self.duration
             if self.phase is _APPROACH:
                 path, at, end = self._approach, t - timings.energise, timings.approach

@@ -58,7 +58,7 @@ class StopRecording:
         self._phase = phase
         self._offset = reference_time - last
         self._cycle = round(last / period)
-        self._state: Any = None
+        self._state: Any  # none until a device answers: then there is nothing to record
 
     @property
     def cycles(self) -> int:

@@ -175,6 +175,7 @@ class Bench:
         self.recorder, self.states, self.events = FakeRecorder(), StateMachine(), []
         self.states.move(RigState.IDLE)
         self.buses, self.devices = [self.bus], [self.device]
+        self.progress_every = 2 * PERIOD
         self.options = loop
 
     def run(self, stop=None, brake=0.0, settle=0.0, release=0.05, progress=None):
@@ -190,5 +191,5 @@ class Bench:
             stop=stop or StopRequests(),
             timings=Timings(0.05, 0.05, release=release, brake=brake, settle=settle),
             progress=progress,
-            progress_every=2 * PERIOD,
+            progress_every=self.progress_every,
         )

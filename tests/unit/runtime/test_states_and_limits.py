@@ -29,8 +29,10 @@ def test_fault_is_latched():
 
 
 def test_a_rig_does_not_run_before_it_is_connected():
-    with pytest.raises(IllegalMove, match="disconnected and cannot become running"):
-        StateMachine().move(RigState.RUNNING)
+    states = StateMachine()
+    assert states.fault is None
+    with pytest.raises(IllegalMove, match="disconnected and cannot become running$"):
+        states.move(RigState.RUNNING)
 
 
 def test_changes_of_state_are_told():
