@@ -11,7 +11,7 @@ from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
-from rig.hal import ConfigurationError, DeviceError, MonotonicClock
+from rig.hal import ConfigurationError, DeviceError, Mechanism, MonotonicClock
 
 
 def check_profile(profile: Profile) -> None:
@@ -24,13 +24,27 @@ def check_profile(profile: Profile) -> None:
         devices with one node number.
     """
     bus_loads(profile)
+    make_unconnected(profile)
+
+
+def make_unconnected(profile: Profile) -> Mechanism[object, object, object, object]:
+    """Make the loop's view of a rig whose devices are there and have not been connected.
+
+    Raises
+    ------
+    ConfigurationError
+        Roles without devices, limits beyond a device's range.
+    """
     clock = MonotonicClock()
     period = profile.loop.period
     buses = {name: make_bus(name, bus, clock, period) for name, bus in profile.buses.items()}
     try:
-        make_mechanism(profile, make_devices(profile, buses, clock))
+        mechanism: Mechanism[object, object, object, object] = make_mechanism(
+            profile, make_devices(profile, buses, clock)
+        )
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
+    return mechanism
 
 
 def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames: Any = None) -> Rig:

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 SCHEMA_NAME = "rig_msgs/msg/Cycle"
-RESERVED = ("stamp", "cycle", "t")
-"""Fields that every message starts with, so no column may be called so."""
+RESERVED = ("stamp", "cycle", "t", "checksum")
+"""Fields that every message has, so no column may be called so."""
 
 _FIELD_NAME = re.compile(r"^(?!.*__)(?!.*_$)[a-z][a-z0-9_]*$")
 """ROS 2's rule for field names: each part of a dotted column name becomes a field."""
@@ -78,6 +78,7 @@ def schema_text(columns: Sequence[Column]) -> str:
             groups[group] = []
             fields.append(f"{_type_name(group)} {group}")
         groups[group].append(_field(field, column))
+    fields.append("uint32 checksum  # CRC-32 of the record, begun with all before the first")
     definitions = ["\n".join(fields)]
     for group, members in groups.items():
         definitions.append(f"MSG: rig_msgs/{_type_name(group)}\n" + "\n".join(members))

@@ -238,6 +238,19 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         """
         ...
 
+    def recall(self, logged: Mapping[str, float]) -> State:
+        """Assemble the state of a cycle from the log, to the bit, in the place of `read`.
+
+        It leaves the mechanism as `read` does. What no column tells, the emergency stop's contact,
+        is not watched from then on. Default: refused.
+
+        Parameters
+        ----------
+        logged : mapping
+            The cycle's row by the names of the columns, with the loop's ``clock``, s.
+        """
+        raise ConfigurationError(f"{type(self).__name__} has no recall(): it cannot be replayed")
+
     @abstractmethod
     def check(self, state: State, now: float) -> None:
         """Raise if the state is not safe.

@@ -10,6 +10,8 @@ from rig.runtime.phases import Phases
 
 RUN_COLUMNS = (
     Column("phase", "", "0 approach, 1 run, 2 stop"),
+    Column("clock", "s", "of the rig, at which the state was read"),
+    Column("fault", "", "0 none, 1 seen in this cycle, 2 being made safe after one"),
     Column("reference.time", "s", "time since the reference started; negative before"),
 )
 TIMING_COLUMNS = (
@@ -82,6 +84,7 @@ class Cycle(Generic[State, Reference, Command]):
         self._truth = truth
         self._period = period
         self._record_time = 0.0
+        self._clock = 0.0
 
     def sense(self, now: float, lost: float, stall: Exception | None) -> State:
         """Drain the buses, assemble one frozen state, and check everything.
@@ -106,12 +109,14 @@ class Cycle(Generic[State, Reference, Command]):
             bus.receive(now)
         self._received = perf_counter()
         mechanism = self._mechanism
+        self._clock = now
         try:
             state = mechanism.read(now)
         except StaleReading:
             if not lost:
                 raise
-            state = mechanism.read(now - lost)
+            self._clock = now - lost
+            state = mechanism.read(self._clock)
         self.fault = stall
         if stall is None:
             self._check(state, now, lost)
@@ -176,6 +181,8 @@ class Cycle(Generic[State, Reference, Command]):
         run, began, sent = self._run, self._began, self._sent
         row = (
             float(run.phase),
+            self._clock,
+            0.0 if self.fault is None else 1.0,
             run.reference_time,
             *self._mechanism.row(state, reference, command, applied),
             *self._measured(),

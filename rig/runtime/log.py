@@ -3,25 +3,34 @@
 import fcntl
 import os
 import struct
+import zlib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
 import numpy as np
 
-from rig.hal import RigError
+from rig.hal import ConfigurationError
 from rig.hal.columns import Column
-from rig.runtime.mcap_file import CHANNEL_ID, decode_columns
-from rig.runtime.recorder import OPCODE_MESSAGE, RECORD_HEAD, RECORD_PREFIX
+from rig.runtime.mcap_file import CHANNEL_ID, decode_channel
+from rig.runtime.recorder import CHECKSUM_SIZE, OPCODE_MESSAGE, RECORD_HEAD, RECORD_PREFIX
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MAGIC = b"\x89MCAP0\r\n"
 _OPCODE_CHANNEL = 0x04
+_OPCODE_DATA_END = 0x0F
+_DATA_END_SIZE = RECORD_PREFIX + 4
+_FOOTER = struct.Struct("<BQQQI")
+_AT_ONCE = 4 << 20
+"""Bytes of a log that are read in one go."""
+_LONGEST_PREAMBLE = 64 << 20
+"""No description of columns is longer, bytes; a length beyond it is a damaged one."""
 
 
-class LogError(RigError):
-    """A file is not a log of this program."""
+class LogError(ConfigurationError):
+    """A file is not a log of this program, or is damaged."""
 
 
 class Log(NamedTuple):
@@ -73,11 +82,141 @@ class Log(NamedTuple):
         return tuple(c.name for c in self.columns if c.name.startswith(prefix))
 
 
-def read_log(path: str | Path) -> Log:
-    """Read a log, also one that is being written or whose process was killed.
+class LogFile:
+    """A log on disk, read piece by piece: what it takes of memory does not grow with the run.
 
-    All messages have one length and stand side by side, so the file is one array; it ends at
-    the first record that is not a whole message.
+    All messages have one length and stand side by side, so that they are rows of an array.
+
+    Parameters
+    ----------
+    path : Path
+        The ``log.mcap`` of a run folder, also of a run that goes on or was killed.
+
+    Attributes
+    ----------
+    columns : tuple of Column
+        What a row's values are.
+    room : int
+        No more rows than these are in the file.
+    complete : bool
+        Whether the file was closed; known when all pieces have been read.
+
+    Raises
+    ------
+    LogError
+        The file cannot be read, is not MCAP, or does not describe its columns.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.complete = False
+        with self._opened() as stream:
+            self.columns, self._start, self._begun = _read_preamble(self.path, stream)
+            self._size = os.fstat(stream.fileno()).st_size
+        head = struct.calcsize(RECORD_HEAD)
+        fields = {
+            "opcode": ("u1", 0), "length": ("<u8", 1), "channel": ("<u2", 9),
+            "sequence": ("<u4", 11), "stamp": ("<u8", 15), "cycle": ("<u8", head - 16),
+            "t": ("<f8", head - 8), "row": (("<f8", (len(self.columns),)), head),
+        }  # fmt: skip
+        end = head + 8 * len(self.columns)
+        if self._begun is not None:
+            fields["checksum"] = ("<u4", end)
+            end += CHECKSUM_SIZE
+        self.record = np.dtype(
+            {
+                "names": list(fields),
+                "formats": [kind for kind, _ in fields.values()],
+                "offsets": [offset for _, offset in fields.values()],
+                "itemsize": end,
+            }
+        )
+        self.room = max(self._size - self._start, 0) // end
+
+    def pieces(self) -> "Iterator[NDArray[np.void]]":
+        """Yield the rows, some thousand at a time, with the fields of `record`.
+
+        Raises
+        ------
+        LogError
+            The file cannot be read, or is damaged: a bit is another one, or a row is missing.
+        """
+        size = self.record.itemsize
+        most = max(_AT_ONCE // size, 1) * size
+        count = 0
+        with self._opened() as stream:
+            stream.seek(self._start)
+            # No further than the file went when it was opened: a run may be adding to it.
+            while content := stream.read(max(min(most, self._size - stream.tell()), 0)):
+                rows = np.frombuffer(content, self.record, len(content) // size)
+                whole = self._whole(rows)
+                if whole:
+                    self._check(content, rows[:whole], count)
+                    yield rows[:whole]
+                count += whole
+                if whole < len(rows) or len(content) % size:
+                    break
+            self._check_end(stream, self._start + count * size, count)
+
+    def raw_messages(self) -> Iterator[tuple[int, int, bytes]]:
+        """Yield the log time (ns), the sequence number and the bytes of every message."""
+        head = struct.calcsize("<BQHIQQ")
+        for rows in self.pieces():
+            content, size = rows.tobytes(), self.record.itemsize
+            stamps, numbers = rows["stamp"].tolist(), rows["sequence"].tolist()
+            for k, (stamp, number) in enumerate(zip(stamps, numbers, strict=True)):
+                yield stamp, number, content[k * size + head : (k + 1) * size]
+
+    def _opened(self) -> BinaryIO:
+        try:
+            return self.path.open("rb")
+        except OSError as error:
+            reason = error.strerror or error
+            raise LogError(f"cannot read the log {self.path}: {reason}") from error
+
+    def _whole(self, rows: "NDArray[np.void]") -> int:
+        """Return how many records there are up to the first that is no message."""
+        whole = (
+            (rows["opcode"] == OPCODE_MESSAGE)
+            & (rows["length"] == self.record.itemsize - RECORD_PREFIX)
+            & (rows["channel"] == CHANNEL_ID)
+        )
+        return len(rows) if whole.all() else int(np.argmin(whole))
+
+    def _check(self, content: bytes, rows: "NDArray[np.void]", before: int) -> None:
+        size = self.record.itemsize
+        if self._begun is not None:
+            view, begun, covered = memoryview(content), self._begun, size - CHECKSUM_SIZE
+            for k, told in enumerate(rows["checksum"].tolist()):
+                if zlib.crc32(view[k * size : k * size + covered], begun) != told:
+                    raise self._damaged(before + k, "does not fit its checksum")
+        expected = np.arange(before, before + len(rows), dtype=np.uint64) & 0xFFFFFFFF
+        if (rows["sequence"] != expected).any():
+            k = int(np.argmax(rows["sequence"] != expected))
+            raise self._damaged(before + k, "has another number: rows are missing before it")
+
+    def _check_end(self, stream: BinaryIO, end: int, count: int) -> None:
+        """Judge what follows the last row: an index, or whatever a killed process left."""
+        stream.seek(end)
+        rest = stream.read(max(min(self.record.itemsize, self._size - end), 0))
+        start = max(self._size - _FOOTER.size - len(_MAGIC), end)
+        stream.seek(start)
+        tail = stream.read(max(self._size - start, 0))
+        self.complete = tail.endswith(_MAGIC)
+        if rest[:1] == bytes([_OPCODE_DATA_END]):
+            if self.complete and len(tail) >= _FOOTER.size + len(_MAGIC):
+                summary = _FOOTER.unpack_from(tail[-_FOOTER.size - len(_MAGIC) :])[2]
+                if summary != end + _DATA_END_SIZE:
+                    raise self._damaged(count, "is missing: the index stands elsewhere")
+        elif self.complete or len(rest) == self.record.itemsize:
+            raise self._damaged(count, "is no whole message")
+
+    def _damaged(self, row: int, what: str) -> LogError:
+        return LogError(f"the log {self.path} is damaged: row {row} of it {what}")
+
+
+def read_log(path: str | Path) -> Log:
+    """Read a log whole, also one that is being written or whose process was killed.
 
     Parameters
     ----------
@@ -87,39 +226,17 @@ def read_log(path: str | Path) -> Log:
     Raises
     ------
     LogError
-        The file cannot be read, is not MCAP, or ends before its channel is described.
+        See `LogFile`.
     """
-    path = Path(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise LogError(f"cannot read the log {path}: {error.strerror or error}") from error
-    columns, start = _read_preamble(path, content)
-    head = struct.calcsize(RECORD_HEAD)
-    record = np.dtype(
-        {
-            "names": ["opcode", "length", "channel", "stamp", "cycle", "t", "row"],
-            "formats": ["u1", "<u8", "<u2", "<u8", "<u8", "<f8", ("<f8", (len(columns),))],
-            "offsets": [0, 1, 9, 15, head - 16, head - 8, head],
-            "itemsize": head + 8 * len(columns),
-        }
-    )
-    rows = np.frombuffer(content, record, (len(content) - start) // record.itemsize, start)
-    whole = (
-        (rows["opcode"] == OPCODE_MESSAGE)
-        & (rows["length"] == record.itemsize - RECORD_PREFIX)
-        & (rows["channel"] == CHANNEL_ID)
-    )
-    if not whole.all():
-        rows = rows[: int(np.argmin(whole))]
-    return Log(
-        columns=columns,
-        cycle=rows["cycle"].copy(),
-        t=rows["t"].copy(),
-        values=rows["row"].copy(),
-        stamp=rows["stamp"].copy(),
-        complete=content.endswith(_MAGIC),
-    )
+    file = LogFile(path)
+    cycle, t = np.empty(file.room, np.uint64), np.empty(file.room)
+    values, stamp = np.empty((file.room, len(file.columns))), np.empty(file.room, np.uint64)
+    end = 0
+    for rows in file.pieces():
+        here = slice(end, end := end + len(rows))
+        cycle[here], t[here], values[here] = rows["cycle"], rows["t"], rows["row"]
+        stamp[here] = rows["stamp"]
+    return Log(file.columns, cycle[:end], t[:end], values[:end], stamp[:end], file.complete)
 
 
 def is_locked(path: str | Path) -> bool:
@@ -139,20 +256,28 @@ def is_locked(path: str | Path) -> bool:
     return False
 
 
-def _read_preamble(path: Path, content: bytes) -> tuple[tuple[Column, ...], int]:
-    """Return the columns and the offset of the first record after the channel's."""
-    if not content.startswith(_MAGIC):
+def _read_preamble(path: Path, stream: BinaryIO) -> tuple[tuple[Column, ...], int, int | None]:
+    """Return the columns, the offset of the first row, and what each checksum begins with."""
+    if stream.read(len(_MAGIC)) != _MAGIC:
         raise LogError(f"{path} is not an MCAP file")
     offset = len(_MAGIC)
-    while offset + RECORD_PREFIX <= len(content):
-        opcode, length = struct.unpack_from("<BQ", content, offset)
-        offset += RECORD_PREFIX
-        if offset + length > len(content):
+    while len(head := stream.read(RECORD_PREFIX)) == RECORD_PREFIX:
+        opcode, length = struct.unpack("<BQ", head)
+        body = stream.read(min(length, _LONGEST_PREAMBLE))
+        offset += RECORD_PREFIX + length
+        if len(body) < length:
             break
         if opcode == _OPCODE_CHANNEL:
-            columns = decode_columns(content[offset : offset + length])
-            if columns is None:
+            try:
+                channel = decode_channel(body)
+            except ValueError as error:
+                raise LogError(
+                    f"the log {path} is damaged where its columns are described: {error}"
+                ) from error
+            if channel is None:
                 raise LogError(f"{path} was not recorded by this program: it names no columns")
-            return columns, offset + length
-        offset += length
+            columns, has_checksum = channel
+            stream.seek(0)
+            begun = zlib.crc32(stream.read(offset)) if has_checksum else None
+            return columns, offset, begun
     raise LogError(f"{path} ends before its columns are described")

@@ -21,6 +21,8 @@ TOPIC = "/cycle"
 CHANNEL_ID = 1
 COLUMNS_KEY = "columns"
 """Key of the channel metadata under which the columns stand as JSON."""
+CHECKSUM_KEY, CHECKSUM = "checksum", "crc32"
+"""Entry of the channel metadata that says that every message ends with its checksum."""
 
 
 def encode_preamble(columns: Sequence[Column]) -> bytes:
@@ -98,16 +100,32 @@ def encode_ending(
     return data_end + summary + _encode(footer) + bytes(MCAP0_MAGIC)
 
 
-def decode_columns(channel_record: bytes) -> tuple[Column, ...] | None:
-    """Return the columns that a Channel record's body names, None if it names none."""
+def decode_channel(channel_record: bytes) -> tuple[tuple[Column, ...], bool] | None:
+    """Return the columns of a Channel record's body, and whether messages have a checksum.
+
+    Returns
+    -------
+    tuple or None
+        None if it names no columns.
+
+    Raises
+    ------
+    ValueError
+        It is no Channel record, or what it says of the columns is no list of them.
+    """
     from mcap.data_stream import ReadDataStream
+    from mcap.exceptions import McapError
     from mcap.records import Channel
 
-    channel = Channel.read(ReadDataStream(io.BytesIO(channel_record)))
-    columns = channel.metadata.get(COLUMNS_KEY)
-    if columns is None:
-        return None
-    return tuple(Column(*column) for column in json.loads(columns))
+    try:
+        channel = Channel.read(ReadDataStream(io.BytesIO(channel_record)))
+        told = channel.metadata.get(COLUMNS_KEY)
+        if told is None:
+            return None
+        columns = tuple(Column(*map(str, column)) for column in json.loads(told))
+    except (McapError, struct.error, TypeError, RecursionError) as error:
+        raise ValueError(str(error)) from error
+    return columns, channel.metadata.get(CHECKSUM_KEY) == CHECKSUM
 
 
 def _schema(columns: Sequence[Column]) -> "Schema":
@@ -123,7 +141,10 @@ def _channel(columns: Sequence[Column]) -> "Channel":
     from mcap.well_known import MessageEncoding
 
     # ROS definitions have units only in comments, so `read_log` takes its columns from here.
-    metadata = {COLUMNS_KEY: json.dumps([list(column) for column in columns])}
+    metadata = {
+        COLUMNS_KEY: json.dumps([list(column) for column in columns]),
+        CHECKSUM_KEY: CHECKSUM,
+    }
     return Channel(
         id=CHANNEL_ID,
         topic=TOPIC,

@@ -5,6 +5,7 @@ import fcntl
 import os
 import struct
 import time
+import zlib
 from collections.abc import Sequence
 from operator import itemgetter
 from pathlib import Path
@@ -21,6 +22,11 @@ RECORD_PREFIX = 9
 """Bytes of opcode and length, which the length does not count."""
 OPCODE_MESSAGE = 0x05
 
+CHECKSUM_SIZE = 4
+"""Bytes of the CRC-32 at a record's end. It covers the record and, as the value that it begins
+with, everything before the first one: a flipped bit of a name or a unit is seen as well."""
+
+_put_checksum = struct.Struct("<I").pack_into
 _CDR_LITTLE_ENDIAN = b"\x00\x01\x00\x00"
 _NANO = 1_000_000_000
 
@@ -83,13 +89,17 @@ class LogRecorder:
         self._width = len(order)
         self.count = 0
         self._record = struct.Struct(f"{RECORD_HEAD}{len(self.columns)}d")
-        self._pack = self._record.pack
-        self._body = self._record.size - RECORD_PREFIX
+        self._pack_into = self._record.pack_into
+        self._size = self._record.size + CHECKSUM_SIZE
+        self._body = self._size - RECORD_PREFIX
+        self._buffer = bytearray(self._size)
+        self._checked = memoryview(self._buffer)[: self._record.size]
         self._wall_clock_ns = wall_clock_ns
         self._epoch: int | None = None
         self._first_stamp = self._last_stamp = 0
         self._failed: RecorderError | None = None
         preamble = encode_preamble(self.columns)
+        self._begun = zlib.crc32(preamble)
         try:
             self._fd = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         except OSError as error:
@@ -138,10 +148,13 @@ class LogRecorder:
         seconds, nanoseconds = divmod(stamp, _NANO)
         # The whole record is packed here in one go: mcap's Writer.add_message builds it field
         # by field, which takes three times as long and more than one write.
-        data = self._pack(
+        data = self._buffer
+        self._pack_into(
+            data, 0,
             OPCODE_MESSAGE, self._body, CHANNEL_ID, self.count & 0xFFFFFFFF, stamp, stamp,
             _CDR_LITTLE_ENDIAN, seconds, nanoseconds, cycle, t, *row,
         )  # fmt: skip
+        _put_checksum(data, self._record.size, zlib.crc32(self._checked, self._begun))
         try:
             if os.write(self._fd, data) != len(data):
                 self._complete(data)
@@ -159,7 +172,7 @@ class LogRecorder:
         """
         if self._fd < 0:
             return
-        end = self._data_start + self.count * self._record.size
+        end = self._data_start + self.count * self._size
         try:
             # Whatever a failed write left behind would make the index unreadable.
             os.ftruncate(self._fd, end)
@@ -186,13 +199,13 @@ class LogRecorder:
         self._first_stamp = wall_clock
         return self._epoch
 
-    def _complete(self, data: bytes) -> None:
+    def _complete(self, data: bytearray) -> None:
         """Write what a short write has left over."""
-        end = self._data_start + self.count * self._record.size
+        end = self._data_start + self.count * self._size
         done = os.lseek(self._fd, 0, os.SEEK_CUR) - end
         self._write_all(data[done:])
 
-    def _write_all(self, data: bytes) -> None:
+    def _write_all(self, data: bytes | bytearray) -> None:
         view = memoryview(data)
         while view:
             view = view[os.write(self._fd, view) :]

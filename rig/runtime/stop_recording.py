@@ -7,6 +7,9 @@ from typing import Any
 
 from rig.hal import Column, Mechanism
 
+_MADE_SAFE = 2.0
+"""What the column ``fault`` says in these cycles."""
+
 
 class StopRecording:
     """Records the cycles in which the safe setpoints are repeated after a fault.
@@ -79,5 +82,5 @@ class StopRecording:
             reference, command = mechanism.reference_of(state), mechanism.released_command()
             row = mechanism.row(state, reference, command, command)
             row = (*row, *self._measured(), *self._idle, *self._truth())
-            self._write(cycle, t, (self._phase, t + self._offset, *row))
+            self._write(cycle, t, (self._phase, now, _MADE_SAFE, t + self._offset, *row))
             self._cycle = cycle

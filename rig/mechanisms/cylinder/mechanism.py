@@ -193,6 +193,21 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._extensions = (agonist, antagonist)
         return _new(PairState, (now, 0.5 * (antagonist - agonist), p_agonist, p_antagonist))
 
+    def recall(self, logged: Mapping[str, float]) -> PairState:
+        """Assemble the pair's state from the log; see `Mechanism.recall`."""
+        self._stop_contact.ignore()
+        self._age = logged["reading.age"]
+        self._extensions = (
+            logged["reading.position_agonist"],
+            logged["reading.position_antagonist"],
+        )
+        return PairState(
+            logged["clock"],
+            logged["reading.position"],
+            logged["reading.pressure_agonist"],
+            logged["reading.pressure_antagonist"],
+        )
+
     def check(self, state: PairState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)

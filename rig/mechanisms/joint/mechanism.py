@@ -29,13 +29,8 @@ from rig.hal import (
 from rig.hal.mechanism import DevicePicker, Margin
 from rig.hal.motion import Motion
 from rig.mechanisms.joint.camera_check import check_camera
-from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS
-from rig.mechanisms.joint.motion import (
-    JointMotion,
-    PosedMotion,
-    checker,
-    plan_motion,
-)
+from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
+from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch
@@ -221,6 +216,15 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._tensions = (area * first, area * second, area * third, area * fourth)
         return _new(JointState, (now, (*rods,), pressures, self._sample))
 
+    def recall(self, logged: Mapping[str, float]) -> JointState:
+        """Assemble the joint's state from the log; see `Mechanism.recall`."""
+        self._stop_contact.ignore()
+        self._age = logged["reading.age"]
+        pressures = four_of(logged, "reading.pressure")
+        self._tensions = four_of(logged, "estimate.tension")
+        self._sample = sample_of(logged, self._sample)
+        return JointState(logged["clock"], four_of(logged, "reading.rod"), pressures, self._sample)
+
     def check(self, state: JointState, now: float) -> None:
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)
@@ -300,7 +304,9 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             self._age,
             *(_ZERO if camera is None else camera.marker),
             -1.0 if camera is None else t - camera.t,
+            0.0 if camera is None else camera.t,
             0.0 if camera is None or camera.twist is None else camera.twist,
+            0.0 if camera is None or camera.twist is None else 1.0,
             *axis,
             *self._marker(axis),
             *wanted,

@@ -158,6 +158,17 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             now, tuple([positions[k] for k in order]), tuple([velocities[k] for k in order])
         )
 
+    def recall(self, logged: Mapping[str, float]) -> State:
+        """Assemble the joints' state from the log; see `Mechanism.recall`."""
+        self._stop_contact.ignore()
+        self._age = logged["reading.age"]
+        names = self.joints.names
+        return self._kinds.state(
+            logged["clock"],
+            tuple([logged[f"reading.position_{name}"] for name in names]),
+            tuple([logged[f"reading.velocity_{name}"] for name in names]),
+        )
+
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
         return self._stop_contact.device

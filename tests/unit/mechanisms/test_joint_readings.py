@@ -137,8 +137,8 @@ def test_the_row_has_a_value_for_each_column():
     assert group(row, "reading.rod_") == pytest.approx(rods_at(0.3, 1.0))
     assert group(row, "reading.pressure_") == (10.0, 20.0, 30.0, 40.0)
     assert row["reading.age"] == AGE
-    assert group(row, "reading.marker_") == (1.0, 2.0, 3.0, 1.0)
-    assert row["reading.twist"] == 0.5
+    assert group(row, "reading.marker_") == (1.0, 2.0, 3.0, 1.0, 1.0)
+    assert (row["reading.twist"], row["reading.twist_shown"]) == (0.5, 1.0)
     assert group(row, "reference.axis_") == UP
     assert group(row, "reference.marker_") == GEOMETRY.marker(UP)
     assert group(row, "reference.rod_") == (8, 9, 10, 11)

@@ -219,7 +219,7 @@ def test_full_disk_is_named_and_leaves_a_good_log(tmp_path: Path) -> None:
         try:
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             recorder = LogRecorder(path, COLUMNS)
-            limit = path.stat().st_size + 20 * recorder._record.size + 17
+            limit = path.stat().st_size + 20 * recorder._size + 17
             resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
             try:
                 for k in range(100):

@@ -120,8 +120,9 @@ def test_what_devices_tell_of_themselves_stands_before_the_timings():
     bench.devices = [bench.device, Telling()]
     bench.run()
     for _, _, row in bench.recorder.rows:
-        assert row[6:8] == (11.0, 12.0)
-        assert len(row) == 2 + 4 + 2 + 7 + 1
+        assert row[8:10] == (11.0, 12.0)
+        assert len(row) == 4 + 4 + 2 + 7 + 1
+        assert row[2] == 0.0
         assert row[-1] == 99.0
 
 
@@ -152,8 +153,10 @@ def test_the_stop_is_recorded_cycle_by_cycle_with_what_is_sent(cycle):
         assert t == pytest.approx(k * PERIOD)
         assert row[0] == float(Phase.STOP)
         assert row[1] - faulty[2][1] == pytest.approx((n + 1) * PERIOD)
-        assert row[2:6] == (100.0 + n, 100.0 + n, 0.0, 0.0)
-        assert row[6:] == (11.0, 12.0) + (0.0,) * 7
+        assert (faulty[2][2], row[2]) == (1.0, 2.0)
+        assert row[3] - faulty[2][3] == pytest.approx((n + 1) * PERIOD)
+        assert row[4:8] == (100.0 + n, 100.0 + n, 0.0, 0.0)
+        assert row[8:] == (11.0, 12.0) + (0.0,) * 7
 
 
 def test_a_device_that_falls_silent_in_the_stop_leaves_its_last_reading():
@@ -165,7 +168,7 @@ def test_a_device_that_falls_silent_in_the_stop_leaves_its_last_reading():
         raise stale()
 
     _, stop = braked(6, read=read)
-    assert [row[2] for _, _, row in stop] == [20.0, 30.0] + [40.0] * 6
+    assert [row[4] for _, _, row in stop] == [20.0, 30.0] + [40.0] * 6
 
 
 def test_a_log_that_fails_does_not_keep_the_rig_from_its_stop():

@@ -1,0 +1,108 @@
+"""`rig replay`: a run's log through the code at hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rig.cli.names import complete_run, find_run, runs_option, set_option
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.replaying.recorded import RecordedRun
+
+DIFFERS = 1
+
+
+@click.command()
+@click.argument("run", shell_complete=complete_run)
+@click.option(
+    "--verify", "verifies", is_flag=True,
+    help="Compare every command with the log, bit for bit; the default without --controller.",
+)  # fmt: skip
+@click.option("--explain", "explains", is_flag=True, help="Show the inputs around a difference.")
+@click.option("--controller", help="Ask another law what it would have commanded: in open loop.")
+@set_option
+@click.option(
+    "--out", type=click.Path(path_type=Path),
+    help="Folder for the figure of another law; default: replay in the run folder.",
+)  # fmt: skip
+@runs_option
+def replay(
+    run: str,
+    verifies: bool,
+    explains: bool,
+    controller: str | None,
+    overrides: tuple[str, ...],
+    out: Path | None,
+    runs: Path,
+) -> int:
+    """Feed the readings in RUN's log to the controllers of the code at hand.
+
+    With --verify it exits with 0 if every number is the log's, and with 1 at the first that is
+    not. With --controller or --set it shows what another law would have commanded on the same
+    readings: in open loop, since the rig did not follow it.
+    """
+    path = find_run(run, runs)
+    from rig.replaying.recorded import open_recorded
+
+    options = list(overrides)
+    if controller is not None:
+        options.append(f"controller={controller}")
+    if not options:
+        return _verify(open_recorded(path), explains)
+    if verifies or explains:
+        raise click.UsageError("--verify and --explain are for the law of the run itself.")
+    return _ask(path, options, path / "replay" if out is None else out)
+
+
+def _verify(recorded: RecordedRun, explains: bool) -> int:
+    from rig.replaying.explain import explain
+    from rig.replaying.verify import verify
+
+    found = verify(recorded)
+    if found.unknown:
+        click.echo(
+            f"{found.unknown} cycles after a fault are not compared: the fault ended its own "
+            "cycle before it was recorded",
+            err=True,
+        )
+    if found.same:
+        print_data(f"{found.cycles} cycles, every number the same")
+        return 0
+    print_data(f"the same for {found.cycles} cycles; then {found.difference or found.stopped}")
+    if explains and found.difference is not None:
+        header, rows = explain(recorded, found.difference)
+        print_tables([Table("inputs", header, [tuple(row) for row in rows])])
+    return DIFFERS
+
+
+def _ask(path: Path, options: list[str], out: Path) -> int:
+    from rig.config.formats import format_quantity
+    from rig.replaying.open_loop import answer, draw
+    from rig.replaying.recorded import open_recorded, plan_of
+    from rig.report.data import origin_of
+    from rig.report.style import paper_style, save
+
+    recorded = open_recorded(path, options)
+    found = answer(recorded)
+    names = plan_of(recorded.folder).experiment.controller, recorded.plan.experiment.controller
+    rows = [
+        (column.name, format_quantity(rms, column.unit), format_quantity(most, column.unit))
+        for column, rms, most in zip(found.columns, found.rms, found.most, strict=True)
+    ]
+    print_tables([Table("commands", ("command", "rms difference", "greatest"), rows)])
+    click.echo(
+        f"open loop: {names[1]} ({', '.join(options)}) was asked on the readings of {names[0]}, "
+        "which it did not cause",
+        err=True,
+    )
+    if found.stopped is not None:
+        click.echo(found.stopped, err=True)
+    with paper_style():
+        figure = draw(found, names)
+        made = save(figure, out, "commands", f"open loop; {origin_of(recorded.folder)}")
+    click.echo(str(made[0]))
+    return 0

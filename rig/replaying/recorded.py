@@ -1,0 +1,105 @@
+"""A run folder as what is needed to replay it: its plan, made anew, and its log."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rig.experiment.plan import Plan, load_plan
+from rig.hal import ConfigurationError
+from rig.run_folder import RunFolder
+from rig.runtime.cycle import RUN_COLUMNS
+from rig.runtime.log import Log, read_log
+
+PROFILE, EXPERIMENT = "profile.yaml", "experiment.yaml"
+
+
+class Logged(NamedTuple):
+    """A cycle of a log.
+
+    Parameters
+    ----------
+    cycle : int
+        Its number: the tick that it was due at.
+    t : float
+        Since the first cycle, s.
+    values : dict
+        By the names of the columns.
+    """
+
+    cycle: int
+    t: float
+    values: dict[str, float]
+
+
+class RecordedRun(NamedTuple):
+    """A run that is on disk, and the plan that its own files lead to with the code at hand.
+
+    Parameters
+    ----------
+    folder : RunFolder
+        As it was found.
+    plan : Plan
+        From the profile and the experiment in the folder.
+    log : Log
+        Every cycle that was recorded.
+    """
+
+    folder: RunFolder
+    plan: Plan
+    log: Log
+
+    def cycles(self) -> Iterator[Logged]:
+        """Yield the cycles in their order."""
+        names = [column.name for column in self.log.columns]
+        log = self.log
+        for cycle, t, row in zip(log.cycle.tolist(), log.t.tolist(), log.values, strict=True):
+            yield Logged(cycle, t, dict(zip(names, row.tolist(), strict=True)))
+
+
+def open_recorded(path: Path, overrides: Sequence[str] = ()) -> RecordedRun:
+    """Open a run folder for a replay.
+
+    Parameters
+    ----------
+    path : Path
+        The folder.
+    overrides : sequence of str
+        ``a.b=c`` options over the folder's profile and experiment.
+
+    Raises
+    ------
+    ConfigurationError
+        It is no run folder, it lacks a file, it comes from a version whose logs say too little,
+        or its profile or experiment is not valid for the code at hand.
+    LogError
+        The log is none, or is damaged.
+    """
+    folder = RunFolder.open(path)
+    plan = plan_of(folder, overrides)
+    log = read_log(folder.log_path)
+    known = {column.name for column in log.columns}
+    missing = [column.name for column in RUN_COLUMNS if column.name not in known]
+    if missing:
+        raise ConfigurationError(
+            f"{path}: the log has no column {', '.join(missing)}: an older version recorded it, "
+            "and it cannot be replayed"
+        )
+    if not len(log.cycle):
+        raise ConfigurationError(f"{path}: the log has no cycle: there is nothing to replay")
+    return RecordedRun(folder, plan, log)
+
+
+def plan_of(folder: RunFolder, overrides: Sequence[str] = ()) -> Plan:
+    """Return the plan that the files in a run folder lead to.
+
+    Raises
+    ------
+    ConfigurationError
+        A file is missing or not valid.
+    """
+    for name in (PROFILE, EXPERIMENT):
+        if not (folder.path / name).is_file():
+            raise ConfigurationError(f"{folder.path} has no {name}: it is not a whole run folder")
+    # Absolute, so that nothing in it is taken for a name that is looked for elsewhere.
+    here = folder.path.resolve()
+    return load_plan(here / EXPERIMENT, overrides, rig=str(here / PROFILE))
