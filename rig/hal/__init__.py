@@ -35,8 +35,9 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import DevicePicker, Freeze, Margin, Mechanism, pick_device
+from rig.hal.mechanism import Freeze, Margin, Mechanism
 from rig.hal.motion import Fact, Motion, Segment
+from rig.hal.picking import DevicePicker, pick_device
 from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
 from rig.hal.reading import Reading
 

@@ -2,21 +2,19 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar, cast
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 from rig.hal.columns import Column
 from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
-from rig.hal.offers import lacking
 from rig.hal.targets import Targets
 
 Settings = TypeVar("Settings")
 State = TypeVar("State")
 Reference = TypeVar("Reference")
 Command = TypeVar("Command")
-Kind = TypeVar("Kind")
 
 
 class Expected(NamedTuple):
@@ -351,59 +349,3 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
         ...
-
-
-class DevicePicker:
-    """Picks the devices that a mechanism's settings name.
-
-    Parameters
-    ----------
-    section : str
-        The mechanism's section of the profile, for messages.
-    devices : mapping
-        The rig's devices by name.
-    """
-
-    def __init__(self, section: str, devices: Mapping[str, Device]) -> None:
-        self._section = section
-        self._devices = devices
-
-    def __call__(self, role: str, name: str, kind: type[Kind]) -> Kind:
-        """Return the device of a role; see `pick_device`."""
-        return pick_device(f"{self._section}.{role}", name, kind, self._devices)
-
-    def if_named(self, role: str, name: str | None, kind: type[Kind]) -> Kind | None:
-        """Return the device of a role that a rig need not have."""
-        return None if name is None else self(role, name, kind)
-
-
-def pick_device(role: str, name: str, kind: type[Kind], devices: Mapping[str, Device]) -> Kind:
-    """Return the device of a role.
-
-    Parameters
-    ----------
-    role : str
-        Where the profile names it, for messages.
-    name : str
-        The device's name.
-    kind : type
-        A capability protocol of `rig.hal` that it must satisfy.
-    devices : mapping
-        The rig's devices by name.
-
-    Raises
-    ------
-    ConfigurationError
-        There is no such device, or it lacks the capability.
-    """
-    if name not in devices:
-        raise ConfigurationError(
-            f"{role}: no device is called {name!r}; there are {', '.join(devices)}"
-        )
-    device = devices[name]
-    missing = lacking(device, kind)
-    if missing:
-        raise ConfigurationError(
-            f"{role}: {name} is no {kind.__name__}: it has no {', '.join(missing)}"
-        )
-    return cast("Kind", device)

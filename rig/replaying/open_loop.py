@@ -23,7 +23,7 @@ _MOST_PANELS = 12
 """As many as a page holds; the columns that differ most are drawn."""
 
 
-class Answer(NamedTuple):
+class OpenLoopAnswer(NamedTuple):
     """The commands of another law, beside those of the log.
 
     Parameters
@@ -57,7 +57,7 @@ class Answer(NamedTuple):
         return distance
 
 
-def answer(run: RecordedRun) -> Answer:
+def answer(run: RecordedRun) -> OpenLoopAnswer:
     """Feed the readings of a run to the law of its plan, whatever law recorded it.
 
     Raises
@@ -84,15 +84,15 @@ def answer(run: RecordedRun) -> Answer:
     end = len(rows)
     logged_commands = np.column_stack([run.log.column(column.name)[:end] for column in columns])
     t = run.log.column("reference.time")[:end]
-    return Answer(columns, t, logged_commands, np.array(rows), stopped)
+    return OpenLoopAnswer(columns, t, logged_commands, np.array(rows), stopped)
 
 
-def draw(found: Answer, names: tuple[str, str]) -> "Figure":
+def draw(found: OpenLoopAnswer, names: tuple[str, str]) -> "Figure":
     """Draw the commands of both laws, a panel for each column.
 
     Parameters
     ----------
-    found : Answer
+    found : OpenLoopAnswer
         What to draw.
     names : tuple of str
         The law of the log and the other one.

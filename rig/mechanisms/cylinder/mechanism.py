@@ -17,8 +17,9 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import DevicePicker, Margin
+from rig.hal.mechanism import Margin
 from rig.hal.motion import Motion
+from rig.hal.picking import DevicePicker
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.targets import PairTargets

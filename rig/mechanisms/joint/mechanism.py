@@ -26,8 +26,9 @@ from rig.hal import (
     PressureRegulator,
     StaleReading,
 )
-from rig.hal.mechanism import DevicePicker, Margin
+from rig.hal.mechanism import Margin
 from rig.hal.motion import Motion
+from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
 from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_motion

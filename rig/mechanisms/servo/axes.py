@@ -15,7 +15,8 @@ from rig.hal import (
     Vector,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import DevicePicker, Margin, Mechanism, Settings
+from rig.hal.mechanism import Margin, Mechanism, Settings
+from rig.hal.picking import DevicePicker
 from rig.mechanisms.servo.asked import AskedPositions
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
 from rig.mechanisms.servo.wiring import wire_axes

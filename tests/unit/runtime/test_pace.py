@@ -150,9 +150,7 @@ def test_a_device_is_excused_right_after_the_program_overslept(late, missed):
     if missed is None:
         assert blamed is BROKEN and pace.told == []
         return
-    assert str(blamed) == (
-        f"the program was paused for {late * P * 1e3:.1f} ms, and then {BROKEN}"
-    )
+    assert str(blamed) == (f"the program was paused for {late * P * 1e3:.1f} ms, and then {BROKEN}")
     assert pace.told == [((3 + late) * P, "overrun", f"{missed} ticks missed", {"late": late * P})]
 
 

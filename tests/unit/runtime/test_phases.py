@@ -47,9 +47,7 @@ class Run(Phases):
         self.states.move(RigState.RUNNING)
         motion = Ramp()
         motion.waits = waits
-        super().__init__(
-            self.mechanism, self.controller, self.states, motion, timings, period=P
-        )
+        super().__init__(self.mechanism, self.controller, self.states, motion, timings, period=P)
 
     def go(self, cycles, stop=None):
         """Return references and commands of so many cycles; a stop is asked for before one."""

@@ -31,7 +31,7 @@ def test_fault_is_latched():
 def test_a_rig_does_not_run_before_it_is_connected():
     states = StateMachine()
     assert states.fault is None
-    with pytest.raises(IllegalMove, match="disconnected and cannot become running$"):
+    with pytest.raises(IllegalMove, match=r"disconnected and cannot become running$"):
         states.move(RigState.RUNNING)
 
 
