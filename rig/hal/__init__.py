@@ -40,6 +40,7 @@ from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.picking import DevicePicker, pick_device
 from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
 from rig.hal.reading import Reading
+from rig.hal.targets import Targets
 
 __all__ = [
     "Address",
@@ -89,6 +90,7 @@ __all__ = [
     "Segment",
     "ServoBus",
     "StaleReading",
+    "Targets",
     "Vector",
     "device_column",
     "not_standing",

@@ -57,6 +57,26 @@ def test_check_says_what_it_says_of_ours(lab):
     assert "valid" in lab.rig("check", "cylinder-tecno").stderr
 
 
+PLAN = """
+import rig
+
+def apart(r):
+    zero = r.goal.positions
+    yield r.move([zero[0] + 0.1, zero[1] + 0.1], 0.5)
+    r.mark("turned")
+    assert (yield r.settle(0.02)), r.state
+
+run = rig.run("crank-turns", on="virtual", plan=apart)
+print(run.status, [segment.name for segment in run.segments], sorted(run.metrics))
+"""
+
+
+def test_a_plan_in_python_moves_it(lab):
+    done = lab.python_run("-c", PLAN)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("ok ['all', 'turned']")
+
+
 def test_a_typing_error_is_shown_with_its_place(lab):
     done = lab.rig("check", "crank-turns", "--set", "crank.max_twsit=1")
     assert done.returncode == 2

@@ -7,6 +7,7 @@ from crank_rig.crank.settings import CrankSettings
 from crank_rig.crank.types import AXES, CrankCommand, CrankModel, CrankReference, CrankState
 from rig.hal import Column, Controller, Device, LimitExceeded
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
+from rig.mechanisms.servo.targets import AxisTargets
 
 
 class Crank(ServoAxes[CrankSettings, CrankState, CrankReference, CrankCommand]):
@@ -30,9 +31,8 @@ class Crank(ServoAxes[CrankSettings, CrankState, CrankReference, CrankCommand]):
     def __init__(
         self, settings: CrankSettings, devices: Mapping[str, Device], period: float
     ) -> None:
-        reach, speed = settings.reach, settings.max_speed
         super().__init__(
-            AxisLimits(AXES, (-reach, -reach), (reach, reach), (speed, speed)),
+            self.axis_limits(settings),
             settings.limits,
             *self.pick("crank", settings, devices),
             Kinds(CrankState, CrankReference, CrankCommand),
@@ -46,6 +46,17 @@ class Crank(ServoAxes[CrankSettings, CrankState, CrankReference, CrankCommand]):
     ) -> "Crank":
         """Pick the devices that the settings name."""
         return cls(settings, devices, period)
+
+    @classmethod
+    def axis_limits(cls, settings: CrankSettings) -> AxisLimits:
+        """Return the two axes and what they may do."""
+        reach, speed = settings.reach, settings.max_speed
+        return AxisLimits(AXES, (-reach, -reach), (reach, reach), (speed, speed))
+
+    @classmethod
+    def targets(cls, settings: CrankSettings, controller: object) -> AxisTargets[CrankReference]:
+        """Return where the cranks may be sent by a plan in Python."""
+        return AxisTargets(cls.axis_limits(settings), CrankReference)
 
     @classmethod
     def model_of(cls, settings: CrankSettings) -> CrankModel:
