@@ -76,6 +76,7 @@ def run_experiment(
     heed_calibrations: bool = True,
     stop: StopRequests | None = None,
     rehearses: bool = False,
+    is_permitted: bool = False,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -104,6 +105,8 @@ def run_experiment(
         By which another thread may ask for the end.
     rehearses : bool
         Rehearse a simulated run as well, although nothing stalls in virtual time.
+    is_permitted : bool
+        The plan was tried with frozen setpoints before the operator was asked.
 
     Returns
     -------
@@ -123,7 +126,7 @@ def run_experiment(
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with stop:
-        if backend is Backend.HARDWARE and heed_calibrations:
+        if backend is Backend.HARDWARE and heed_calibrations and not is_permitted:
             refuse_slow_devices(plan, watcher.said)
         if rehearses or not backend.is_simulated:
             rehearse(plan, watcher)
