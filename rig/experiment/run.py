@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
+from rig.config.device_file import text_of
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -205,7 +206,7 @@ def _create_folder(
         if path.parent.parent.name == "calibration"
     }
     data_sheets = {
-        f"eds/{name}.eds": _text_of(entry.eds)
+        f"eds/{name}.eds": text_of(entry.eds)
         for name, entry in profile.devices.items()
         if entry.eds is not None
     }
@@ -237,14 +238,6 @@ def _write_evaluation(plan: Plan, folder: RunFolder) -> None:
         plan.profile.mechanism,
     )
     folder.write_json(EVALUATION, content)
-
-
-def _text_of(path: Path) -> str:
-    content = path.read_bytes()
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:  # most tools for EDS files write Latin-1
-        return content.decode("latin-1")
 
 
 def _keep_frames(
