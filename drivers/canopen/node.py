@@ -111,12 +111,7 @@ class CanopenNode:
         return device_type >> 16
 
     def map_pdos(
-        self,
-        receive: Sequence[Layout],
-        transmit: Sequence[Layout],
-        *,
-        remap: bool,
-        deadline: float | None = None,
+        self, receive: Sequence[Layout], transmit: Sequence[Layout], *, remap: bool
     ) -> None:
         """Set up the PDOs, all synchronous, and switch off those that are not used.
 
@@ -126,8 +121,6 @@ class CanopenNode:
             What the node receives and sends, from PDO 1 on.
         remap : bool
             Write the mapping, else compare it.
-        deadline : float, optional
-            For how long what it receives may stay away, s, once it has come.
 
         Raises
         ------
@@ -141,9 +134,13 @@ class CanopenNode:
                     self._switch_off(base + number)
                 else:
                     default = (0x200 if base == _RECEIVE else 0x180) + 0x100 * number
-                    if deadline is not None and base == _RECEIVE:
-                        self.write(base + number, 5, "u16", _milliseconds(deadline))
                     self._map(base + number, default + self.node, layout, remap=remap)
+
+    def set_deadlines(self, count: int, deadline: float | None) -> None:
+        """Let its first receive PDOs stay away for so long (s), once they have come."""
+        if deadline is not None:
+            for number in range(count):
+                self.write(_RECEIVE + number, 5, "u16", _milliseconds(deadline))
 
     def arm(self) -> None:
         """Start the node and wait until its heartbeat says OPERATIONAL.

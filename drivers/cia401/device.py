@@ -28,7 +28,6 @@ from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
-    ConfigurationError,
     DeviceFault,
     EmergencyStopInput,
     LimitExceeded,
@@ -63,7 +62,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self.settings = settings
         self.channels = tuple(settings.channels)
         self.pressure_range = settings.pressure_range
-        _check_deadline(name, settings.setpoint_deadline, bus.period)
+        settings.check_deadline(name, bus.period)
         self._bus = bus
         self._serial = serial
         self._node = CanopenNode(name, settings.node, bus)
@@ -83,9 +82,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._vented: Vector = (min(max(settings.vented, low), high),) * count
         self._held = tuple(channel.safe == "hold" for channel in wiring)
         self.lockable = tuple(channel.lock_bit is not None for channel in wiring)
-        self._lock_bits = tuple(
-            0 if channel.lock_bit is None else 1 << channel.lock_bit for channel in wiring
-        )
+        lock_bits = (channel.lock_bit for channel in wiring)
+        self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
         self._open = self._opened = settings.opening_bits
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
@@ -127,7 +125,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._broken = [0] * count
         self._intact = True
         self._signals = [0.0] * count
-        self._armed = self._sending = False
+        self._armed = False
 
     # Codec ----------------------------------------------------------------------------
 
@@ -192,9 +190,9 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             product=settings.product,
             serial=self._serial,
         )
-        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+        raws = [encode_pressure(codec, self._vented[0]) for codec in self._setpoint_codecs]
+        for raw, channel in zip(raws, settings.channels.values(), strict=True):
             signal = channel.setpoint
-            raw = encode_pressure(codec, self._vented[0])
             if settings.error_mode is not None:
                 mode = _HOLD if channel.safe == "hold" else _TAKE_ERROR_VALUE
                 node.write(settings.error_mode, signal.sub, settings.error_mode_type, mode)
@@ -205,15 +203,10 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             node.write(0x6206, 1, "u8", 0xFF & ~self._kept)
             node.write(0x6207, 1, "u8", 0)
         node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
-        node.map_pdos(
-            self._receive_layouts,
-            self._transmit_layouts,
-            remap=settings.remap,
-            deadline=settings.setpoint_deadline,
-        )
-        for codec, channel in zip(self._setpoint_codecs, settings.channels.values(), strict=True):
+        node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
+        node.set_deadlines(len(self._receive_layouts), settings.setpoint_deadline)
+        for raw, channel in zip(raws, settings.channels.values(), strict=True):
             signal = channel.setpoint
-            raw = encode_pressure(codec, self._vented[0])
             node.write(signal.index, signal.sub, signal.type, raw)
         if self._open:
             node.write(0x6200, 1, "u8", 0)
@@ -230,7 +223,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._forget_setpoints()
         self._set_safe()
         self._node.arm()
-        # The first setpoints start the deadline, and other devices take their time to be armed.
+        # The first starts the deadline, and other devices take their time to be armed.
         self._send_setpoints(self.settings.setpoint_deadline is None)
         self._broken = [0] * len(self.channels)
         self._intact = True
@@ -319,16 +312,13 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             counts.append(encode(value))
         self._setpoint = pressure
         self._echoes.send(counts)
-        if not self._sending:
+        if not self._pdos[0].active:
             self._send_setpoints(True)
-        digital = self._opened
         self._digital = self._kept
         if self._pack_only is not None:  # as most modules have it: one PDO for everything
-            self._pdos[0].data = (
-                self._pack_only(*counts, digital) if self._open else self._pack_only(*counts)
-            )
+            self._pdos[0].data = self._pack_only(*counts, *((self._opened,) if self._open else ()))
             return
-        for pdo, data in zip(self._pdos, self._contents(counts, digital), strict=True):
+        for pdo, data in zip(self._pdos, self._contents(counts, self._opened), strict=True):
             pdo.data = data
 
     def lock(self, shut: tuple[bool, ...]) -> None:
@@ -376,7 +366,6 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         )
 
     def _send_setpoints(self, active: bool) -> None:
-        self._sending = active
         for pdo in self._pdos:
             pdo.active = active
 
@@ -408,13 +397,4 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             object=str(signal.entry),
             value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
             bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
-        )
-
-
-def _check_deadline(name: str, deadline: float | None, period: float | None) -> None:
-    """Raise if one lost setpoint would stop the rig."""
-    if deadline is not None and period is not None and deadline < 2.0 * period:
-        raise ConfigurationError(
-            f"{name}: setpoint_deadline ({deadline:g} s) is less than two cycles of {period:g} s; "
-            "one lost setpoint would stop the rig."
         )

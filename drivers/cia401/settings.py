@@ -11,7 +11,7 @@ from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
 from drivers.cia401.described import describe_channels, typed_objects
-from rig.hal import Address
+from rig.hal import Address, ConfigurationError
 
 PROFILE: Final = 401
 """CiA's number of the device profile."""
@@ -187,6 +187,20 @@ class Cia401Settings(NodeSettings):
         if self.setpoint_deadline is not None:
             ends.append(self.setpoint_deadline)
         return min(ends, default=None)
+
+    def check_deadline(self, device: str, period: float | None) -> None:
+        """Raise if one lost setpoint would pass the deadline.
+
+        Raises
+        ------
+        ConfigurationError
+        """
+        deadline = self.setpoint_deadline
+        if deadline is not None and period is not None and deadline < 2.0 * period:
+            raise ConfigurationError(
+                f"{device}: setpoint_deadline ({deadline:g} s) is less than two cycles of "
+                f"{period:g} s; one lost setpoint would stop the rig."
+            )
 
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the module's node."""

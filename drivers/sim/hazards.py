@@ -53,6 +53,12 @@ class _JointLimits(_PneumaticLimits, Protocol):
 
 class _Pair(Protocol):
     @property
+    def home(self) -> float: ...
+
+    @property
+    def stroke(self) -> float: ...
+
+    @property
     def limits(self) -> _PairLimits: ...
 
 
@@ -92,9 +98,11 @@ def pair_hazards(settings: _Pair) -> tuple[Hazard, ...]:
     low, high = settings.limits.position
     margin = POSITION_MARGIN * (high - low)
     speed = (1.0 + SPEED_MARGIN) * settings.limits.speed
+    end = min(settings.home, settings.stroke - settings.home)
     sides = ("agonist", "antagonist")
     return (
         Hazard("position", "m", ("position",), low - margin, high + margin),
+        Hazard("end stop hit", "m", ("position",), -end, end),
         Hazard("speed", "m/s", ("velocity",), -speed, speed),
         *_pressures(settings.limits, sides),
     )

@@ -1,6 +1,6 @@
 """From a profile to a rig: the only package that knows concrete drivers and controllers."""
 
-from rig.assembly.build import build_rig, check_profile
+from rig.assembly.build import build_rig, check_fitness, check_profile
 from rig.assembly.buses import bus_loads
 from rig.assembly.on_interfaces import backend_of, parse_interfaces
 from rig.assembly.production import make_controller, plan_motion
@@ -15,6 +15,7 @@ __all__ = [
     "backend_of",
     "build_rig",
     "bus_loads",
+    "check_fitness",
     "check_profile",
     "make_controller",
     "parse_interfaces",

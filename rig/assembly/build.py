@@ -73,7 +73,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     """
     check_profile(profile)
     if backend is Backend.HARDWARE:
-        _check_fitness(profile)
+        check_fitness(profile)
     if backend.is_simulated:
         from rig.assembly.simulated import build_sim, build_virtual
 
@@ -105,7 +105,14 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     )
 
 
-def _check_fitness(profile: Profile) -> None:
+def check_fitness(profile: Profile) -> None:
+    """Refuse hardware for a profile that does not declare what it takes.
+
+    Raises
+    ------
+    DeviceError
+        With what its mechanism lacks.
+    """
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     reason = mechanism.unfit(profile.mechanism_settings)
     if reason is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
@@ -24,12 +25,15 @@ def may_move(plan: Plan, on: str, yes: str | None) -> bool:
     DeviceError
         It is refused whatever the operator says.
     """
-    from rig.assembly import Backend, backend_of
+    from rig.assembly import Backend, backend_of, check_fitness
+    from rig.experiment.frozen import refuse_slow_devices
     from rig.experiment.permission import check_permitted
 
     if backend_of(on) is not Backend.HARDWARE:
         return True
     check_permitted(plan, Backend.HARDWARE)
+    check_fitness(plan.profile)
+    refuse_slow_devices(plan, partial(click.echo, err=True))
     for sentence in announcement(plan):
         click.echo(sentence, err=True)
     return confirm(plan.profile.name, yes)

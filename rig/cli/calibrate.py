@@ -135,7 +135,8 @@ def _calibrate(
             folders = []
             data, folder = procedure.read_files(profile, files)
         else:
-            if not _agreed(profile.name, backend, options["yes"]):
+            moves = bool(excitation.motion.segments)
+            if not _agreed(profile, backend, options["yes"], moves=moves):
                 return 2
             result, folders = _record(procedure, profile, backend, options)
             if result is not None and result.status is not RunStatus.OK:
@@ -241,14 +242,16 @@ class _Placing:
         return self._count == 1
 
 
-def _agreed(rig: str, backend: Backend, yes: str | None) -> bool:
-    from rig.assembly import Backend
+def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool) -> bool:
+    from rig.assembly import Backend, check_fitness
     from rig.cli.confirm import confirm
     from rig.experiment.fault_latch import FaultLatch
 
     if backend is Backend.HARDWARE:
-        FaultLatch(rig).check()
-        return confirm(rig, yes)
+        FaultLatch(profile.name).check()
+        if moves:
+            check_fitness(profile)
+        return confirm(profile.name, yes)
     if yes is not None:
         return True
     if not sys.stdin.isatty():

@@ -103,6 +103,7 @@ def run(
             watcher=line,
             report=not no_report,
             frames=frames,
+            is_permitted=True,
         )
     if as_json:
         print_data(json.dumps(as_data(result), indent=2))

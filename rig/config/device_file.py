@@ -106,3 +106,12 @@ def _with_default(entry: Node, keys: tuple[str, ...], leaf: Node) -> Node:
     else:
         return entry
     return replace(entry, value={**entry.value, key: made})
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a device's own file."""
+    content = path.read_bytes()
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:  # most tools for EDS files write Latin-1
+        return content.decode("latin-1")

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
+from rig.config.device_file import text_of
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -76,6 +77,7 @@ def run_experiment(
     heed_calibrations: bool = True,
     stop: StopRequests | None = None,
     rehearses: bool = False,
+    is_permitted: bool = False,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -104,6 +106,8 @@ def run_experiment(
         By which another thread may ask for the end.
     rehearses : bool
         Rehearse a simulated run as well, although nothing stalls in virtual time.
+    is_permitted : bool
+        The plan was tried with frozen setpoints before the operator was asked.
 
     Returns
     -------
@@ -123,7 +127,7 @@ def run_experiment(
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with stop:
-        if backend is Backend.HARDWARE and heed_calibrations:
+        if backend is Backend.HARDWARE and heed_calibrations and not is_permitted:
             refuse_slow_devices(plan, watcher.said)
         if rehearses or not backend.is_simulated:
             rehearse(plan, watcher)
@@ -202,7 +206,7 @@ def _create_folder(
         if path.parent.parent.name == "calibration"
     }
     data_sheets = {
-        f"eds/{name}.eds": _text_of(entry.eds)
+        f"eds/{name}.eds": text_of(entry.eds)
         for name, entry in profile.devices.items()
         if entry.eds is not None
     }
@@ -234,14 +238,6 @@ def _write_evaluation(plan: Plan, folder: RunFolder) -> None:
         plan.profile.mechanism,
     )
     folder.write_json(EVALUATION, content)
-
-
-def _text_of(path: Path) -> str:
-    content = path.read_bytes()
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:  # most tools for EDS files write Latin-1
-        return content.decode("latin-1")
 
 
 def _keep_frames(

@@ -20,7 +20,12 @@ from rig.experiment.fault_latch import FaultLatch
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 GENERATOR = np.random.default_rng(1010)
-SHORT = ["reference.tones=[{frequency: 1 Hz, periods: 2}]", "approach=0.3 s", "metrics={}"]
+SHORT = [
+    "reference.tones=[{frequency: 1 Hz, periods: 2}]",
+    "approach=0.3 s",
+    "metrics={}",
+    "cylinder.limits.stop_energy=1 J",
+]
 
 
 def fault(at, name="emergency", value=None):

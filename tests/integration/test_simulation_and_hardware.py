@@ -20,6 +20,8 @@ from rig.config import load_profile
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENCODER = "encoder-agonist"
+STOP = ("--set", "cylinder.limits.stop_energy=1 J")
+SLOW = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
 
 
 @pytest.fixture
@@ -132,7 +134,7 @@ def test_an_older_calibration_is_put_in_force_again(lab, capsys):
 @pytest.mark.parametrize("command", ["run", "compare", "calibrate"])
 def test_hardware_does_not_move_unless_it_was_named(lab, capsys, command, yes):
     what = ("cylinder", "response") if command == "calibrate" else ("cylinder-step",)
-    assert lab(command, *what, "--on", "hardware", *yes) == 2
+    assert lab(command, *what, "--on", "hardware", *yes, *STOP) == 2
     said = capsys.readouterr().err
     assert ("say --yes cylinder" if not yes else "this is the rig cylinder") in said
     assert not lab.runs.exists()
@@ -147,7 +149,7 @@ def test_the_name_is_typed_by_who_has_read_what_will_move(lab, monkeypatch, caps
     monkeypatch.setattr(sys, "stdin", Terminal())
     asked = []
     monkeypatch.setattr(click, "prompt", lambda text, **how: asked.append(text) or typed)
-    channel = ("--set", "buses.can0.channel=nocan7", "--set", "cylinder.limits.stop_energy=1 J")
+    channel = ("--set", "buses.can0.channel=nocan7", *STOP)
     code = lab("run", "cylinder-sine", "--on", "hardware", *channel)
     assert asked == ["Type the rig's name to go on"]
     assert code == (3 if typed == "cylinder" else 2)  # it has no such interface
@@ -156,6 +158,30 @@ def test_the_name_is_typed_by_who_has_read_what_will_move(lab, monkeypatch, caps
     assert "position: -8.727 mm … 8.727 mm" in said
     assert "position -20 mm … 20 mm" in said
     assert lab.runs.exists() == (typed == "cylinder")
+
+
+@pytest.mark.parametrize(
+    ("command", "lacks"),
+    [(command, "stop") for command in ("run", "compare", "calibrate")]
+    + [(command, "quick devices") for command in ("run", "compare")],
+)
+def test_nobody_is_asked_about_a_rig_that_is_refused_anyway(
+    lab, monkeypatch, capsys, command, lacks
+):
+    monkeypatch.setattr(click, "prompt", lambda *_, **__: pytest.fail("somebody was asked"))
+    if lacks == "stop":
+        words, options = "limits.stop_energy is not declared", ()
+    else:
+        words = "keeps its setpoints for 150 ms"
+        brisk = "reference.tones=[{frequency: 1 Hz, periods: 3}]"
+        late = [*SLOW, brisk, "reference.amplitude=10 mm", "metrics={}"]
+        options = (*STOP, *(word for option in late for word in ("--set", option)))
+    what = ("cylinder", "response") if command == "calibrate" else ("cylinder-sine",)
+    assert lab(command, *what, "--on", "hardware", *options) == 3
+    said = " ".join(capsys.readouterr().err.split())
+    assert words in said
+    assert "--yes" not in said
+    assert not lab.runs.exists()
 
 
 def test_a_page_and_its_figures_say_that_they_are_a_simulation(lab):

@@ -1,5 +1,7 @@
 """One antagonistic pair: two cylinders with regulators that pull a carriage by wires."""
 
+import math
+
 import numpy as np
 
 from drivers.sim.plants.pair_kernel import PAIR_PARAMETERS, PAIR_STATE, advance_pair
@@ -12,11 +14,31 @@ from drivers.sim.plants.pneumatic_plant import (
     PneumaticPlant,
 )
 from drivers.sim.plants.pneumatics import ATMOSPHERE
-from drivers.sim.plants.settings import PlantSettings
+from drivers.sim.plants.settings import CarriageSettings, PlantSettings
 
 _SUPPLY, _POSITION, _CARRIAGE_SPEED = (
     list(PAIR_STATE.names or ()).index(name) for name in ("supply", "position", "speed")
 )
+
+
+def stop_damping(carriage: CarriageSettings) -> float:
+    """Return the damping (N s/m) with which a carriage comes back from a stop as it should.
+
+    References
+    ----------
+    Schwager and Pöschel, "Coefficient of restitution and linear-dashpot model revisited", Granular
+    Matter 9 (2007): a stop that pushes and never pulls lets go before its spring is at rest.
+    """
+    low, high = 0.0, 1.0
+    for _ in range(50):
+        ratio = 0.5 * (low + high)
+        turn = math.sqrt(1.0 - ratio * ratio)
+        angle = math.pi - math.atan2(2.0 * ratio * turn, turn * turn - ratio * ratio)
+        if math.exp(-ratio / turn * angle) > carriage.restitution:
+            low = ratio
+        else:
+            high = ratio
+    return 2.0 * low * math.sqrt(carriage.stop_stiffness * carriage.mass)
 
 
 class AntagonisticPairPlant(PneumaticPlant):
@@ -65,6 +87,9 @@ class AntagonisticPairPlant(PneumaticPlant):
             seat,
             settings.carriage.seat_stiffness,
             settings.carriage.seat_damping,
+            min(settings.home, settings.cylinder.stroke - settings.home),
+            settings.carriage.stop_stiffness,
+            stop_damping(settings.carriage),
         )
         self._pair_values = self.pair.view(float)
 

@@ -35,10 +35,14 @@ PAIR_PARAMETERS = np.dtype(
             "seat",
             "seat_stiffness",
             "seat_damping",
+            "stop",
+            "stop_stiffness",
+            "stop_damping",
         )
     ]
 )
-"""Parameters of the carriage and the supply line, SI; `seat` is friction over tension."""
+"""Parameters of the carriage and the supply line, SI; `seat` is friction over tension, and
+`stop` how far the carriage goes either way before it meets its mechanical stop."""
 
 _LEAST_FRICTION = 1e-6
 """Keeps the bristle equation defined without tension, N."""
@@ -56,6 +60,17 @@ def seat_friction(pair: Record, q: Record, load: float, dt: float) -> float:
     force: float = q.seat_stiffness * bristle + q.seat_damping * (bristle - held) / dt
     pair.bristle = bristle
     return force
+
+
+@inlined
+def carriage_stop(position: float, speed: float, q: Record) -> float:
+    """Return the force of the carriage's mechanical stops, N; they push and never pull."""
+    force = 0.0
+    if position > q.stop:
+        force = min(q.stop_stiffness * (q.stop - position) - q.stop_damping * speed, 0.0)
+    elif position < -q.stop:
+        force = max(q.stop_stiffness * (-q.stop - position) - q.stop_damping * speed, 0.0)
+    return float(force)
 
 
 def _build(sources: int) -> Callable[..., None]:
@@ -80,6 +95,7 @@ def _build(sources: int) -> Callable[..., None]:
             step_channel(antagonist, parameters[1], pair.supply, stretch_b, rate_b, dt)
             pair.friction = seat_friction(pair, q, agonist.tension + antagonist.tension, dt)
             force = agonist.tension - antagonist.tension - pair.friction
+            force += carriage_stop(pair.position, pair.speed, q)
             pair.speed += dt * force / q.mass
             pair.position += dt * pair.speed
 

@@ -165,11 +165,17 @@ class CarriageSettings:
         kg; with two pistons of 0.045 kg the pair moves 0.138 kg. E.
     seat_stiffness, seat_damping : float
         Of the seat before it slips (Dahl), N/m and N s/m. E.
+    stop_stiffness : float
+        Of the mechanical stops at both ends of the rods' stroke, N/m. E.
+    restitution : float
+        Share of its speed with which it comes back from a stop. E.
     """
 
     mass: Annotated[float, Unit("kg"), Ge(0.01)] = 0.048
     seat_stiffness: Annotated[float, Unit("N/m"), Gt(0), Le(1e6)] = 1.5e5
     seat_damping: Annotated[float, Unit("N s/m"), Ge(0), Le(200)] = 40.0
+    stop_stiffness: Annotated[float, Unit("N/m"), Gt(0), Le(1e6)] = 5e5
+    restitution: Annotated[float, Ge(0.15), Le(1)] = 0.4
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,19 +1,29 @@
 """The pair as a mechanism: energy, friction, wires, convergence, determinism."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from drivers.sim.hazards import pair_hazards
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.settings import (
     ActuatorSettings,
+    CarriageSettings,
     PlantSettings,
     RegulatorSettings,
     WireSettings,
 )
 
+HAZARDS = pair_hazards(
+    SimpleNamespace(
+        home=30e-3,
+        stroke=60e-3,
+        limits=SimpleNamespace(position=(-0.02, 0.02), speed=0.5, pressure=(0.0, 500e3)),
+    )
+)
 SEALED = RegulatorSettings(conductance_in=0.0, conductance_out=0.0)
 
 
@@ -25,6 +35,8 @@ def mechanical_and_gas_energy(plant):
     pair, settings = plant.pair[0], plant.settings
     energy = 0.5 * settings.carriage.mass * pair["speed"] ** 2
     energy += 0.5 * settings.carriage.seat_stiffness * pair["bristle"] ** 2
+    beyond = max(abs(pair["position"]) - plant.pair_parameters[0]["stop"], 0.0)
+    energy += 0.5 * settings.carriage.stop_stiffness * beyond**2
     for state, p, side in zip(plant.channels, plant.parameters, (-1.0, 1.0), strict=True):
         volume = p["dead_volume"] + p["area"] * (p["stroke"] - state["extension"])
         stretch = max(settings.home - state["extension"] + side * pair["position"], 0.0)
@@ -62,6 +74,7 @@ def test_without_friction_and_damping_energy_is_kept():
         regulator=SEALED,
         wire=WireSettings(damping=0.0),
         cylinder=ActuatorSettings(stop_damping=0.0),
+        carriage=CarriageSettings(restitution=1.0),
     )
     energies, speed = energy_of_a_free_motion(settings)
     kinetic = 0.5 * 0.138 * speed**2
@@ -217,6 +230,42 @@ def test_a_cut_wire_lets_the_carriage_go():
     assert plant.position(0) == pytest.approx(0.0, abs=1e-3)
     assert plant.position(1) == pytest.approx(0.0, abs=1e-3)
     assert plant.truth()[6] == 0.0
+
+
+@pytest.mark.parametrize("case", range(6))
+def test_carriage_comes_back_from_its_stops_with_the_share_of_its_speed_that_is_set(case):
+    drawn = np.random.default_rng([17, case])
+    restitution, mass = drawn.uniform(0.2, 0.95), drawn.uniform(0.03, 0.3)
+    carriage = CarriageSettings(mass=mass, restitution=restitution)
+    plant = AntagonisticPairPlant(PlantSettings(carriage=carriage), case)
+    for k in (0, 1):
+        plant.inject("wire_cut", k)
+    pair, speed = plant.pair[0], drawn.uniform(0.3, 2.0) * drawn.choice([-1.0, 1.0])
+    pair["position"], pair["speed"] = 0.0, speed
+    furthest = 0.0
+    while pair["speed"] * speed > 0.0 or abs(pair["position"]) > plant.settings.home:
+        plant.advance(plant.time + 1e-4)
+        furthest = max(furthest, abs(pair["position"]))
+    assert -pair["speed"] / speed == pytest.approx(restitution, abs=0.04)
+    assert 30e-3 < furthest < 30e-3 + abs(speed) * math.sqrt(mass / carriage.stop_stiffness) + 1e-4
+
+
+@pytest.mark.parametrize("channel", [0, 1])
+def test_carriage_of_a_cut_wire_hits_its_end_stop_and_stays_there(channel):
+    drawn = np.random.default_rng([18, channel])
+    plant = AntagonisticPairPlant(PlantSettings(), int(drawn.integers(1000)))
+    plant.set_supply(True)
+    for k in (0, 1):
+        plant.set_pressure_setpoint(k, drawn.uniform(0.12e6, 0.2e6))
+    plant.advance(1.0)
+    plant.inject("wire_cut", channel)
+    positions = []
+    while plant.time < 2.0:
+        plant.advance(plant.time + 1e-3)
+        positions.append(plant.truth()[0])
+    assert 30e-3 < np.abs(positions).max() < 33e-3
+    (stop,) = [one for one in HAZARDS if one.name == "end stop hit"]
+    assert not stop.low <= positions[int(np.argmax(np.abs(positions)))] <= stop.high
 
 
 def history(seed, period=2e-3):
