@@ -5,35 +5,14 @@ References
 IEC 61800-7-201 (CiA 402-2): digital inputs 0x60FD, whose bits 16 … 31 are the maker's.
 """
 
-from dataclasses import dataclass
 from math import inf
-from typing import Annotated, Final
-
-from annotated_types import Interval
+from typing import Final
 
 from drivers.canopen.mapping import Entry
+from drivers.cia402.contact_settings import ContactSettings
 from rig.hal import Reading
 
 DIGITAL_INPUTS: Final = Entry(0x60FD, 0, "u32")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ContactSettings:
-    """An emergency stop that is wired to one of the drives.
-
-    Parameters
-    ----------
-    joint : str
-        Whose drive reads it.
-    bit : int
-        Of 0x60FD; 16 is the first of the maker's inputs.
-    active_low : bool
-        The contact is normally closed: the bit is 0 when the stop is pressed, or its wire cut.
-    """
-
-    joint: str
-    bit: Annotated[int, Interval(ge=0, le=31)] = 16
-    active_low: bool = True
 
 
 class DriveContact:

@@ -9,7 +9,8 @@ from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
-from drivers.cia402.contact import DIGITAL_INPUTS, ContactSettings
+from drivers.cia402.contact import DIGITAL_INPUTS
+from drivers.cia402.contact_settings import ContactSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
 from drivers.servos.axis_settings import FollowingAxisSettings

@@ -4,7 +4,7 @@ import pytest
 from dynamixel_rig import dynamixel_rig
 from servo_bench import PERIOD, LaggedJoints, cia402_rig, odrive_rig, sim_rig
 
-from drivers.cia402.contact import ContactSettings
+from drivers.cia402.contact_settings import ContactSettings
 from rig.hal import DeviceError, DeviceFault, LimitExceeded, Reading
 from rig.testing.devices import EmergencyStopSuite
 

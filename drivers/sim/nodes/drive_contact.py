@@ -1,6 +1,6 @@
 """The contact of an emergency stop that is wired to an emulated drive."""
 
-from drivers.cia402.contact import ContactSettings
+from drivers.cia402.contact_settings import ContactSettings
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.faults import whole_number
 from drivers.sim.nodes.object_dictionary import UNSIGNED32, Variable
