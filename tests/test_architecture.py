@@ -366,3 +366,18 @@ def test_pytest_is_imported_by_the_suites_alone():
         or (isinstance(node, ast.ImportFrom) and node.module in ("pytest", "rig.testing"))
     ]
     assert not broken, "\n".join(broken)
+
+
+def test_what_controls_reads_no_clock_that_somebody_may_set():
+    """Stamps of logs and files say when it was by the wall's clock; nothing else may ask."""
+    stamps = ("rig.runtime.recorder", "drivers.can.frame_log")
+    asked = re.compile(r"\btime\.time(_ns)?\(|from time import .*\btime\b|datetime\.(utc)?now\(")
+    controlling = ("rig.runtime", "rig.hal", "rig.mechanisms", "controllers", "drivers")
+    broken = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for module, path in MODULES.items()
+        if any(belongs(module, package) for package in controlling) and module not in stamps
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1)
+        if asked.search(line)
+    ]
+    assert not broken, "\n".join(broken)

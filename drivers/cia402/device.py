@@ -5,14 +5,17 @@ References
 IEC 61800-7-201 (CiA 402-2): state machine, modes csp (8) and csv (9). CiA 301: SYNC, PDOs.
 """
 
+from math import inf
+
 from drivers.canopen.bus import CanopenBus
 from drivers.cia402.drive import Cia402Drive
 from drivers.cia402.settings import Cia402Settings
 from drivers.cia402.setup import encode_interpolation_period, reset_fault
 from drivers.servos.axis_chain import ServoChain
+from rig.hal import EmergencyStopInput, Reading
 
 
-class Cia402Servos(ServoChain[Cia402Drive]):
+class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
     """Joints on CiA 402 drives; satisfies `rig.hal.ServoBus`.
 
     The drives enable operation in the cycles after `arm`, one transition a time. The safe
@@ -30,6 +33,7 @@ class Cia402Servos(ServoChain[Cia402Drive]):
     """
 
     Settings = Cia402Settings
+    looks_alone = True
 
     def __init__(
         self, name: str, settings: Cia402Settings, bus: CanopenBus, *, serial: int | None = None
@@ -51,6 +55,10 @@ class Cia402Servos(ServoChain[Cia402Drive]):
         )
         self.settings = settings
         self._bus = bus
+        # Whose drive reads the emergency stop is connected first: it is watched from then on.
+        self._watched_first = sorted(self.drives, key=lambda drive: drive.contact is None)
+        self._watched = self._watched_first[0]
+        self._contact = self._watched.contact
 
     def connect(self) -> None:
         """Find, identify and configure every drive; leave them without torque.
@@ -61,9 +69,25 @@ class Cia402Servos(ServoChain[Cia402Drive]):
             A drive does not answer, is another device, is in a fault, or did not take a setting.
         """
         self._armed = self._enabled = False
-        for drive in self.drives:
+        if self._contact is not None:
+            self._contact.forget()
+        for drive in self._watched_first:
             own = drive.settings.serial
             drive.connect(self._serial if own is None else own)
+            self.look()
+
+    def emergency_stop(self) -> Reading[bool]:
+        """Return whether the stop is pressed; without a contact it reads pressed."""
+        return Reading(True, -inf) if self._contact is None else self._contact.reading
+
+    def was_pressed(self) -> bool:
+        """Return whether the stop was pressed at any look since `connect`."""
+        return self._contact is None or self._contact.was_pressed
+
+    def look(self) -> None:
+        """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
+        if self._contact is not None:
+            self._watched.look(self._contact)
 
     def arm(self) -> None:
         """Start the nodes and take first readings; the cycles from now on enable the drives.

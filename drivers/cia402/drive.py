@@ -8,6 +8,7 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.cia402.codec import DriveCodec
+from drivers.cia402.contact import DIGITAL_INPUTS, DriveContact
 from drivers.cia402.errors import describe_error
 from drivers.cia402.settings import PROFILE, Cia402Settings, DriveSettings
 from drivers.cia402.setup import (
@@ -60,6 +61,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         Of the last status word.
     goal : Goal
         Where the state machine shall go, one transition a time.
+    contact : DriveContact or None
+        The emergency stop that is wired to this drive.
     """
 
     position_source = "0x6064:00"
@@ -83,6 +86,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.goal = Goal.DISABLED
         self.node = CanopenNode(self.name, settings.node, bus)
         self._shared = shared
+        self._joint = joint
         self._period = period
         self._follows_velocity = follows_velocity
         codec = DriveCodec(settings)
@@ -105,6 +109,9 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             3 + order.index(what) if what in order else None
             for what in ("velocity", "torque", "error_code", "demand")
         )
+        wired = shared.stop_contact
+        at_this = wired is not None and wired.joint == joint
+        self.contact = DriveContact(wired) if wired is not None and at_this else None
         self._pack = layout_struct(shared.receive_layout).pack
         self.pdo = CyclicFrame(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
         bus.add(self.pdo)
@@ -112,7 +119,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             self.name,
             settings.node,
             bus,
-            shared.transmit_layouts,
+            shared.transmit_layouts(joint),
             self._take,
             hold_after=shared.hold_after,
             fault_after=shared.fault_after,
@@ -127,6 +134,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
 
     def _take(self, values: tuple[Any, ...], t: float) -> None:
         """Decode a sample; one whose position cannot be true is not taken, and is a fault."""
+        if self.contact is not None:
+            self.contact.see(values[-1], t)
         status, counts = values[0], values[1]
         if status != self.status:
             self.status = status
@@ -195,7 +204,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         check_scale(node, self.settings)
         if "torque" in shared.feedback:
             self._torque_unit = read_torque_unit(node, self.settings)
-        configure(node, self.settings, shared, self._period)
+        configure(node, self._joint, self.settings, shared, self._period)
         self._stops_by_velocity = prepare_velocity_stop(node, shared)
 
     def start(self) -> None:
@@ -245,6 +254,10 @@ class Cia402Drive(AxisDrive[DriveSettings]):
                 value=f"{self.position:.6g} rad",
                 bound=self._range(),
             )
+
+    def look(self, contact: DriveContact) -> None:
+        """Ask for the contact of the emergency stop, while no sample shows it."""
+        self.node.asked.ask(DIGITAL_INPUTS.object, DIGITAL_INPUTS.sub, contact.take_look)
 
     @property
     def is_enabled(self) -> bool:

@@ -9,6 +9,8 @@ from drivers.canopen.described import DescribedNode, Quantity, Told
 from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
+from drivers.cia402.contact import DIGITAL_INPUTS
+from drivers.cia402.contact_settings import ContactSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
 from drivers.servos.axis_settings import FollowingAxisSettings
@@ -116,6 +118,8 @@ class Cia402Settings(NodeSettings):
     absent : tuple of int
         Objects among those that are written at each start that these drives do not have;
         what the drive does instead must be found in its manual.
+    stop_contact : ContactSettings, optional
+        The emergency stop, if one of the drives reads its contact.
     """
 
     joints: Annotated[dict[str, DriveSettings], MinLen(1)]
@@ -125,6 +129,7 @@ class Cia402Settings(NodeSettings):
     after_stop: Literal["hold", "release"] = "hold"
     enable_time: Annotated[float, Unit("s"), Gt(0)] = 1.0
     absent: tuple[int, ...] = ()
+    stop_contact: ContactSettings | None = None
 
     def __post_init__(self) -> None:
         owner: dict[int, str] = {}
@@ -139,6 +144,8 @@ class Cia402Settings(NodeSettings):
             raise ValueError("feedback: demand is a position, which drives in csv are not sent.")
         if len(set(self.feedback)) != len(self.feedback):
             raise ValueError("feedback: a quantity is named twice.")
+        if self.stop_contact is not None and self.stop_contact.joint not in self.joints:
+            raise ValueError(f"stop_contact: there is no joint {self.stop_contact.joint}.")
         NodeSettings.__post_init__(self)
 
     def channel_names(self) -> tuple[str, ...]:
@@ -176,18 +183,20 @@ class Cia402Settings(NodeSettings):
         """What each drive receives in its one PDO."""
         return (Entry(0x6040, 0, "u16"), _TARGETS[self.mode], Entry(0x6060, 0, "i8"))
 
-    @property
-    def transmit_layouts(self) -> tuple[Layout, ...]:
-        """What each drive sends, PDO by PDO."""
+    def transmit_layouts(self, joint: str) -> tuple[Layout, ...]:
+        """Return what a joint's drive sends, PDO by PDO; the contact's at the end."""
         # Feedback has a PDO of its own, so that the first one is the same on every drive.
         first: Layout = (Entry(0x6041, 0, "u16"), Entry(0x6064, 0, "i32"), Entry(0x6061, 0, "i8"))
-        return (first, *pack([_FEEDBACK[name] for name in self.feedback], first=2))
+        entries = [_FEEDBACK[name] for name in self.feedback]
+        if self.stop_contact is not None and self.stop_contact.joint == joint:
+            entries.append(DIGITAL_INPUTS)
+        return (first, *pack(entries, first=2))
 
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return what all drives put on the bus each cycle: names and bytes."""
         frames: list[tuple[str, int]] = []
-        layouts = self.transmit_layouts
         for joint in self.joints:
+            layouts = self.transmit_layouts(joint)
             frames.append((f"{joint} RPDO1 setpoint", layout_size(self.receive_layout)))
             frames += [
                 (f"{joint} TPDO{n} state", layout_size(layout))
@@ -201,8 +210,10 @@ class Cia402Settings(NodeSettings):
 
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what each drive exchanges and what its counts mean."""
-        layouts = self.transmit_layouts
-        origins: dict[Entry, Keys] = {_TARGETS[self.mode]: ("mode",)}
+        origins: dict[Entry, Keys] = {
+            _TARGETS[self.mode]: ("mode",),
+            DIGITAL_INPUTS: ("stop_contact",),
+        }
         for k, what in enumerate(self.feedback):
             origins[_FEEDBACK[what]] = ("feedback", k)
         return tuple(
@@ -210,7 +221,7 @@ class Cia402Settings(NodeSettings):
                 f"{name} {joint}",
                 drive.node,
                 (self.receive_layout,),
-                layouts,
+                self.transmit_layouts(joint),
                 self.remap,
                 _quantities(drive),
                 origins,
@@ -234,6 +245,7 @@ def _quantities(drive: DriveSettings) -> dict[Entry, Quantity]:
         _FEEDBACK["torque"]: Quantity("torque", "N m", None),
         _FEEDBACK["error_code"]: Quantity("error", words=_error_words),
         _FEEDBACK["demand"]: Quantity("demand", "rad", angle, drive.offset),
+        DIGITAL_INPUTS: Quantity("inputs", words=_input_words),
     }
 
 
@@ -250,6 +262,10 @@ def _control_words(word: int) -> str:
 def _status_words(word: int) -> str:
     state = decode_state(word)
     return f"0x{word:04X} {'no state' if state is None else state.name.replace('_', ' ')}"
+
+
+def _input_words(inputs: int) -> str:
+    return f"0x{inputs:08X}"
 
 
 def _mode_words(mode: int) -> str:

@@ -148,7 +148,7 @@ def check_scale(node: CanopenNode, drive: DriveSettings) -> None:
 
 
 def configure(
-    node: CanopenNode, drive: DriveSettings, shared: Cia402Settings, period: float
+    node: CanopenNode, joint: str, drive: DriveSettings, shared: Cia402Settings, period: float
 ) -> None:
     """Write every setting that matters for safety and motion, read it back, map the PDOs.
 
@@ -167,7 +167,7 @@ def configure(
             node.write(index, 0, kind, 0)
     if node.read_if_present(0x1029, 1, "u8") is not None:
         node.write(0x1029, 1, "u8", 0)  # without the master: PRE-OPERATIONAL, and 0x6007
-    node.map_pdos((shared.receive_layout,), shared.transmit_layouts, remap=shared.remap)
+    node.map_pdos((shared.receive_layout,), shared.transmit_layouts(joint), remap=shared.remap)
 
 
 def prepare_velocity_stop(node: CanopenNode, shared: Cia402Settings) -> bool:

@@ -15,7 +15,7 @@ class NamedFaulty(Faulty, Protocol):
 class AxisFaults:
     """The joints of one device as one target of faults.
 
-    ``q3.drive_fault`` happens to joint q3, ``drive_fault`` to every joint.
+    ``q3.drive_fault`` happens to joint q3, ``drive_fault`` to every joint that knows it.
 
     Parameters
     ----------
@@ -52,7 +52,9 @@ class AxisFaults:
         """
         name, dot, own = fault.partition(".")
         if not dot:
-            for joint in self._joints.values():
+            joints = self._joints.values()
+            # One drive reads the emergency stop, say: then it alone can suffer what it knows.
+            for joint in [one for one in joints if fault in one.known_faults] or joints:
                 joint.inject(fault, value)
         elif name in self._joints:
             self._joints[name].inject(own, value)

@@ -51,14 +51,16 @@ PROTOCOLS = {
 }
 
 
-def load(path: str) -> Any:
+def load(path: object) -> Any:
     """Import what a path names, ``"module:name"``.
 
     Raises
     ------
     ConfigurationError
-        There is no such module or no such name in it, or its import fails.
+        There is no such module or no such name in it, its import fails, or it is no path.
     """
+    if not isinstance(path, str):
+        raise ConfigurationError(f"{path!r} stands in a row where a path, 'module:name', belongs")
     module, _, name = path.partition(":")
     try:
         found: Any = importlib.import_module(module)

@@ -126,7 +126,7 @@ class Rig:
 
     @contextmanager
     def watching_stop(self) -> Iterator[Callable[[], bool | None]]:
-        """Connect who reads the emergency stop, and nobody else; yield what tells its state.
+        """Connect who reads the emergency stop, if need be; yield what tells its state.
 
         Nothing is armed. The state is that of the look before; None: nobody has told it yet.
 
@@ -149,7 +149,7 @@ class Rig:
         try:
             self._open()
             for name, device in self.devices.items():
-                if self._reads_stop(name):
+                if self._reads_stop(name) and not stop.looks_alone:
                     device.connect()
             yield is_pressed
         finally:

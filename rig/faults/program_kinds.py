@@ -3,13 +3,14 @@
 import dataclasses
 import os
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from functools import partial
+from pathlib import Path
 
 from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride, safe
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
-from rig.runtime.recorder import LogRecorder
+from rig.run_folder import LOG
 
 
 def _here(words: tuple[str, ...], subject: Subject) -> list[Place]:
@@ -78,16 +79,17 @@ def _fill_disk(stage: Stage, place: Place, sizes: Sizes) -> None:
 
 def _slow_disk(stage: Stage, place: Place, sizes: Sizes) -> Callable[[], None]:
     """Have every write of the log take so long; the world does not wait for it."""
-    write = LogRecorder.write
+    write = os.write
 
-    def wait_and_write(self: LogRecorder, cycle: int, t: float, row: Sequence[float]) -> None:
-        stage.clock.sleep_until(stage.clock.now() + (sizes.magnitude or 0.0))
-        write(self, cycle, t, row)
+    def wait_and_write(descriptor: int, data: bytes, /) -> int:
+        if Path(f"/proc/self/fd/{descriptor}").readlink().name == LOG:
+            stage.clock.sleep_until(stage.clock.now() + (sizes.magnitude or 0.0))
+        return write(descriptor, data)
 
     def be_fast() -> None:
-        LogRecorder.write = write  # type: ignore[method-assign]
+        os.write = write
 
-    LogRecorder.write = wait_and_write  # type: ignore[method-assign]
+    os.write = wait_and_write  # type: ignore[assignment]
     return be_fast
 
 

@@ -198,7 +198,15 @@ class LinearEncoder(Device, Protocol):
 
 
 class EmergencyStopInput(Protocol):
-    """A device that also reads the emergency-stop contact."""
+    """A device that also reads the emergency-stop contact.
+
+    Attributes
+    ----------
+    looks_alone : bool
+        Whether `look` works before `connect`, which a drive that holds its joint would let go at.
+    """
+
+    looks_alone: bool = False
 
     @abstractmethod
     def emergency_stop(self) -> Reading[bool]:

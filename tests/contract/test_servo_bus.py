@@ -4,7 +4,9 @@ import pytest
 from dynamixel_rig import dynamixel_rig
 from servo_bench import PERIOD, LaggedJoints, cia402_rig, odrive_rig, sim_rig
 
+from drivers.cia402.contact_settings import ContactSettings
 from rig.hal import DeviceError, DeviceFault, LimitExceeded, Reading
+from rig.testing.devices import EmergencyStopSuite
 
 IMPLEMENTATIONS = {
     "cia402-csp": lambda **options: cia402_rig(mode="csp", **options),
@@ -16,6 +18,52 @@ IMPLEMENTATIONS = {
     "simulated": sim_rig,
 }
 SPEED = 0.4
+
+
+WIRED = ContactSettings(joint="q2", bit=19)
+
+
+class ServoBench:
+    """A servo rig as the suites of single devices have it."""
+
+    def __init__(self, make, **options):
+        self.rig = make(stop_contact=WIRED, **options)
+        self.device, self.run = self.rig.driver, self.rig.run
+        self.rig.start()
+
+    def inject(self, fault, value=None):
+        self.rig.inject("arm", fault, value)
+
+
+class TestEmergencyStop(EmergencyStopSuite):
+    @pytest.fixture(params=["cia402-csp", "cia402-csv", "simulated"])
+    def bench(self, request):
+        return ServoBench(IMPLEMENTATIONS[request.param])
+
+
+@pytest.mark.parametrize("active_low", [True, False])
+@pytest.mark.parametrize("bit", [0, 16, 31])
+def test_the_contact_is_read_at_its_bit_of_one_drive(bit, active_low):
+    wired = ContactSettings(joint="q2", bit=bit, active_low=active_low)
+    rig = cia402_rig(stop_contact=wired)
+    assert rig.driver.emergency_stop().value, "until it is seen closed"
+    rig.start()
+    assert not rig.driver.emergency_stop().value
+    rig.inject("arm.q2", "emergency_stop")
+    rig.run(2)
+    reading = rig.driver.emergency_stop()
+    assert reading.value
+    assert rig.clock.now() - reading.t <= 2.0 * PERIOD + 1e-9
+    assert not any("emergency_stop" in fault for fault in rig.side.nodes[0].known_faults)
+
+
+def test_a_drive_without_a_contact_is_never_taken_for_released():
+    rig = cia402_rig()
+    rig.start()
+    assert rig.driver.emergency_stop().value
+    assert rig.driver.was_pressed()
+    with pytest.raises(ValueError, match="stop_contact: there is no joint q7"):
+        cia402_rig(stop_contact=ContactSettings(joint="q7"))
 
 
 @pytest.fixture(params=IMPLEMENTATIONS)

@@ -3,12 +3,14 @@
 import sys
 from importlib.metadata import EntryPoint
 from itertools import count
+from types import SimpleNamespace
 
 import pytest
 from stranger_lab import SOURCE
 
 from rig.assembly import registry
 from rig.cli import invoke
+from rig.hal import ConfigurationError
 
 CONFIGS = SOURCE / "crank_rig" / "configs"
 GOOD = {
@@ -226,3 +228,12 @@ def test_a_measure_of_the_same_name_as_another_mechanisms_is_its_own(plug_in):
     # In metres, as the cylinder's own is and the crank's is not.
     option = ("--set", "metrics.tracking_rms.max=2 mm")
     assert plug_in(*MECHANISM, code, "check", "tecno-sine", *option)[0] == 0
+
+
+@pytest.mark.parametrize("wrong", [5, ("a", "b"), len], ids=["number", "pair", "function"])
+def test_what_is_no_path_in_a_row_is_said(monkeypatch, wrong):
+    """A plant's ``hazards=5``, say."""
+    plants = {"crank": SimpleNamespace(hazards=wrong)}
+    monkeypatch.setattr(registry, "_additions", lambda: [SimpleNamespace(plants=plants)])
+    with pytest.raises(ConfigurationError, match=r"where a path, 'module:name', belongs"):
+        registry.REGISTRY.hazards("crank")

@@ -19,12 +19,16 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 RIGS = {
     "cylinder": ("cylinder-step",),
     "joint": ("joint-circle", "reference.tones=[{frequency: 0.5 Hz, laps: 1}]"),
+    "arm": ("arm-elbow-turnback",),
+    "legs-can": ("legs-squat",),
 }
+READS = {"cylinder": "regulators", "joint": "regulators", "arm": "drives", "legs-can": "right-leg"}
 GENERATOR = np.random.default_rng(10)
-FIRST_LOOK = {"cylinder": 0.04, "joint": 0.06}
-"""By when the module is configured, and was asked for its contact, s."""
-SHORTEST = 0.03
-"""A press that is shorter may fall between two looks: configuring a device takes 20 ms."""
+FIRST_LOOK = {"cylinder": 0.04, "joint": 0.06, "arm": 0.07, "legs-can": 0.07}
+"""By when who reads the contact is configured, and was asked for it, s."""
+SHORTEST = {"cylinder": 0.03, "joint": 0.03, "arm": 0.08, "legs-can": 0.45}
+"""A press that is shorter may fall between two looks: configuring a node takes 20 to 60 ms, and
+nobody looks at one leg while the other is configured."""
 
 
 @cache
@@ -43,7 +47,7 @@ def energised_at(rig, backend):
 
 def run(out, rig, backend, presses):
     faults = tuple(
-        FaultSpec(at, "regulators", "emergency_stop", value)
+        FaultSpec(at, READS[rig], "emergency_stop", value)
         for start, end in presses
         for at, value in ((start, 1.0), (end, 0.0))
     )
@@ -58,6 +62,9 @@ CASES = [
     *[("joint", Backend.VIRTUAL, *drawn) for drawn in GENERATOR.uniform(size=(3, 2)).tolist()],
     ("cylinder", Backend.SIM, *GENERATOR.uniform(size=2).tolist()),
     ("joint", Backend.SIM, *GENERATOR.uniform(size=2).tolist()),
+    *[("arm", Backend.VIRTUAL, *drawn) for drawn in GENERATOR.uniform(size=(4, 2)).tolist()],
+    *[("legs-can", Backend.VIRTUAL, *drawn) for drawn in GENERATOR.uniform(size=(3, 2)).tolist()],
+    ("arm", Backend.SIM, *GENERATOR.uniform(size=2).tolist()),
 ]
 
 
@@ -67,8 +74,9 @@ CASES = [
 def test_a_press_while_connecting_is_not_forgotten(tmp_path, rig, backend, when, how_long):
     begins = energised_at(rig, backend)
     first = FIRST_LOOK[rig] if backend is Backend.VIRTUAL else 0.0
-    start = first + when * max(begins - SHORTEST - first, 0.0)
-    end = start + SHORTEST + how_long * 0.1
+    shortest = SHORTEST[rig]
+    start = first + when * max(begins - shortest - first, 0.0)
+    end = start + shortest + how_long * 0.1
     result = run(tmp_path, rig, backend, [(start, end)])
     assert (result.exit_code, result.status.value) == (3, "faulted")
     released = end < begins - 0.005
@@ -84,6 +92,39 @@ def test_a_circuit_that_is_open_from_the_start_energises_nothing(tmp_path, rig, 
     result = run(tmp_path, rig, backend, [(0.0, 60.0)])
     assert (result.exit_code, result.status.value) == (3, "faulted")
     assert result.message == "the emergency stop is pressed or its circuit is open"
+
+
+@pytest.mark.parametrize("backend", [Backend.VIRTUAL, Backend.SIM])
+@pytest.mark.parametrize("rig", ["arm", "legs-can"])
+@pytest.mark.parametrize("drawn", GENERATOR.uniform(size=(2, 2)).tolist())
+def test_drives_stop_within_a_cycle_and_a_press_is_not_taken_back(tmp_path, rig, backend, drawn):
+    """Pressed for a cycle or more while it runs: a fault, and a standstill under torque."""
+    period = plan_of(rig).profile.loop.period
+    start = energised_at(rig, backend) + 0.3 + drawn[0]
+    end = start + period * (1.5 + 20.0 * drawn[1])
+    result = run(tmp_path, rig, backend, [(start, end)])
+    assert (result.exit_code, result.status.value) == (4, "faulted")
+    assert result.message.startswith("the emergency stop ")
+    (fault,) = [e for e in RunFolder.open(result.path).events() if e["kind"] == "fault"]
+    begins = energised_at(rig, backend)
+    assert 0.0 <= fault["t"] - (start - begins) <= 3.0 * period
+
+
+def test_a_rig_is_reset_without_letting_its_joints_go():
+    """Whoever presses and releases is seen, and the drives are not connected for it."""
+    made = build_rig(plan_of("arm").profile, Backend.VIRTUAL)
+    world, told, resets = made.clock.world, [], []
+    (bus,) = world.buses
+    bus.monitor = lambda t, can_id, data: resets.append(data) if can_id == 0 else None
+    with made.watching_stop() as is_pressed:
+        for value in (0.0, 1.0, 0.0):
+            world.inject("drives", "emergency_stop", value)
+            for _ in range(3):
+                is_pressed()
+                made.clock.sleep_until(made.clock.now() + 0.02)
+            told.append(is_pressed())
+        assert not [data for data in resets if data[0] in (0x81, 0x82)], "a reset takes the torque"
+    assert told == [False, True, False]
 
 
 class Contact(EmergencyStopInput):

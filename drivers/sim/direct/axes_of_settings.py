@@ -14,6 +14,7 @@ def simulate_axes(
     joints: Mapping[str, FollowingAxisSettings],
     steps_per_turn: Sequence[float],
     clock: Clock,
+    kind: type[SimulatedServos] = SimulatedServos,
 ) -> SimulatedServos:
     """Return simulated joints with the limits of drives that watch their following.
 
@@ -27,8 +28,10 @@ def simulate_axes(
         Of each drive's encoder.
     clock : Clock
         The rig's.
+    kind : type
+        Of the device.
     """
-    return SimulatedServos(
+    return kind(
         of.name,
         joints,
         of.plant,
