@@ -273,10 +273,15 @@ class Performance(Watcher):
         """Return how the rig was when its faults began."""
         truth, broke_at = self._stage.truth, self._broke_at
         at = ended_at if broke_at is None else broke_at
-        row = truth.rows[max(bisect_right(truth.times, at) - 1, 0)]
+        first, last = (max(bisect_right(truth.times, t) - 1, 0) for t in (at, ended_at))
         place = item.place(self.subject)
-        values = dict(zip(self._columns, row, strict=True))
-        return Plight(self.subject, place, item.sizes, values, ended_at - at)
+        values = dict(zip(self._columns, truth.rows[first], strict=True))
+        moved = 0.0
+        if place.axis in self._columns:
+            column = self._columns.index(place.axis)
+            way = [row[column] for row in truth.rows[first : last + 1]]
+            moved = max(way) - min(way)
+        return Plight(self.subject, place, item.sizes, values, ended_at - at, moved)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:
