@@ -1,5 +1,6 @@
 """What a profile says of joints on CiA 402 drives."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal
 
@@ -11,9 +12,9 @@ from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
-from drivers.servos.axis_settings import FollowingAxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings, bounds_of
 from rig.hal import Address
-from rig.hal.driver import Keys
+from rig.hal.driver import AxisBounds, Keys
 
 PROFILE: Final = 402
 """CiA's number of the device profile."""
@@ -140,6 +141,10 @@ class Cia402Settings(NodeSettings):
         if len(set(self.feedback)) != len(self.feedback):
             raise ValueError("feedback: a quantity is named twice.")
         NodeSettings.__post_init__(self)
+
+    def axis_bounds(self) -> Mapping[str, AxisBounds]:
+        """Return each joint's limits and greatest speed."""
+        return bounds_of(self.joints)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

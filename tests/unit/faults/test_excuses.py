@@ -2,11 +2,15 @@
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 
+from rig.faults.case import Break
 from rig.faults.catalogue import kind_named
 from rig.faults.kind import Must, Place, Plight, Sizes
+from rig.faults.performance import plight_of
+from rig.faults.stage import Truth
 from rig.faults.subject import Subject
 
 LIES = ("servo_encoder_jump", "servo_encoder_frozen", "servo_encoder_mirrored")
@@ -81,3 +85,31 @@ def test_a_push_is_ridden_borne_or_too_much(kind, harmless, bearable, too_much, 
         row, case = plight(chance, kind, bears=True, size=size)
         assert row.must(case.sizes, case.subject) is must
         assert row.excuses(case) == excused
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_plight_is_that_of_the_fault_until_the_program_has_ended(seed):
+    chance = random.Random(seed)
+    _, case = plight(chance, LIES[1], bears=True)
+    leg = case.place.axis.partition("_")[0]
+    known = {"servos": (f"{leg}_knee.encoder_frozen",)}
+    subject = replace(case.subject, knows=known)
+    item = Break(LIES[1], f"servos {leg}_knee", None, math.inf)
+    times = [k * 1e-3 for k in range(200)]
+    angles = [chance.uniform(-1.0, 1.0) for _ in times]
+    truth = Truth(times, [(angle, 7.0) for angle in angles])
+    first, last = sorted(chance.sample(range(200), 2))
+    columns = (f"{leg}_knee", f"load_{leg}")
+
+    def found(broke, ended):
+        return plight_of(item, subject, columns, truth, broke, ended)
+
+    seen = found(times[first], times[last])
+    way = angles[first : last + 1]
+    assert seen.moved == max(way) - min(way)
+    assert seen.left == pytest.approx(times[last] - times[first])
+    assert seen.truth == {f"{leg}_knee": angles[first], f"load_{leg}": 7.0}
+    late = found(times[last], times[first])  # nobody is there any more
+    assert late.moved == 0.0
+    assert late.left < 0.0
+    assert found(None, times[last]).left == 0.0
