@@ -20,7 +20,7 @@ from rig.faults.kind import (
     no_excuse,
     ride,
     safe,
-)
+)  # fmt: skip
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
