@@ -1,5 +1,6 @@
 """What a profile says of joints on CiA 402 drives."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal
 
@@ -13,9 +14,9 @@ from drivers.cia402.contact import DIGITAL_INPUTS
 from drivers.cia402.contact_settings import ContactSettings
 from drivers.cia402.errors import describe_error
 from drivers.cia402.states import decode_state
-from drivers.servos.axis_settings import FollowingAxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings, bounds_of
 from rig.hal import Address
-from rig.hal.driver import Keys
+from rig.hal.driver import AxisBounds, Keys
 
 PROFILE: Final = 402
 """CiA's number of the device profile."""
@@ -147,6 +148,10 @@ class Cia402Settings(NodeSettings):
         if self.stop_contact is not None and self.stop_contact.joint not in self.joints:
             raise ValueError(f"stop_contact: there is no joint {self.stop_contact.joint}.")
         NodeSettings.__post_init__(self)
+
+    def axis_bounds(self) -> Mapping[str, AxisBounds]:
+        """Return each joint's limits and greatest speed."""
+        return bounds_of(self.joints)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

@@ -1,5 +1,6 @@
 """What a profile says of a serial bus and of the Dynamixel servos on it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
@@ -16,8 +17,9 @@ from drivers.dynamixel.registers import (
     Model,
     ModelName,
 )
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_settings import AxisSettings, bounds_of
 from rig.hal import Address, BusSettings, DriverSettings, Endpoint
+from rig.hal.driver import AxisBounds
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,6 +234,10 @@ class DynamixelSettings(DriverSettings):
                 f"{name}: its limits are {low:.0f} … {high:.0f} counts on servo {joint.id}, which "
                 f"has 0 … {COUNTS_PER_TURN - 1} in mode position; change offset, limits or mode."
             )
+
+    def axis_bounds(self) -> Mapping[str, AxisBounds]:
+        """Return each joint's limits and greatest speed."""
+        return bounds_of(self.joints)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

@@ -8,8 +8,9 @@ from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
 from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
-from drivers.servos.axis_settings import FollowingAxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings, bounds_of
 from rig.hal import Address
+from rig.hal.driver import AxisBounds
 
 _FEEDFORWARD_STEPS: Final = 1000.0  # of Set_Input_Pos, per turn/s; the firmware's default
 _I16: Final = 0x7FFF
@@ -150,6 +151,10 @@ class OdriveSettings(CanDeviceSettings):
                     f"bits in steps of 1/{self.feedforward_scale:g}; lower max_speed or "
                     "feedforward_scale, or set feedforward to false."
                 )
+
+    def axis_bounds(self) -> Mapping[str, AxisBounds]:
+        """Return each joint's limits and greatest speed."""
+        return bounds_of(self.joints)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

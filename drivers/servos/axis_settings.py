@@ -1,10 +1,13 @@
 """What every servo driver's settings say of a joint, whatever the drive."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Annotated, Final
 
 from annotated_types import Gt, Interval, Unit
+
+from rig.hal.driver import AxisBounds
 
 _CAP: Final = 1.15
 """A drive needs more than the greatest speed to catch up with its setpoints, and its loop swings
@@ -70,3 +73,8 @@ class FollowingAxisSettings(AxisSettings):
     deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
     following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
     following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
+
+
+def bounds_of(axes: Mapping[str, AxisSettings]) -> dict[str, AxisBounds]:
+    """Return beyond what `AxisGuard` refuses setpoints of axes, by their names."""
+    return {name: AxisBounds(*axis.limits, axis.max_speed) for name, axis in axes.items()}

@@ -105,4 +105,13 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
     except ValueError as error:
         raise MotionRefused(str(error)) from error
     check_offers(f"the motion that the mechanism {profile.mechanism} has planned", motion, Motion)
+    bounds = [entry.settings.axis_bounds() for entry in profile.devices.values()]
+    beyond = mechanism.beyond_drives(
+        profile.mechanism_settings,
+        motion,
+        {axis: bound for axes in bounds for axis, bound in axes.items()},
+        profile.loop.period,
+    )
+    if beyond is not None:
+        raise MotionRefused(beyond)
     return motion

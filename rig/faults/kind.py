@@ -99,6 +99,8 @@ class Plight(NamedTuple):
         What is true of the plant, by its columns.
     left : float
         For how long the program is still there, s.
+    moved : float
+        How far the axis moves in that time, rad.
     """
 
     subject: Subject
@@ -106,6 +108,7 @@ class Plight(NamedTuple):
     sizes: Sizes
     truth: Mapping[str, float]
     left: float
+    moved: float
 
 
 Excuse = Callable[[Plight], frozenset[str]]

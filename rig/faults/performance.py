@@ -16,7 +16,7 @@ from rig.experiment.watcher import Watcher
 from rig.faults.case import RUN_SHARE, Break, Case, Moment
 from rig.faults.kind import Plight
 from rig.faults.oracle import Violation, judge
-from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage
+from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Controller
@@ -247,10 +247,14 @@ class Performance(Watcher):
         # A dead program says nothing; what its devices do of themselves has to be done by then.
         safe_from = ended_at if code is not None else ended_at + AFTERMATH - 0.1
         times, rows = (np.array(values) for values in self._stage.truth)
+        plight = partial(
+            plight_of, subject=self.subject, columns=self._columns, truth=self._stage.truth,
+            broke_at=self._broke_at, ended_at=ended_at,
+        )  # fmt: skip
         forgiven = {
             name
             for item in self._case.breaks
-            for name in item.row.forgives | item.row.excuses(self._plight(item, ended_at))
+            for name in item.row.forgives | item.row.excuses(plight(item))
         }
         violations = judge(
             self.subject.hazards, self._columns, times, rows,
@@ -269,14 +273,42 @@ class Performance(Watcher):
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
         return verdict
 
-    def _plight(self, item: Break, ended_at: float) -> Plight:
-        """Return how the rig was when its faults began."""
-        truth, broke_at = self._stage.truth, self._broke_at
-        at = ended_at if broke_at is None else broke_at
-        row = truth.rows[max(bisect_right(truth.times, at) - 1, 0)]
-        place = item.place(self.subject)
-        values = dict(zip(self._columns, row, strict=True))
-        return Plight(self.subject, place, item.sizes, values, ended_at - at)
+
+def plight_of(
+    item: Break,
+    subject: Subject,
+    columns: Sequence[str],
+    truth: Truth,
+    broke_at: float | None,
+    ended_at: float,
+) -> Plight:
+    """Return how the rig was when its faults began, which may be after the program's end.
+
+    Parameters
+    ----------
+    item : Break
+        What breaks.
+    subject : Subject
+        The rig.
+    columns : sequence of str
+        Of the truth.
+    truth : Truth
+        From the start on.
+    broke_at : float or None
+        When the first fault happened, s; None if it did not.
+    ended_at : float
+        When the program ended or died, s.
+    """
+    at = ended_at if broke_at is None else broke_at
+    first, last = (max(bisect_right(truth.times, t) - 1, 0) for t in (at, max(at, ended_at)))
+    place = item.place(subject)
+    moved = 0.0
+    if place.axis in columns:
+        column = columns.index(place.axis)
+        way = [row[column] for row in truth.rows[first : last + 1]]
+        moved = max(way) - min(way)
+    values = dict(zip(columns, truth.rows[first], strict=True))
+    return Plight(subject, place, item.sizes, values, ended_at - at, moved)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:

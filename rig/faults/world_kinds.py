@@ -4,7 +4,7 @@ The simulation says what each of its parts can suffer; a rig gets the rows of th
 has. A row says what must come of it while the rig runs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from rig.faults.kind import (
@@ -20,7 +20,7 @@ from rig.faults.kind import (
     no_excuse,
     ride,
     safe,
-)
+)  # fmt: skip
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
@@ -34,6 +34,8 @@ alone, with what the supply gives, until the mechanical stop bears it."""
 
 _LATE_CYCLES = 3
 """Read in one, told in the next, obeyed by the end of the third: what breaks later, nobody sees."""
+_SHOWS = 5e-3
+"""rad of motion before a frozen or mirrored encoder shows: sag and rounding are less."""
 _ROOM = 0.3
 """rad: by so much a servo of legs may be told another angle for the one where it stands, since
 its own limits are no nearer; a jump that goes beyond them turns the joint by the rest."""
@@ -51,6 +53,11 @@ def _lets_fall(plight: Plight) -> frozenset[str]:
     bears = plight.truth.get(f"load_{leg}", 0.0) > 0.0
     helpless = plight.place.target not in plight.subject.by_velocity
     return frozenset({"fall"}) if bears and helpless else frozenset()
+
+
+def _lets_fall_unseen(plight: Plight) -> frozenset[str]:
+    """Forgive a fall as `_lets_fall` does, and where the axis rested until the program ended."""
+    return frozenset({"fall", "rate"}) if plight.moved < _SHOWS else _lets_fall(plight)
 
 
 def _lets_fall_far(plight: Plight) -> frozenset[str]:
@@ -119,6 +126,47 @@ def _open_contact(times: int, stage: Stage, place: Place, sizes: Sizes) -> None:
 def _outlasts_cycle(sizes: Sizes, subject: Subject) -> Must:
     """Expect that a contact is seen which is open for longer than from one look to the next."""
     return Must.SAFE if (sizes.magnitude or 0.0) > 1.5 * subject.period else Must.EITHER
+
+
+HARMLESS_PUSH = 0.05
+"""N s: moves the mass of the legs by 8 mm/s, and so their capture point by 1.3 mm."""
+_TOPPLING_PUSH = 0.3
+"""N s: moves it by 50 mm/s and their capture point by 8 mm, what a step may have of margin."""
+_ENOUGH_GRIP = 0.3
+"""Coefficient of friction."""
+
+
+def _rides_up_to(most: float) -> Expect:
+    """Expect that what is at most so large is ridden through, and that more does no harm."""
+    return lambda sizes, subject: Must.RIDE if abs(sizes.magnitude or 0.0) <= most else Must.EITHER
+
+
+def _topples(plight: Plight) -> frozenset[str]:
+    """Forgive a fall after a push that legs cannot stand which know nothing of it."""
+    too_much = abs(plight.sizes.magnitude or 0.0) > _TOPPLING_PUSH
+    return frozenset({"fall"}) if too_much else frozenset()
+
+
+HARMLESS_HAND_PUSH = 0.5
+"""N s, 5 N for a tenth of a second: what a cable on the hand does."""
+_OVERPOWERING = 10.0
+"""N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
+
+
+def _overpowers(plight: Plight) -> frozenset[str]:
+    """Forgive speeds and ways of axes whose drives are weaker than who pushes."""
+    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING
+    return frozenset({"rate", "range"}) if too_much else frozenset()
+
+
+def _grips_enough(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that a walk needs no more grip than this."""
+    return Must.RIDE if (sizes.magnitude or 0.0) >= _ENOUGH_GRIP else Must.EITHER
+
+
+def _slip(stage: Stage, place: Place, sizes: Sizes) -> Callable[[], None]:
+    stage.world.inject(place.target, "floor_slippery", sizes.magnitude)
+    return lambda: stage.world.inject(place.target, "floor_grips")
 
 
 def _outlasts_readings(sizes: Sizes, subject: Subject) -> Must:
@@ -269,10 +317,10 @@ SERVOS = (
                why="a servo that holds by position alone turns by what is outside its limits",
                excuses=_lets_fall_far),
     _of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
-               0.2, fault="encoder_frozen", excuses=_lets_fall,
+               0.2, fault="encoder_frozen", excuses=_lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
-               0.2, fault="encoder_mirrored", excuses=_lets_fall,
+               0.2, fault="encoder_mirrored", excuses=_lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
@@ -317,6 +365,19 @@ CAMERAS = tuple(
     )
 )  # fmt: skip
 
+SURROUNDINGS = (
+    _of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
+               magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=_topples,
+               why="nothing on the rig measures a push; what it moves, the drives bring back"),
+    _of_device("hand_push", "Somebody pushes the arm's hand.", _rides_up_to(HARMLESS_HAND_PUSH),
+               1.0, magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=_overpowers,
+               why="nothing on the rig measures a push; what it moves, the drives bring back"),
+    FaultKind(name="floor_slips", what="The floor loses its grip for a while.",
+              places=partial(_whole, "floor_slippery", ()), apply=_slip, must=_grips_enough,
+              magnitude=Magnitudes(3e-3, 0.8, "1"), lasts=Magnitudes(0.05, 2.0, "s"),
+              why="no sensor of the legs sees a foot that slips; so slow a walk bears ice"),
+)  # fmt: skip
+
 INTERFACES = (
     _kind("frame_loss", "Frames are lost at random.", partial(_whole, "frame_loss", ()), either,
           magnitude=Magnitudes(1e-3, 0.5, "1"),
@@ -339,4 +400,6 @@ INTERFACES = (
           why="an answer that is spoilt is a gap"),
 )  # fmt: skip
 
-KINDS = (*PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *INTERFACES)
+KINDS = (
+    *PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *SURROUNDINGS, *INTERFACES,
+)  # fmt: skip

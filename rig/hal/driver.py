@@ -26,6 +26,22 @@ class Address(NamedTuple):
     serial: int | None = None
 
 
+class AxisBounds(NamedTuple):
+    """The bounds within which a drive takes setpoints.
+
+    Parameters
+    ----------
+    low, high : float
+        Of its axis, rad.
+    speed : float
+        Greatest one, rad/s.
+    """
+
+    low: float
+    high: float
+    speed: float
+
+
 Keys = tuple[str | int, ...]
 """Where a value stands below a device's entry in the profile."""
 
@@ -71,6 +87,10 @@ class DriverSettings:
         A device without names measures the one channel that `Mechanism.wiring` gives it.
         """
         return ()
+
+    def axis_bounds(self) -> Mapping[str, AxisBounds]:
+        """Return beyond what each of its axes refuses a setpoint; empty if it has no axes."""
+        return {}
 
     def resolution(self, channel: str) -> float:
         """Return the smallest step of what a channel reads, SI; 0 where it is not known."""

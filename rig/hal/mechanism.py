@@ -7,6 +7,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 from rig.hal.columns import Column
 from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
+from rig.hal.driver import AxisBounds
 from rig.hal.errors import ConfigurationError
 from rig.hal.motion import Motion
 from rig.hal.targets import Targets
@@ -156,6 +157,29 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
             With the instant, the quantity and the bound that make it impossible.
         """
         ...
+
+    @classmethod
+    def beyond_drives(
+        cls,
+        settings: Settings,
+        motion: Motion[Reference],
+        drives: Mapping[str, AxisBounds],
+        period: float,
+    ) -> str | None:
+        """Say where a motion asks an axis for what its drive refuses; None: nowhere.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        motion : Motion
+            What is to be followed.
+        drives : mapping
+            Bounds of the drives by the names of their axes.
+        period : float
+            The loop's period, s.
+        """
+        return None
 
     @classmethod
     @abstractmethod

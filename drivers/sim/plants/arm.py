@@ -20,6 +20,7 @@ from drivers.sim.plants.arm_model import (
     build_model,
 )
 from drivers.sim.plants.arm_settings import ArmPlantSettings
+from drivers.sim.plants.push import ALONG, Push
 
 _TUNING_POSE = (0.0, math.pi / 4, math.pi / 2, 0.0, math.pi / 4, 0.0)  # rad
 
@@ -30,7 +31,7 @@ class ArmPlant:
     It starts at rest, without torque and on its brakes.
 
     Faults: ``blocked`` and ``brake_released`` (value: joint, from 0), ``payload`` (value: kg more
-    at the hand, default 2), ``repair``.
+    at the hand, default 2), ``repair``; and pushes at the hand, as in ``x.hand_push`` (value: N s).
 
     Parameters
     ----------
@@ -51,8 +52,8 @@ class ArmPlant:
 
     channel_names = JOINTS
 
-    known_faults = ("blocked", "brake_released", "payload", "repair")
-    """What `inject` understands."""
+    own_faults = ("blocked", "brake_released", "payload", "repair")
+    """What `inject` understands beside pushes."""
 
     truth_columns = (
         *((joint, "rad") for joint in JOINTS),
@@ -83,6 +84,8 @@ class ArmPlant:
         self._hand = self._model.site(HAND).id
         self._marker = self._model.site(MARKER).id
         self._tool = self._model.body(LINKS[-1]).id
+        self._push = Push(self._data.xfrc_applied[self._tool, :3], ALONG, "hand_push")
+        self.known_faults = (*self.own_faults, *self._push.known_faults)
         self._frictions = self._model.dof_frictionloss.copy()
         self._tool_mass = float(self._model.body_mass[self._tool])
         self._blocked = [False] * len(JOINTS)
@@ -110,6 +113,8 @@ class ArmPlant:
         positions, velocities, control = data.qpos, data.qvel, data.ctrl
         angles, speeds = self._angles, self._speeds
         for _ in range(steps):
+            if self._steps * self._dt >= self._push.ends:
+                self._push.end()
             control[:] = drive(angles, speeds, self._steps * self._dt)
             mj_step(model, data)
             angles, speeds = positions.tolist(), velocities.tolist()
@@ -188,6 +193,9 @@ class ArmPlant:
         ValueError
             The fault is not known here, or the value does not fit it.
         """
+        if fault in self._push.known_faults:
+            self._push.begin(fault, value, self.time)
+            return
         if fault == "payload":
             self._add_payload(2.0 if value is None else value)
         elif fault == "blocked":

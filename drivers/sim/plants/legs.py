@@ -14,6 +14,7 @@ from drivers.sim.plants.legs_model import (
     knee_at_height,
 )
 from drivers.sim.plants.legs_settings import LegsPlantSettings
+from drivers.sim.plants.push import LEVEL, Push
 
 _KNEES = (CHANNELS.index("right_knee"), CHANNELS.index("left_knee"))
 _FREE_POSITIONS, _FREE_SPEEDS = 7, 6
@@ -21,6 +22,8 @@ _FREE_POSITIONS, _FREE_SPEEDS = 7, 6
 _BEARING = 0.02
 """Share of the weight above which a foot bears."""
 _GRAVITY = 9.81
+_SLIPPERY = 0.05
+"""Coefficient of friction of a wet sole on tiles."""
 _ROUNDING = 1e-9
 """s."""
 
@@ -49,8 +52,6 @@ class LegsPlant:
     Settings = LegsPlantSettings
 
     channel_names = CHANNELS
-    known_faults: tuple[str, ...] = ()
-
     truth_columns = (
         ("waist_x", "m"),
         ("waist_y", "m"),
@@ -106,6 +107,10 @@ class LegsPlant:
         self._torques = data.actuator_force
         self._control = data.ctrl
         self._soles = data.site_xpos
+        self._push = Push(data.xfrc_applied[model.body("waist").id, :3], LEVEL, "push")
+        self.known_faults = ("floor_slippery", "floor_grips", *self._push.known_faults)
+        self._floor = model.geom_friction[model.geom("floor").id]
+        self._grip = float(self._floor[0])
         self._sole_geoms = (model.geom("right_sole").id, model.geom("left_sole").id)
         self._damping_share = settings.servo.damping / settings.servo.stiffness
         self._reach = np.full(len(CHANNELS), math.inf)
@@ -185,6 +190,8 @@ class LegsPlant:
             return
         moved = False
         while self._stepped + self._timestep <= t + _ROUNDING:
+            if self._stepped >= self._push.ends:
+                self._push.end()
             self._turn_targets()
             self._step(self.model, self.data)
             self._stepped += self._timestep
@@ -193,15 +200,27 @@ class LegsPlant:
             self._look()
 
     def inject(self, fault: str, value: float | None = None) -> None:
-        """Refuse every fault: the legs themselves have none.
+        """Push the upper body, as in ``left.push`` (value: N s), or change the floor's grip.
+
+        ``floor_slippery`` gives it another coefficient of friction (default 0.05), and
+        ``floor_grips`` its own again.
 
         Raises
         ------
         ValueError
-            Always.
+            The fault is not known here, or the value does not fit it.
         """
-        del value
-        raise ValueError(f"plant: no fault {fault!r}; the legs' plant knows none")
+        if fault not in self.known_faults:
+            raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
+        if fault.endswith(".push"):
+            self._push.begin(fault, value, self._stepped)
+        elif fault == "floor_grips":
+            self._floor[0] = self._grip
+        else:
+            friction = _SLIPPERY if value is None else value
+            if not 0.0 <= friction < math.inf:
+                raise ValueError(f"plant: a floor's friction is no {friction:g}")
+            self._floor[0] = friction
 
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it."""

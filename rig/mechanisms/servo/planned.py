@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Self, TypeVar
 
 from controllers.base import PlanningLaw
-from rig.hal import Device, Freeze
+from rig.hal import Device, Freeze, Vector
+from rig.hal.driver import AxisBounds
 from rig.hal.motion import Followed, Motion
 from rig.mechanisms.servo.axes import (
     AxisLimits,
@@ -19,6 +20,9 @@ from rig.mechanisms.servo.settings import ServoSettings
 
 _LONGEST_FREEZE = 10.0
 """Frozen setpoints are not looked at for longer, s."""
+
+_SLACK = 1e-6
+"""rad, and rad/s: rounding."""
 
 Planned = TypeVar("Planned", bound=ServoSettings)
 
@@ -109,6 +113,47 @@ class PlannedAxes(ServoAxes[Planned, State, Reference, Command]):
         return found
 
     @classmethod
+    def beyond_drives(
+        cls,
+        settings: Planned,
+        motion: Motion[Reference],
+        drives: Mapping[str, AxisBounds],
+        period: float,
+    ) -> str | None:
+        """Say which axis goes first where its drive does not, see `Mechanism.beyond_drives`.
+
+        Only drives that are narrower than the axes' own limits are looked at: `limit` keeps
+        setpoints within those.
+        """
+        joints = cls.axis_limits(settings)
+        narrow = {
+            k: drives[name]
+            for k, (name, low, high, rate) in enumerate(zip(*joints, strict=True))
+            if name in drives and not _holds(drives[name], low, high, rate)
+        }
+        before: Vector | None = None
+        for tick in range(round(motion.duration / period) + 1 if narrow else 0):
+            t = min(tick * period, motion.duration)
+            wanted = motion.at(t).positions
+            for k, drive in narrow.items():
+                name = joints.names[k]
+                angle = min(max(wanted[k], joints.lower[k]), joints.upper[k])
+                if not drive.low - _SLACK <= angle <= drive.high + _SLACK:
+                    return (
+                        f"the motion takes {name} to {angle:.4g} rad at {t:.3f} s, "
+                        f"its drive permits {drive.low:.4g} … {drive.high:.4g} rad"
+                    )
+                way = 0.0 if before is None else abs(wanted[k] - before[k])
+                speed = min(way / period, joints.rates[k])
+                if speed > drive.speed + _SLACK:
+                    return (
+                        f"the motion turns {name} at {speed:.4g} rad/s at {t:.3f} s, "
+                        f"its drive permits {drive.speed:.4g} rad/s"
+                    )
+            before = wanted
+        return None
+
+    @classmethod
     def assemble(cls, settings: Planned, devices: Mapping[str, Device], period: float) -> Self:
         """Pick the devices that the settings name."""
         return cls(settings, devices, period)
@@ -122,3 +167,8 @@ class PlannedAxes(ServoAxes[Planned, State, Reference, Command]):
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
         self._followed = 0
+
+
+def _holds(drive: AxisBounds, low: float, high: float, rate: float) -> bool:
+    """Return whether a drive takes all that an axis may be asked for."""
+    return drive.low <= low and high <= drive.high and rate <= drive.speed

@@ -2,17 +2,21 @@
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 
+from rig.faults.case import Break
 from rig.faults.catalogue import kind_named
-from rig.faults.kind import Place, Plight, Sizes
+from rig.faults.kind import Must, Place, Plight, Sizes
+from rig.faults.performance import plight_of
+from rig.faults.stage import Truth
 from rig.faults.subject import Subject
 
 LIES = ("servo_encoder_jump", "servo_encoder_frozen", "servo_encoder_mirrored")
 
 
-def plight(chance, kind, *, bears, knows_velocities=False, left=1.0, size=None):
+def plight(chance, kind, *, bears, knows_velocities=False, left=1.0, size=None, moved=0.1):
     leg = chance.choice(("right", "left"))
     subject = Subject(
         rig="legs", experiments=("walk",), period=0.005, channels={}, knows={}, frames={},
@@ -24,7 +28,7 @@ def plight(chance, kind, *, bears, knows_velocities=False, left=1.0, size=None):
     truth = {f"load_{leg}": weight if bears else 0.0, f"load_{other}": 0.0 if bears else weight}
     magnitude = chance.choice((-1.0, 1.0)) * (chance.uniform(0.31, 1.0) if size is None else size)
     place = Place("servos", "servos knee", ("knee",), axis=f"{leg}_knee")
-    return kind_named(kind), Plight(subject, place, Sizes(magnitude, math.inf), truth, left)
+    return kind_named(kind), Plight(subject, place, Sizes(magnitude, math.inf), truth, left, moved)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -53,3 +57,59 @@ def test_what_breaks_when_the_program_is_about_to_end_is_seen_by_nobody(kind):
     assert row.excuses(case) == {"fall", "rate"}
     row, case = plight(chance, kind, bears=True, knows_velocities=True, left=0.0151)
     assert row.excuses(case) == frozenset()
+
+
+@pytest.mark.parametrize("kind", LIES[1:])
+def test_a_lie_at_rest_is_seen_by_nobody(kind):
+    chance = random.Random(kind)
+    row, case = plight(chance, kind, bears=True, knows_velocities=True, moved=4e-3)
+    assert row.excuses(case) == {"fall", "rate"}
+    row, case = plight(chance, kind, bears=True, knows_velocities=True, moved=6e-3)
+    assert row.excuses(case) == frozenset()
+
+
+@pytest.mark.parametrize(
+    ("kind", "harmless", "bearable", "too_much", "what"),
+    [
+        ("push", 0.04, 0.29, 0.31, {"fall"}),
+        ("hand_push", 0.4, 9.9, 10.1, {"rate", "range"}),
+    ],
+)
+def test_a_push_is_ridden_borne_or_too_much(kind, harmless, bearable, too_much, what):
+    chance = random.Random(kind)
+    for size, must, excused in (
+        (harmless, Must.RIDE, frozenset()),
+        (bearable, Must.EITHER, frozenset()),
+        (too_much, Must.EITHER, what),
+    ):
+        row, case = plight(chance, kind, bears=True, size=size)
+        assert row.must(case.sizes, case.subject) is must
+        assert row.excuses(case) == excused
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_plight_is_that_of_the_fault_until_the_program_has_ended(seed):
+    chance = random.Random(seed)
+    _, case = plight(chance, LIES[1], bears=True)
+    leg = case.place.axis.partition("_")[0]
+    known = {"servos": (f"{leg}_knee.encoder_frozen",)}
+    subject = replace(case.subject, knows=known)
+    item = Break(LIES[1], f"servos {leg}_knee", None, math.inf)
+    times = [k * 1e-3 for k in range(200)]
+    angles = [chance.uniform(-1.0, 1.0) for _ in times]
+    truth = Truth(times, [(angle, 7.0) for angle in angles])
+    first, last = sorted(chance.sample(range(200), 2))
+    columns = (f"{leg}_knee", f"load_{leg}")
+
+    def found(broke, ended):
+        return plight_of(item, subject, columns, truth, broke, ended)
+
+    seen = found(times[first], times[last])
+    way = angles[first : last + 1]
+    assert seen.moved == max(way) - min(way)
+    assert seen.left == pytest.approx(times[last] - times[first])
+    assert seen.truth == {f"{leg}_knee": angles[first], f"load_{leg}": 7.0}
+    late = found(times[last], times[first])  # nobody is there any more
+    assert late.moved == 0.0
+    assert late.left < 0.0
+    assert found(None, times[last]).left == 0.0

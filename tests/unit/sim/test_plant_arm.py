@@ -354,3 +354,22 @@ def test_a_tool_without_length_is_a_ball():
     plant = make(replace(EXACT, links=ArmLinkSettings(payload=0.0)), geometry=Dimensions(d6=0.0))
     position, _ = forward_kinematics(START, Dimensions(d6=0.0))
     assert plant.hand_position() == pytest.approx(tuple(position), abs=1e-12)
+
+
+@pytest.mark.parametrize("axis", "xyz")
+@pytest.mark.parametrize("sign", (-1.0, 1.0))
+def test_a_pushed_hand_gives_way_and_comes_back(axis, sign):
+    plant, still = make(), make()
+    for one in (plant, still):
+        hold(one, START)
+        one.advance(1.0)
+    plant.inject(f"{axis}.hand_push", sign * 8.0)
+    for one in (plant, still):
+        one.advance(1.1)
+    way = np.subtract(plant.hand_position(), still.hand_position())
+    assert 3e-5 < sign * way["xyz".index(axis)] < 0.1
+    for one in (plant, still):
+        one.advance(3.0)
+    assert plant.hand_position() == pytest.approx(still.hand_position(), abs=1e-3)
+    with pytest.raises(ValueError, match="finite impulse"):
+        plant.inject(f"{axis}.hand_push", math.inf)

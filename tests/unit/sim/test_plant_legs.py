@@ -3,6 +3,7 @@
 import math
 import random
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -128,6 +129,59 @@ def test_a_capped_servo_turns_a_light_leg_no_faster(seed):
         plant.advance(cycle * 2.5e-3)
         fastest = max(fastest, abs(plant.joint_velocity(channel)))
     assert 0.5 * min(speed, GEOMETRY.max_rate) < fastest <= 1.02 * speed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_push_gives_its_impulse_once(seed):
+    chance = random.Random(seed)
+    plant, still = make(seed), make(seed)
+    push = chance.choice([name for name in plant.known_faults if name.endswith(".push")])
+    size = chance.choice((-1.0, 1.0)) * chance.uniform(0.1, 2.0)
+    for one in (plant, still):
+        power(one)
+        one.data.qpos[2] += 1.0  # in the air nothing answers it
+    plant.inject(push, size)
+    for one in (plant, still):
+        one.advance(0.2)
+        mujoco.mj_forward(one.model, one.data)
+        mujoco.mj_subtreeVel(one.model, one.data)
+    momentum = (plant.data.subtree_linvel - still.data.subtree_linvel)[0]
+    momentum = momentum * plant.model.body_mass.sum()
+    assert math.hypot(*momentum) == pytest.approx(abs(size), rel=0.03)
+    sideways = momentum[1] * size
+    assert (sideways > 0.05 * size**2) == ("left" in push)
+    assert not plant.data.xfrc_applied.any()
+
+
+def test_a_hard_push_topples_the_robot_and_a_light_one_does_not():
+    for size, falls in ((0.3, 0.0), (-0.3, 0.0), (5.0, 1.0), (-5.0, 1.0)):
+        plant = make()
+        power(plant)
+        plant.advance(0.3)
+        plant.inject("forward.push", size)
+        plant.advance(2.5)
+        assert plant.truth()[COLUMNS.index("fell")] == falls
+
+
+def test_a_slippery_floor_holds_no_foot_until_it_grips():
+    slips = []
+    for friction in (None, 0.003):
+        plant = make()
+        power(plant)
+        plant.advance(0.2)
+        plant.inject("floor_slippery", friction or 0.8)
+        plant.inject("left.push", 1.0)
+        plant.advance(0.6)
+        slips.append(dict(zip(COLUMNS, plant.truth(), strict=True))["slip_left"])
+    assert slips[1] > 3e-3 > slips[0]
+    plant.inject("floor_grips")
+    nominal = make().model.geom("floor").friction[0]
+    assert plant.model.geom("floor").friction[0] == nominal
+    for wrong in ("floor_slippery", "left.push"):
+        with pytest.raises(ValueError, match="plant"):
+            plant.inject(wrong, math.nan)
+    with pytest.raises(ValueError, match="known are"):
+        plant.inject("blocked")
 
 
 def test_robot_without_torque_collapses():
