@@ -1,6 +1,7 @@
 """A CAN bus as the cycle sees it: what it sends, hears, counts, and says of another master."""
 
 import errno
+from itertools import pairwise
 
 import pytest
 
@@ -132,9 +133,7 @@ def test_opening_twice_opens_once_and_what_is_subscribed_is_accepted():
 def test_an_identifier_has_one_owner():
     bus = Bus()
     bus.subscribe(0x185, lambda data, now: None)
-    with pytest.raises(
-        ValueError, match=r"identifier 0x185 is used twice; two devices have number 5"
-    ):
+    with pytest.raises(ValueError, match="0x185 is used twice; two devices have number 5"):
         frames(bus, 0x185)
 
 
@@ -231,10 +230,7 @@ def test_from_outside_a_setpoint_is_another_masters():
     assert bus.has_spoken
     interface.waiting = [(0x21, b"")]
     bus.receive(0.0)
-    with pytest.raises(
-        DeviceFault,
-        match=r"another master is on the bus: somebody sends setpoints \(identifier 0x021",
-    ):
+    with pytest.raises(DeviceFault, match=r"master is on .* sends setpoints \(identifier 0x021"):
         bus.check(0.0)
 
 
@@ -271,9 +267,7 @@ def test_an_answer_is_waited_for_until_the_clock_says_so():
     start = bus.wall.time
     assert bus.wait_until(looked, 0.004) is False
     assert times[0] == start and times[-1] >= start + 0.004 > times[-2]
-    assert [b - a for a, b in zip(times, times[1:], strict=False)] == pytest.approx(
-        [0.5e-3] * (len(times) - 1)
-    )
+    assert [b - a for a, b in pairwise(times)] == pytest.approx([0.5e-3] * (len(times) - 1))
     assert bus.wait_until(lambda: True, 0.0) is True
     times.clear()
     assert bus.wait_until(looked, 0.0) is False
