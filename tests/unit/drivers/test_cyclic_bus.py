@@ -112,6 +112,8 @@ def test_a_bus_that_is_not_open_hears_nothing_and_refuses_to_send():
     bus = Bus()
     assert (bus.name, bus.clock, bus.period) == ("can0", bus.wall, 0.01)
     bus.receive(0.0)
+    bus.expect_alone(0.0)
+    assert bus.transmit() is True  # nothing is active
     bus.check(0.0)
     bus.close()
     assert not bus.has_spoken
