@@ -25,7 +25,9 @@ SAFETY_CORE = {
     "rig/runtime/braking.py": ("runtime/test_braking.py",),
     "rig/runtime/stop.py": ("runtime/test_states_and_limits.py",),
     "rig/runtime/stop_recording.py": _LOOP,
-    # Whether it may run at all.
+    "rig/runtime/bus_watch.py": ("runtime/test_bus_watch.py",),
+    # Whether it may run at all, and what its end says of it.
+    "rig/experiment/ending.py": ("experiment/test_ending.py",),
     "rig/experiment/fault_latch.py": ("experiment/test_fault_latch_file.py",),
     "rig/experiment/permission.py": ("experiment/test_permission.py",),
     # What a mechanism watches, and what it lets through.
@@ -34,6 +36,18 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_alarm.py",
     ),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
+    "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),
+    "rig/mechanisms/pneumatic/devices.py": (
+        "mechanisms/test_pneumatic_devices.py",
+        "mechanisms/test_controller_commands.py",
+    ),
+    "rig/mechanisms/joint/alarms/wires.py": (
+        "mechanisms/test_joint_wire_alarm.py",
+        "mechanisms/test_joint_wire_blame.py",
+        "mechanisms/test_joint_wire_offsets.py",
+    ),
+    "rig/mechanisms/joint/alarms/camera.py": ("mechanisms/test_joint_camera_alarm.py",),
+    "rig/mechanisms/servo/wiring.py": ("mechanisms/test_servo_wiring.py",),
     "rig/mechanisms/servo/axes.py": (
         "mechanisms/test_servo_axis_checks.py",
         "mechanisms/test_servo_axis_commands.py",
@@ -41,6 +55,7 @@ SAFETY_CORE = {
     ),
     "rig/mechanisms/servo/asked.py": ("mechanisms/test_controller_commands.py",),
     # What a bus and its nodes say of themselves.
+    "drivers/can/cyclic.py": ("drivers/test_cyclic_bus.py",),
     "drivers/can/errors.py": ("drivers/test_bus_errors.py",),
     "drivers/canopen/heartbeat.py": ("drivers/test_heartbeat_watch.py",),
     "drivers/canopen/emergency.py": ("drivers/test_emergency_names.py",),

@@ -96,7 +96,7 @@ class CyclicCanBus(ABC):
         self._frames_in = 0
         self._frames_out = self._out_before = 0
         self._unknown = 0
-        self._unheard = 0
+        self._unheard: int  # since it was opened
         self._remote = 0
         self._dropped = 0
         self._another: str | None = None

@@ -113,7 +113,7 @@ class HeartbeatWatch:
         self.boots = 0
         self.good_until = inf
         self._armed = False
-        self._boots_at_arm = 0
+        self._boots_at_arm: int
 
     def receive(self, data: bytes, now: float) -> None:
         """Take a frame with the node's error-control identifier."""

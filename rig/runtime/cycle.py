@@ -84,7 +84,7 @@ class Cycle(Generic[State, Reference, Command]):
         self._truth = truth
         self._period = period
         self._record_time = 0.0
-        self._clock = 0.0
+        self._clock: float  # when the state was read, s
 
     def sense(self, now: float, lost: float, stall: Exception | None) -> State:
         """Drain the buses, assemble one frozen state, and check everything.

@@ -24,4 +24,12 @@ class Equivalent(NamedTuple):
     why: str
 
 
-EQUIVALENTS: tuple[Equivalent, ...] = ()
+EQUIVALENTS: tuple[Equivalent, ...] = (
+    Equivalent(
+        "rig/mechanisms/servo/axes.py",
+        "falls = int(0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-9)",
+        "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-09 -> "
+        "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
+        "where the number of falls changes, the speed from either number is the same",
+    ),
+)

@@ -30,7 +30,7 @@ _OPTIONS = (
     *("-pno:unraisableexception", "-pno:threadexception"),  # of garbage of the parent's
     *("-Wignore::pytest.PytestAssertRewriteWarning", "--hypothesis-profile=mutants"),
 )
-_SECONDS, _TIMES = 0.5, 10.0
+_SECONDS, _TIMES = 2.0, 10.0
 """Of processor time that a mutant has at least, and over what its tests take without it."""
 _MEMORY = 2 << 30
 """Bytes that a mutant may take beyond what is there: a loop without end may fill a list."""
@@ -218,6 +218,8 @@ def try_warm(
     with os.fdopen(reader, "rb") as stream:
         found = list(stream.read())
     os.wait()
+    if len(found) != len(mutants):
+        sys.exit("the tests do not pass without any mutant")
     return found
 
 

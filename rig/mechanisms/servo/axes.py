@@ -127,7 +127,7 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         self._stop: Command | None = None
         self._braking = False
         self._limited = False
-        self._age = 0.0
+        self._age: float
         self._largest_error = 0.0
         self._hits = {"joint range": 0, "joint rate": 0, "joint acceleration": 0}
 
@@ -271,10 +271,9 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
             if self._braking:
                 speed = self._slow_down(speed, self._speeds[k], inside - before[k])
             fastest = joints.rates[k]
-            if abs(speed) > fastest:
-                if abs(speed) > fastest * (1.0 + 1e-6):
-                    self._hits["joint rate"] += 1
-                speed = math.copysign(fastest, speed)
+            if abs(speed) > fastest * (1.0 + 1e-6):
+                self._hits["joint rate"] += 1
+            speed = min(max(speed, -fastest), fastest)
             position = before[k] + speed * period
             if self._braking:  # the range comes before a gentle stop
                 position = min(max(position, joints.lower[k]), joints.upper[k])

@@ -131,3 +131,11 @@ def test_the_number_of_an_error_is_found_where_it_is_kept():
     assert error_number(OSError(errno.EIO, "broken")) == errno.EIO
     assert error_number(can.CanOperationError("broken", 7)) == 7
     assert error_number(ValueError("no number")) is None
+
+
+@pytest.mark.parametrize("other", [0x001, 0x002, 0x008, 0x010, 0x020, 0x080, 0x200])
+def test_other_classes_are_counted_and_no_fault(other):
+    errors = BusErrors("can0", 3)
+    errors.receive(other, b"\xff" * 8)
+    errors.check()
+    assert (errors.error_frames, errors.lost, errors.latched) == (1, 0, False)

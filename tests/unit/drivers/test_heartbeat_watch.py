@@ -32,6 +32,16 @@ def complaint(watch, now=1.0):
     return str(caught.value)
 
 
+def test_a_watch_knows_nothing_at_first_and_expects_nothing():
+    watch = HeartbeatWatch("valves", 5, TIMEOUT)
+    assert (watch.state, watch.last, watch.boots, watch.good_until) == (None, -inf, 0, inf)
+    watch.check(1e9)
+
+
+def test_states_have_the_numbers_of_the_standard():
+    assert [int(state) for state in NmtState] == [0, 4, 5, 127]
+
+
 def test_states_have_names():
     assert describe_state(None) == "unknown"
     assert [describe_state(state) for state in NmtState] == [

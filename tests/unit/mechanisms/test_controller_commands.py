@@ -8,6 +8,7 @@ from servo_fakes import FOLLOWING, NAMES, PERIOD, RATES, Command, Reference, Ser
 
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
+from rig.mechanisms.servo.asked import AskedPositions
 
 REACH = tuple(2.0 * rate * PERIOD for rate in RATES)
 CHANNELS = ("ch1", "ch2", "ch3", "ch4")
@@ -107,3 +108,35 @@ def test_pressures_far_outside_name_the_controller_and_the_chamber(seed):
     fair[k] = chance.choice((math.nan, math.inf, -math.inf, 1e9, -1e9, 10.1 * GREATEST))
     with pytest.raises(SafetyError, match=f"the controller's command of {CHANNELS[k]} is"):
         check_asked_pressures(CHANNELS, fair, GREATEST)
+
+
+P = 2.0**-7
+SLACK = 2.0**-2
+
+
+def asked(rate=1.0):
+    return AskedPositions(("a",), (rate,), SLACK, P)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_the_bound_of_a_command_is_permitted_and_nothing_beyond(way):
+    reach = 2.0 * P
+    for first in (True, False):
+        most = reach + SLACK if first else reach
+        for jump, faulty in ((most, False), (math.nextafter(most, 1.0), True)):
+            checked = asked()
+            if not first:
+                checked.check((0.0,), (0.0,))
+            if faulty:
+                with pytest.raises(SafetyError, match="of a jumps by"):
+                    checked.check((0.0,), (way * jump,))
+            else:
+                checked.check((0.0,), (way * jump,))
+
+
+@pytest.mark.parametrize("step", [0.5, -0.5])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_step_of_the_reference_counts_whichever_way_it_goes(step, way):
+    checked = asked()
+    checked.check((0.0,), (0.0,))
+    checked.check((step,), (way * 0.5,))

@@ -144,3 +144,9 @@ def test_a_swap_that_explains_it_comes_first():
 def test_without_friction_nothing_can_be_told():
     bench = Bench(coulomb=0.0)
     bench.steps(50, -BOUND)
+
+
+def test_with_little_friction_it_can_be_told_as_well():
+    bench = Bench(coulomb=2.0)
+    with pytest.raises(SafetyError, match="e1 and e3"):
+        bench.steps(8, -1.0)

@@ -7,6 +7,7 @@ import random
 import pytest
 from servo_fakes import (
     ACCELERATION,
+    FOLLOWING,
     LOWER,
     NAMES,
     PERIOD,
@@ -119,6 +120,10 @@ def test_before_anything_moves_resting_is_where_the_axes_are():
     assert bench.axes.energised_command(state).positions == (0.5, -0.5, 1.0)
     assert bench.axes.reference_of(state) == ((0.5, -0.5, 1.0), (0.0,) * 3, False)
     assert bench.axes.released_command() == ((0.0,) * 3, (0.0,) * 3)
+
+
+def test_drives_brake_by_themselves_when_they_are_let_go_of():
+    assert ServoBench().axes.brakes_itself is True
 
 
 def test_what_was_applied_counts_more_than_what_is_measured():
@@ -237,6 +242,30 @@ def test_the_range_comes_before_a_gentle_stop():
     bench.move(b=-2.0)
     bench.axes.resting_command(state)
     assert bench.limit(b=LOWER[1]) == ((0.0, LOWER[1], 0.0), (0.0, -1.0, 0.0))
+
+
+def test_a_new_motion_forgets_where_the_last_one_stopped():
+    bench = ServoBench()
+    bench.start(a=0.5)
+    bench.axes.resting_command(bench.axes.read(0.0))
+    bench.start(a=0.25)
+    assert bench.axes.released_command().positions == (0.25, 0.0, 0.0)
+
+
+def test_from_outside_the_range_an_axis_comes_back_at_its_rate():
+    bench = ServoBench()
+    bench.start(a=UPPER[0] + FOLLOWING)
+    assert bench.limit(0.0, 0.0, 0.0).positions[0] == UPPER[0] + FOLLOWING - RATES[0] * PERIOD
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_millionth_more_than_the_rate_is_no_hit(way):
+    bench = ServoBench()
+    most = 1.0 + 1e-6
+    for speed, hits in ((most, 0), (math.nextafter(most, 2.0), 1)):
+        bench.start()
+        assert bench.limit(way * speed * PERIOD, 0.0, 0.0).positions[0] == way * PERIOD
+        assert bench.axes.limit_hits()["joint rate"] == hits
 
 
 def test_a_new_motion_is_not_braked():

@@ -35,8 +35,11 @@ def test_a_press_counts_now_or_earlier_and_however_old_it_is(pressed, latched, n
 
 
 def test_a_contact_that_is_not_read_any_more_is_a_fault_of_its_own():
+    stop = LatchedStop()
+    stop.t = 4.0
+    StopContact(stop, OLDEST).check(4.0 + OLDEST)
     with pytest.raises(StaleReading) as caught:
-        StopContact(LatchedStop(), OLDEST).check(OLDEST + 2.0**-20)
+        StopContact(stop, OLDEST).check(4.0 + OLDEST + 2.0**-20)
     error = caught.value
     assert (error.device, error.age, error.bound) == ("emergency stop", OLDEST + 2.0**-20, OLDEST)
 

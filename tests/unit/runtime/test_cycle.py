@@ -48,9 +48,9 @@ def test_a_cycle_notes_when_it_began_and_what_its_steps_took(monkeypatch):
     parts.whole(5, 5.0 * PERIOD)
     (tick, t, row), (_, _, after) = parts.recorder.rows
     assert (tick, t) == (3, 3.25 * PERIOD)
-    assert row[:6] == (float(Phase.RUN), 2.5, 7.0, 1.0, 2.0, 2.0)
-    assert row[6:] == pytest.approx((0.25 * PERIOD, PERIOD - 7.5, 0.5, 1.0, 2.0, 4.0, 0.0, 99.0))
-    assert after[6:] == pytest.approx((0.0, PERIOD - 19.5, 1.0, 0.5, 8.0, 2.0, 8.0, 99.0))
+    assert row[:8] == (float(Phase.RUN), 3.25 * PERIOD, 0.0, 2.5, 7.0, 1.0, 2.0, 2.0)
+    assert row[8:] == pytest.approx((0.25 * PERIOD, PERIOD - 7.5, 0.5, 1.0, 2.0, 4.0, 0.0, 99.0))
+    assert after[8:] == pytest.approx((0.0, PERIOD - 19.5, 1.0, 0.5, 8.0, 2.0, 8.0, 99.0))
     assert parts.run.cycles == 9
 
 
@@ -96,10 +96,28 @@ def test_a_cycle_that_saw_a_fault_sends_nothing(monkeypatch):
     parts = Parts(monkeypatch)
     parts.device.fault_at = 2.0
     for now, transmitted in ((1.0, 1), (2.0, 1)):
-        _, command, applied = parts.cycle.decide(now, parts.cycle.sense(now, 0.0, None), 0)
+        state = parts.cycle.sense(now, 0.0, None)
+        reference, command, applied = parts.cycle.decide(now, state, 0)
         parts.cycle.act(now, applied)
+        parts.cycle.note(0, now, state, reference, command, applied)
         assert parts.bus.calls.count("transmit") == transmitted
     assert command == applied == 0.0
+    assert [row[1:3] for _, _, row in parts.recorder.rows] == [(1.0, 0.0), (2.0, 1.0)]
+
+
+def test_a_row_has_the_time_at_which_its_state_was_read(monkeypatch):
+    parts = Parts(monkeypatch)
+
+    def read(now):
+        if now > 0.75:
+            raise StaleReading("encoder", 0.5, 0.03)
+        return 7.0
+
+    parts.mechanism.read = read
+    assert parts.cycle.sense(1.0, 0.25, None) == 7.0
+    parts.cycle.act(1.0, 2.0)
+    parts.cycle.note(0, 1.0, 7.0, 1.0, 2.0, 2.0)
+    assert parts.recorder.rows[0][2][1] == 0.75
 
 
 def test_a_device_without_columns_is_not_asked_for_values(monkeypatch):
@@ -199,7 +217,8 @@ def test_a_stop_is_recorded_once_a_cycle_from_the_one_after_the_fault():
         recording(64.0 + k * PERIOD)
     assert [cycle for cycle, _, _ in rows] == [4, 5]
     assert [t for _, t, _ in rows] == pytest.approx([4 * PERIOD, 5 * PERIOD])
-    assert [row[1] for _, _, row in rows] == pytest.approx([1.0 + PERIOD, 1.0 + 2 * PERIOD])
+    assert [row[3] for _, _, row in rows] == pytest.approx([1.0 + PERIOD, 1.0 + 2 * PERIOD])
+    assert [row[:3] for _, _, row in rows] == [(2.0, 64.0 + k * PERIOD, 2.0) for k in (4.0, 5.0)]
 
 
 def test_a_stop_whose_state_nobody_could_read_is_not_recorded():

@@ -5,6 +5,7 @@ The sequences go over several processes: a fault is kept in a file, as on hardwa
 
 import os
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -17,8 +18,9 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from loop_fakes import PERIOD, Bench, FakeBus, FakeMechanism
+from loop_fakes import PERIOD, Bench, FakeBus, FakeClock, FakeMechanism
 
+from rig.cli.reset import _pressed_and_released
 from rig.experiment.ending import fault_of
 from rig.experiment.fault_latch import FaultLatch, FaultLatched
 from rig.hal import DeviceFault, EmergencyStop, EmergencyStopInput, Reading
@@ -27,6 +29,8 @@ from rig.runtime.states import IllegalMove, RigState, StateMachine
 from rig.runtime.stop import StopRequests
 
 SAFE = 0.0
+WAIT = 1.0
+"""For how long an operator is waited for, s."""
 CYCLE = st.integers(0, 26)
 """A run of the bench has 26 or 27 cycles, of which an orderly stop leaves some out."""
 HAPPENINGS = ("fault", "stop", "press", "release", "bug", "refuse", "silent", "sleep")
@@ -85,6 +89,18 @@ class Outputs(FakeBus):
         self.left.append((self.state(), self.setpoint))
 
 
+class Beside:
+    """A rig whose contact an operator moves, look by look; then it cannot be read."""
+
+    def __init__(self, looks):
+        self.clock = FakeClock()
+        self._looks = iter(looks)
+
+    @contextmanager
+    def watching_stop(self):
+        yield lambda: next(self._looks, None)
+
+
 class Rig(RuleBasedStateMachine):
     """One rig, its operators and its latch."""
 
@@ -124,10 +140,22 @@ class Rig(RuleBasedStateMachine):
     def press_or_release(self, pressed):
         self.contact.pressed = pressed
 
+    @rule(looks=st.lists(st.sampled_from((True, False, None)), max_size=5))
+    def reset(self, looks):
+        """Ask for a reset while the contact does this: only a press that is let go of is one."""
+        edge = True in looks and False in looks[looks.index(True) :]
+        assert _pressed_and_released(Beside(looks), WAIT) is edge
+        if edge:  # as `rig reset` does
+            FaultLatch("rig").clear()
+            self.faulted = False
+
+    @precondition(lambda self: self.states.state is RigState.IDLE and not self.faulted)
     @rule()
-    def reset(self):
-        self.latch.clear()
-        self.faulted = False
+    def die_while_energised(self):
+        """Nobody is left to say why; the next process finds the latch."""
+        self.latch.set(Path("run"))
+        self.faulted = True
+        self.begin()
 
     @precondition(lambda self: self.states.state is not RigState.IDLE)
     @rule()

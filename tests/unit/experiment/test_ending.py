@@ -1,0 +1,123 @@
+"""How a run ends: its status, the code of the process, and what its folder says."""
+
+from pathlib import Path
+
+import pytest
+
+from rig.experiment import ending as module
+from rig.experiment.ending import (
+    ClosedBooks,
+    Ending,
+    bug_of,
+    ending_of,
+    fault_of,
+)
+from rig.hal import (
+    ConfigurationError,
+    ConnectionFailed,
+    DeviceError,
+    EmergencyStop,
+    LoopStalled,
+    RigError,
+)
+from rig.run_folder import RunStatus
+from rig.runtime.recorder import RecorderError
+from rig.runtime.stop import StopRequests
+
+NO_LOG = RecorderError(Path("log.mcap"), OSError(28, "No space left"))
+
+
+def test_the_codes_of_a_process_are_those_of_the_manual():
+    names = ("OK", "MISSED", "USAGE", "PREFLIGHT", "FAULT", "BUG", "INTERRUPTED")
+    assert [getattr(module, f"EXIT_{name}") for name in names] == [0, 1, 2, 3, 4, 70, 130]
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "code", "message"),
+    [
+        (KeyboardInterrupt(), RunStatus.ABORTED, 130, "interrupted outside of the loop"),
+        (DeviceError("valves", "gone"), RunStatus.FAULTED, 3, "valves: gone"),
+        (ConnectionFailed("valves", "gone"), RunStatus.FAULTED, 3, "valves: gone"),
+        (ConfigurationError("no such key"), RunStatus.FAULTED, 2, "no such key"),
+        (EmergencyStop("pressed"), RunStatus.FAULTED, 4, "pressed"),
+        (RigError("it broke"), RunStatus.FAULTED, 4, "it broke"),
+        (ZeroDivisionError("by zero"), RunStatus.CRASHED, 70, "ZeroDivisionError: by zero"),
+        (OSError("disk full"), RunStatus.CRASHED, 70, "OSError: disk full"),
+    ],
+)
+def test_an_error_outside_of_the_loop(error, status, code, message):
+    end = ending_of(error)
+    assert end[:3] == (status, code, message)
+    assert end.bug is (error if status is RunStatus.CRASHED else None)
+
+
+@pytest.mark.parametrize(
+    ("fault", "t", "status", "code", "message"),
+    [
+        (NO_LOG, None, RunStatus.FAULTED, 4, str(NO_LOG)),
+        (
+            NO_LOG, 1.5, RunStatus.FAULTED, 4,
+            f"{NO_LOG}; it ends before 1.500 s, what came then is lost",
+        ),
+        (LoopStalled("paused"), 1.5, RunStatus.FAULTED, 4, "paused"),
+        (OSError("queue full"), 1.5, RunStatus.FAULTED, 4, "queue full"),
+        (KeyError("x"), 1.5, RunStatus.CRASHED, 70, "KeyError: 'x'"),
+    ],
+)  # fmt: skip
+def test_a_fault_of_the_loop(fault, t, status, code, message):
+    end = fault_of(fault, t)
+    assert end[:3] == (status, code, message)
+    assert end.bug is (fault if status is RunStatus.CRASHED else None)
+
+
+def test_a_bug_of_another_package_is_the_users_to_mend(monkeypatch):
+    monkeypatch.setattr(module, "whose_bug", lambda error: "stranger")
+    assert bug_of(ValueError("x")).code == 2
+
+
+@pytest.mark.parametrize("status", list(RunStatus))
+def test_results_that_cannot_be_kept_make_a_good_run_a_fault_and_say_so(status):
+    plain = Ending(status, 17).losing("no figures")
+    told = Ending(status, 17, "it broke", ValueError()).losing("no figures")
+    good = status in (RunStatus.OK, RunStatus.FAILED)
+    assert plain[:3] == ((RunStatus.FAULTED, 4) if good else (status, 17)) + ("no figures",)
+    assert told.message == "it broke; besides, no figures"
+    assert (told.bug is None) is good
+
+
+class Folder:
+    """A run's folder on a disk that may be full."""
+
+    def __init__(self, fails=()):
+        self.fails = fails
+        self.calls = []
+
+    def record_event(self, *event, **data):
+        self._note("event", *event, data)
+
+    def finish(self, *end):
+        self._note("finish", *end)
+
+    def _note(self, what, *rest):
+        self.calls.append((what, *rest))
+        if what in self.fails:
+            raise RigError("disk full")
+
+
+@pytest.mark.parametrize("fails", [(), ("event",), ("finish",), ("event", "finish")])
+def test_books_are_closed_whatever_of_them_cannot_be_written(fails):
+    folder, stop = Folder(fails), StopRequests()
+    with pytest.raises(DeviceError), ClosedBooks(folder, stop):
+        raise DeviceError("valves", "gone")
+    assert folder.calls == [
+        ("event", None, "fault", "valves: gone", {"type": "DeviceError"}),
+        ("finish", RunStatus.FAULTED, 3, "valves: gone"),
+    ]
+    assert stop.shielded
+
+
+def test_books_of_a_run_that_goes_on_stay_open():
+    folder, stop = Folder(), StopRequests()
+    with ClosedBooks(folder, stop):
+        pass
+    assert folder.calls == [] and not stop.shielded
