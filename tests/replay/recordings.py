@@ -7,6 +7,8 @@ _STOP = (1.4, "stop")
 _SHORT = ("approach=0.2 s",)
 _SLOW = (*_SHORT, "loop.rate=250 Hz")
 """Pneumatic rigs at a quarter of their rate: a quarter of the cycles."""
+_BEND = (*_SHORT, "reference.repeats=1", "reference.time=1 s")
+"""One quick knee bend, whose plan is soon made."""
 
 
 def _pairs():
@@ -103,20 +105,24 @@ def _joints():
 
 
 def _arms():
-    for law in ("inverse", "dls", "servo-halt", "esc-paper", "esc", "look-ahead"):
+    for law in ("inverse", "servo-halt", "esc-paper", "esc"):
         yield Recording(
             f"arm-{law}-turnback", f"{law} on a line to the boundary", "arm-elbow-turnback",
             "sim", (*_SHORT, f"controller={law}"), ((2.2, "stop"),),
         )  # fmt: skip
+    yield Recording(
+        "arm-dls-circle", "dls on a circle that touches the boundary", "arm-elbow-circle", "sim",
+        (*_SHORT, "controller=dls"), ((2.2, "stop"),),
+    )  # fmt: skip
+    yield Recording(
+        "arm-look-ahead-near-miss", "as fast as the joints allow", "arm-shoulder-near-miss", "sim",
+        (*_SHORT, "reference.before=10 mm", "reference.after=30 mm"), ((2.2, "stop"),),
+    )  # fmt: skip
     for path in ("elbow-circle", "shoulder-circle", "elbow-dwell", "wrist-hit"):
         yield Recording(
             f"arm-{path}", f"the law of {path} on its own path", f"arm-{path}", "virtual", _SHORT,
             (_STOP,),
         )  # fmt: skip
-    yield Recording(
-        "arm-shoulder-near-miss", "as fast as the joints allow", "arm-shoulder-near-miss", "sim",
-        _SHORT, (_STOP,),
-    )  # fmt: skip
     yield Recording(
         "arm-odrive", "drives of another make", "arm-elbow-turnback", "virtual",
         (*_SHORT, "rig=arm-odrive"), (_STOP,),
@@ -141,7 +147,7 @@ def _legs():
     for law in ("inverse", "sc", "sc-trapezoid", "min-jerk", "clamp", "dls"):
         yield Recording(
             f"legs-{law}-squat", f"{law} squats", "legs-squat", "sim",
-            (*_SHORT, f"controller={law}"), (_STOP,),
+            (*_BEND, f"controller={law}"), (_STOP,),
         )  # fmt: skip
     for name, experiment, reason, events, status in (
         ("walk", "legs-walk", "a step, and a stop in it", ((1.7, "stop"),), "aborted"),
@@ -154,9 +160,12 @@ def _legs():
         ("unplugged", "legs-squat", "the chain is unplugged",
          ((1.5, "break", "chain", "unplugged", None),), "faulted"),
     ):  # fmt: skip
-        yield Recording(f"legs-{name}", reason, experiment, "virtual", _SHORT, events, status)
+        yield Recording(
+            f"legs-{name}", reason, experiment, "virtual",
+            _SHORT if experiment == "legs-walk" else _BEND, events, status,
+        )  # fmt: skip
     yield Recording(
-        "legs-can", "drives on two buses", "legs-squat", "virtual", (*_SHORT, "rig=legs-can"),
+        "legs-can", "drives on two buses", "legs-squat", "virtual", (*_BEND, "rig=legs-can"),
         (_STOP,),
     )  # fmt: skip
 
