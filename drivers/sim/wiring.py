@@ -133,7 +133,7 @@ def plant_channels(
     names : tuple of str
         The device's own channels; empty if it has no names for them.
     needed : bool
-        Whether it must have one; else it has none where the plant lacks what it wants.
+        Whether it must have one; else it may name none.
 
     Raises
     ------
@@ -142,8 +142,6 @@ def plant_channels(
     """
     wanted = names or ((wired[device],) if device in wired else ())
     missing = [name for name in wanted if name not in known]
-    if not needed and missing:
-        return ()
     if missing or (needed and not wanted):
         raise ConfigurationError(
             f"{device}: the plant has no channel {', '.join(missing) or 'for it'}; "

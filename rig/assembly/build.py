@@ -4,6 +4,7 @@ import dataclasses
 from functools import partial
 from typing import Any
 
+from rig.assembly.answers import check_answers
 from rig.assembly.buses import bus_loads, make_bus
 from rig.assembly.interface_lock import InterfaceLocks
 from rig.assembly.on_interfaces import Interfaces, parse_interfaces
@@ -11,11 +12,16 @@ from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.config import Profile
-from rig.hal import ConfigurationError, DeviceError, Mechanism, MonotonicClock
+from rig.hal import Column, ConfigurationError, Device, DeviceError, Mechanism, MonotonicClock
 
 
-def check_profile(profile: Profile) -> None:
+def check_profile(profile: Profile) -> tuple[Column, ...]:
     """Find whatever can be found wrong without opening anything.
+
+    Returns
+    -------
+    tuple of Column
+        What its mechanism and its devices put into each row of a log.
 
     Raises
     ------
@@ -23,12 +29,17 @@ def check_profile(profile: Profile) -> None:
         Roles without devices, limits beyond a device's range, a bus that is too full, two
         devices with one node number.
     """
+    check_answers(profile)
     bus_loads(profile)
-    make_unconnected(profile)
+    mechanism, devices = make_unconnected(profile)
+    measured = [column for device in devices.values() for column in device.log_columns]
+    return (*mechanism.columns, *measured)
 
 
-def make_unconnected(profile: Profile) -> Mechanism[object, object, object, object]:
-    """Make the loop's view of a rig whose devices are there and have not been connected.
+def make_unconnected(
+    profile: Profile,
+) -> tuple[Mechanism[object, object, object, object], dict[str, Device]]:
+    """Make a rig's devices and the loop's view of them; nothing is connected.
 
     Raises
     ------
@@ -39,12 +50,10 @@ def make_unconnected(profile: Profile) -> Mechanism[object, object, object, obje
     period = profile.loop.period
     buses = {name: make_bus(name, bus, clock, period) for name, bus in profile.buses.items()}
     try:
-        mechanism: Mechanism[object, object, object, object] = make_mechanism(
-            profile, make_devices(profile, buses, clock)
-        )
+        devices = make_devices(profile, buses, clock)
+        return make_mechanism(profile, devices), devices
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
-    return mechanism
 
 
 def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames: Any = None) -> Rig:

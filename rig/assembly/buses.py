@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from rig.assembly.registry import REGISTRY, load
+from rig.assembly.registry import REGISTRY
+from rig.assembly.rows import load
 from rig.config import BusEntry, Profile
 from rig.hal import BusLoad, Clock, CyclicBus, DriverSettings
 

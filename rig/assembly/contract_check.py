@@ -5,13 +5,14 @@ an error from deep inside, which is then told from a bug of this program by whos
 """
 
 import traceback
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import is_dataclass
 from importlib.metadata import entry_points
-from types import UnionType
-from typing import TypeVar, get_args, get_origin, get_type_hints
+from types import FrameType
+from typing import TypeVar, get_type_hints
 
-from rig.hal import ConfigurationError
+from rig.hal import ContractBroken
+from rig.hal.fits import OWN, fits, is_ours, misfits, plain, shown, where
 from rig.hal.offers import lacking
 
 Thing = TypeVar("Thing")
@@ -22,6 +23,8 @@ GROUPS = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
 
 def check_offers(what: str, thing: object, protocol: type) -> None:
     """Refuse a class, or an instance of one, that has not all that a protocol asks for.
+
+    Of an instance, what the protocol annotates must be of that type.
 
     Parameters
     ----------
@@ -34,15 +37,20 @@ def check_offers(what: str, thing: object, protocol: type) -> None:
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         With what it lacks.
     """
     missing = lacking(thing, protocol)
     if missing:
-        raise ConfigurationError(
+        raise ContractBroken(
             f"{what} is no {protocol.__module__}.{protocol.__name__}: it has no "
             f"{', '.join(missing)}"
         )
+    if not isinstance(thing, type):
+        for misfit in misfits(thing, protocol):
+            raise ContractBroken(
+                f"{what}: {type(thing).__module__}.{type(thing).__name__}.{misfit}"
+            )
 
 
 def check_row(what: str, row: object) -> None:
@@ -50,38 +58,13 @@ def check_row(what: str, row: object) -> None:
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         With the entry, what it is and what it must be.
     """
     for name, hint in get_type_hints(type(row)).items():
         value = getattr(row, name)
-        if not _fits(value, hint):
-            wanted = str(hint).replace("collections.abc.", "").replace("rig.hal.parts.", "")
-            raise ConfigurationError(f"{what}: {name} is {value!r}, and no {_plain(wanted)}")
-
-
-def _plain(hint: str) -> str:
-    return hint.removeprefix("<class '").removesuffix("'>").replace("str | None", "path or None")
-
-
-def _fits(value: object, hint: object) -> bool:
-    """Return whether a value is of a type, down to what a mapping or tuple holds."""
-    origin, parts = get_origin(hint), get_args(hint)
-    if origin is UnionType:
-        return any(_fits(value, part) for part in parts)
-    if origin is Mapping:
-        return isinstance(value, Mapping) and all(
-            _fits(key, parts[0]) and _fits(entry, parts[1]) for key, entry in value.items()
-        )
-    if origin is tuple:
-        return isinstance(value, tuple) and all(_fits(entry, parts[0]) for entry in value)
-    if hint is str:
-        return isinstance(value, str) and bool(value)
-    if not (isinstance(hint, type) and isinstance(value, hint)):
-        return False
-    return not is_dataclass(hint) or all(
-        _fits(getattr(value, name), part) for name, part in get_type_hints(hint).items()
-    )
+        if not fits(value, hint) or value == "":
+            raise ContractBroken(f"{what}: {name} is {value!r}, and no {plain(hint)}")
 
 
 def check_settings(what: str, settings: object, protocol: type) -> None:
@@ -89,11 +72,11 @@ def check_settings(what: str, settings: object, protocol: type) -> None:
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         With what it lacks.
     """
     if not (isinstance(settings, type) and is_dataclass(settings)):
-        raise ConfigurationError(f"{what} is no dataclass, which the settings of a section must be")
+        raise ContractBroken(f"{what} is no dataclass, which the settings of a section must be")
     check_offers(what, settings, protocol)
 
 
@@ -102,11 +85,11 @@ def check_class(what: str, thing: object, protocol: type) -> None:
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         With what it lacks.
     """
     if not isinstance(thing, type):
-        raise ConfigurationError(f"{what} is a {type(thing).__name__}, and no class")
+        raise ContractBroken(f"{what} is a {type(thing).__name__}, and no class")
     check_offers(what, thing, protocol)
 
 
@@ -115,15 +98,16 @@ def check_table(what: str, table: object, kind: type[Thing]) -> Mapping[str, Thi
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         It is no mapping, or something in it is of another type.
     """
     if not isinstance(table, Mapping):
-        raise ConfigurationError(
+        raise ContractBroken(
             f"{what} is a {type(table).__name__}, and no mapping of names to {kind.__name__}"
         )
     for name, thing in table.items():
-        check_kind(f"{what}: {name!r}", thing, kind)
+        if not fits(check_kind(f"{what}: {name!r}", thing, kind), kind):
+            raise ContractBroken(f"{what}: {name!r} is {shown(thing)}, and no {kind.__name__}")
     return table
 
 
@@ -132,19 +116,65 @@ def check_kind(what: str, thing: object, kind: type[Thing]) -> Thing:
 
     Raises
     ------
-    ConfigurationError
+    ContractBroken
         It is of another.
     """
     if not isinstance(thing, kind):
-        raise ConfigurationError(f"{what} is a {type(thing).__name__}, and no {kind.__name__}")
+        raise ContractBroken(f"{what} is a {type(thing).__name__}, and no {kind.__name__}")
     return thing
+
+
+def ask(what: str, protocol: type, method: str, thing: object, *arguments: object) -> object:
+    """Return what a method of somebody's class or instance returns, if it is what it must be.
+
+    Parameters
+    ----------
+    what : str
+        What is asked, for messages.
+    protocol : type
+        Of `rig.hal`, which declares the method.
+    method : str
+        Its name.
+    thing : object
+        The class or instance.
+    *arguments : object
+        The method's.
+
+    Raises
+    ------
+    ContractBroken
+        It returns something of another type than the protocol says.
+    """
+    found: object = getattr(thing, method)(*arguments)
+    hint = get_type_hints(getattr(protocol, method))["return"]
+    if not fits(found, hint):
+        raise ContractBroken(f"{what}: {method} returned {shown(found)}, and no {plain(hint)}")
+    return found
+
+
+def make(what: str, kind: Callable[..., Thing], *arguments: object, **named: object) -> Thing:
+    """Make an instance of somebody's class.
+
+    Raises
+    ------
+    ContractBroken
+        It does not take what the contract hands over.
+    """
+    try:
+        return kind(*arguments, **named)
+    except TypeError as error:
+        trace = error.__traceback__
+        if is_ours(kind) or trace is None or trace.tb_next is not None:
+            raise
+        raise ContractBroken(f"{what}: {where(kind)} cannot be made: {error}") from error
 
 
 def whose_bug(error: BaseException) -> str | None:
     """Say which other package's code raised an error, and where; None if it was none of theirs.
 
     It was theirs if, of all that took part, the last of our code and of theirs is theirs: what a
-    library refuses is the fault of who called it.
+    library refuses is the fault of who called it. Theirs is also what their class has inherited of
+    ours: it works with what the class has made of the rest.
     """
     names = {
         point.value.partition(":")[0].partition(".")[0]
@@ -154,8 +184,19 @@ def whose_bug(error: BaseException) -> str | None:
     for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
         module = str(frame.f_globals.get("__name__", ""))
         package = module.partition(".")[0]
-        if package in ("rig", "drivers", "controllers"):
-            return None
         if package in names:
             return f"{module}, line {line}"
+        if package in OWN and not frame.f_code.co_name.startswith("<"):  # else it is part of one
+            of = _class_of(frame)
+            is_theirs = of is not None and of.__module__.partition(".")[0] in names
+            return f"{where(of)}.{frame.f_code.co_name}" if is_theirs else None
     return None
+
+
+def _class_of(frame: FrameType) -> type | None:
+    """Return the class whose method a frame runs; None if it runs none."""
+    first = frame.f_code.co_varnames[:1]
+    if first not in (("self",), ("cls",)) or first[0] not in frame.f_locals:
+        return None
+    of = frame.f_locals[first[0]]
+    return of if isinstance(of, type) else type(of)

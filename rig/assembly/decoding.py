@@ -2,7 +2,8 @@
 
 from collections.abc import Mapping
 
-from rig.assembly.registry import REGISTRY, load
+from rig.assembly.registry import REGISTRY
+from rig.assembly.rows import load
 from rig.config import Profile
 from rig.hal.frames import UNKNOWN, Decoded, Decoder, LoggedFrame
 

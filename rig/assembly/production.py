@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from controllers.motion import InfeasibleMotion
-from rig.assembly.contract_check import check_offers
+from rig.assembly.answers import check_motion
+from rig.assembly.contract_check import check_offers, make
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
 from rig.config.named_settings import controller_key
 from rig.hal import Clock, ConfigurationError, CyclicBus, Device, Mechanism, MotionRefused
+from rig.hal.devices import EmergencyStopInput
 from rig.hal.motion import Motion
 
 
@@ -39,17 +41,21 @@ def make_devices(
     devices: dict[str, Device] = {}
     for name, entry in profile.devices.items():
         driver = REGISTRY.load("driver", entry.driver)
+        what = f"{name}: the driver {entry.driver}"
         needs_bus = REGISTRY.driver(entry.driver).on_bus
         if needs_bus and entry.bus is None:
             raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
         if not needs_bus and entry.bus is not None:
             raise ConfigurationError(f"{name}: the driver {entry.driver} hangs on no bus")
         if entry.bus is not None:
-            devices[name] = driver(name, entry.settings, buses[entry.bus], serial=entry.serial)
+            bus = buses[entry.bus]
+            devices[name] = make(what, driver, name, entry.settings, bus, serial=entry.serial)
         else:
             link = {"link": links[name]} if links and name in links else {}
-            devices[name] = driver(name, entry.settings, clock, serial=entry.serial, **link)
-        check_offers(f"{name}: the driver {entry.driver}", devices[name], Device)
+            devices[name] = make(
+                what, driver, name, entry.settings, clock, serial=entry.serial, **link
+            )
+        check_offers(what, devices[name], Device)
     return devices
 
 
@@ -57,7 +63,11 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     """Make the loop's view of the rig."""
     view = REGISTRY.load("mechanism", profile.mechanism)
     mechanism = view.assemble(profile.mechanism_settings, devices, profile.loop.period)
-    check_offers(f"the mechanism {profile.mechanism}", mechanism, Mechanism)
+    what = f"the mechanism {profile.mechanism}"
+    check_offers(what, mechanism, Mechanism)
+    stop = mechanism.stop_input()
+    if stop is not None:
+        check_offers(f"{what}: its stop_input", stop, EmergencyStopInput)
     return mechanism
 
 
@@ -80,11 +90,12 @@ def make_controller(profile: Profile, name: str) -> Any:
     model = view.model_of(profile.mechanism_settings)
     key = controller_key(REGISTRY, profile.mechanism, name)
     controller = REGISTRY.load("controller", key)
+    what = f"the controller {name} of a {profile.mechanism}"
     try:
-        made = controller(profile.controllers[name], model, profile.loop.period)
+        made = make(what, controller, profile.controllers[name], model, profile.loop.period)
     except InfeasibleMotion as error:
         raise MotionRefused(str(error)) from error
-    check_offers(f"the controller {name} of a {profile.mechanism}", made, view.law)
+    check_offers(what, made, view.law)
     made.compile()
     return made
 
@@ -104,7 +115,8 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
         )
     except ValueError as error:
         raise MotionRefused(str(error)) from error
-    check_offers(f"the motion that the mechanism {profile.mechanism} has planned", motion, Motion)
+    what = f"the motion that the mechanism {profile.mechanism} has planned"
+    check_motion(what, motion, profile.loop.period)
     bounds = [entry.settings.axis_bounds() for entry in profile.devices.values()]
     beyond = mechanism.beyond_drives(
         profile.mechanism_settings,

@@ -6,28 +6,34 @@ packages add theirs by entry points (``rig.mechanisms``, ``rig.drivers``, ``rig.
 """
 
 import functools
-import importlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from importlib.metadata import EntryPoint, entry_points
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 from rig.assembly.contract_check import (
     check_class,
     check_kind,
     check_offers,
-    check_row,
     check_settings,
     check_table,
 )
+from rig.assembly.rows import Rows, collect, find_row, load
 from rig.config.named_settings import Kind
-from rig.hal import ConfigurationError, CyclicBus, Device, DriverSettings, Mechanism, Plant
+from rig.config.settings import adapter
+from rig.hal import (
+    ConfigurationError,
+    ContractBroken,
+    CyclicBus,
+    Device,
+    DriverSettings,
+    Mechanism,
+    Plant,
+)
 from rig.hal.controller import Law
 from rig.hal.driver import BusSettings
 from rig.hal.hazards import Hazard
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 from rig.hal.plant import PhysicsSettings
 
-Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
 Thing = TypeVar("Thing")
 
 MECHANISMS = {
@@ -51,26 +57,6 @@ PROTOCOLS = {
 }
 
 
-def load(path: object) -> Any:
-    """Import what a path names, ``"module:name"``.
-
-    Raises
-    ------
-    ConfigurationError
-        There is no such module or no such name in it, its import fails, or it is no path.
-    """
-    if not isinstance(path, str):
-        raise ConfigurationError(f"{path!r} stands in a row where a path, 'module:name', belongs")
-    module, _, name = path.partition(":")
-    try:
-        found: Any = importlib.import_module(module)
-        for part in name.split("."):
-            found = getattr(found, part)
-    except (Exception, SystemExit) as error:  # anything may happen in the code of others
-        raise ConfigurationError(f"{path} cannot be imported: {error}") from error
-    return found
-
-
 class InstalledParts:
     """Everything that a profile or experiment may name; implements `rig.config.Registry`."""
 
@@ -78,23 +64,23 @@ class InstalledParts:
 
     def mechanism(self, name: str) -> MechanismParts:
         """Return the row of a mechanism; KeyError if there is none."""
-        found: MechanismParts = _find(_mechanisms(), name)
+        found: MechanismParts = find_row(_mechanisms(), name)
         return found
 
     def driver(self, name: str) -> DriverParts:
         """Return the row of a driver; KeyError if there is none."""
-        found: DriverParts = _find(_drivers(), name)
+        found: DriverParts = find_row(_drivers(), name)
         return found
 
     def protocol(self, name: str) -> ProtocolParts:
         """Return the row of what is spoken on a bus; KeyError if there is none."""
-        found: ProtocolParts = _find(_protocols(), name)
+        found: ProtocolParts = find_row(_protocols(), name)
         return found
 
     def broken(self) -> tuple[str, ...]:
         """Return why what is installed cannot be used, a sentence each: its names are missing."""
         found = (_mechanisms(), _drivers(), _protocols(), _foreign_additions())
-        return tuple(why for rows in found for why in rows.broken.values())
+        return (*(why for rows in found for why in rows.broken.values()), *_TWICE.values())
 
     # Names ----------------------------------------------------------------------------
 
@@ -107,7 +93,12 @@ class InstalledParts:
         code = _code_of(kind, name)
         path = code.settings or f"{code.path}.Settings"
         found: type[Any] = load(path)
-        check_settings(f"{kind} {name}: {path}", found, _SETTINGS_OF.get(kind, object))
+        what = f"{kind} {name}: {path}"
+        check_settings(what, found, _SETTINGS_OF.get(kind, object))
+        try:
+            adapter(cast("type", found))
+        except Exception as error:  # of the types that somebody has annotated
+            raise ContractBroken(f"{what}: {error}") from error
         return found
 
     def load(self, kind: Kind, name: str) -> Any:
@@ -182,71 +173,24 @@ class InstalledParts:
 # Rows -----------------------------------------------------------------------------------
 
 
-class _Rows(NamedTuple):
-    """Rows of one kind by name, and why others that are installed cannot be used."""
-
-    rows: dict[str, Any]
-    broken: dict[str, str]
-
-
-def _find(found: _Rows, name: str) -> Any:
-    if name in found.broken:
-        raise ConfigurationError(found.broken[name])
-    return found.rows[name]
-
-
-def _collect(own: Mapping[str, str], group: str, kind: type[Row]) -> _Rows:
-    found = _Rows({name: load(path) for name, path in own.items()}, {})
-    try:
-        points = tuple(entry_points(group=group))
-    except Exception as error:  # a file of some package that is none
-        found.broken[group] = f"the entry points of an installed package cannot be read: {error}"
-        return found
-    for point in points:
-        try:
-            row = _loaded(point, kind)
-        except ConfigurationError as error:
-            found.broken[point.name] = str(error)
-            continue
-        if point.name in found.rows:
-            found.broken[point.name] = f"{_whose(point)}: the name {point.name!r} is taken"
-        else:
-            found.rows[point.name] = row
-    return found
-
-
-def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
-    try:
-        row = point.load()
-    except (Exception, SystemExit) as error:  # anything may happen in the code of others
-        raise ConfigurationError(f"{_whose(point)} cannot be loaded: {error}") from error
-    if not isinstance(row, kind):
-        raise ConfigurationError(
-            f"{_whose(point)}: {point.value} is a {type(row).__name__}, not a {kind.__name__}"
-        )
-    check_row(_whose(point), row)
-    return row
-
-
-def _whose(point: EntryPoint) -> str:
-    package = "a package" if point.dist is None else f"the package {point.dist.name}"
-    return f"{package} (entry point {point.name!r} of {point.group})"
+_TWICE: dict[str, str] = {}
+"""Measures and figures that two packages have for one mechanism, and which they are."""
 
 
 # Looked up once: what is installed does not change while a program runs.
 @functools.cache
-def _mechanisms() -> _Rows:
-    return _collect(MECHANISMS, "rig.mechanisms", MechanismParts)
+def _mechanisms() -> Rows:
+    return collect(MECHANISMS, "rig.mechanisms", MechanismParts)
 
 
 @functools.cache
-def _drivers() -> _Rows:
-    return _collect(DRIVERS, "rig.drivers", DriverParts)
+def _drivers() -> Rows:
+    return collect(DRIVERS, "rig.drivers", DriverParts)
 
 
 @functools.cache
-def _protocols() -> _Rows:
-    return _collect(PROTOCOLS, "rig.protocols", ProtocolParts)
+def _protocols() -> Rows:
+    return collect(PROTOCOLS, "rig.protocols", ProtocolParts)
 
 
 @functools.cache
@@ -256,8 +200,8 @@ def _additions() -> tuple[Additions, ...]:
 
 
 @functools.cache
-def _foreign_additions() -> _Rows:
-    return _collect({}, "rig.additions", Additions)
+def _foreign_additions() -> Rows:
+    return collect({}, "rig.additions", Additions)
 
 
 # Code behind names ----------------------------------------------------------------------
@@ -275,7 +219,7 @@ def _code_of(kind: Kind, name: str) -> _Code:
         first, *others = _code(kind)[name]
     except KeyError:
         for found in _ROWS_OF.get(kind, ()):
-            _find(found(), name)  # an installed row that is broken says why
+            find_row(found(), name)  # an installed row that is broken says why
         raise
     for other in others:  # said where the name is used: it is no concern of other rigs
         raise ConfigurationError(
@@ -324,7 +268,7 @@ _SETTINGS_OF: dict[Kind, type] = {
     "bus": BusSettings,
     "plant": PhysicsSettings,
 }
-_ROWS_OF: dict[Kind, Sequence[Callable[[], _Rows]]] = {
+_ROWS_OF: dict[Kind, Sequence[Callable[[], Rows]]] = {
     "mechanism": (_mechanisms,),
     "driver": (_drivers,),
     "bus": (_protocols,),
@@ -354,7 +298,8 @@ def _merged(
     """Return the union of the mappings that rows name, in the order of the rows.
 
     What others call by the same name as a mechanism's own does not concern it, or a package could
-    break the rigs of all others.
+    break the rigs of all others. A name that two packages have for one mechanism is left out: only
+    who uses it has to know why.
     """
     found: dict[str, Thing] = {}
     own: dict[str, str] = {}
@@ -363,13 +308,11 @@ def _merged(
             for name, thing in check_table(f"{kind}s: {path}", load(path), type_of).items():
                 if row.mechanism != mechanism:
                     found.setdefault(name, thing)
-                elif own.setdefault(name, path) != path:
-                    raise ConfigurationError(
-                        f"two packages have a {kind} {name!r}: {own[name]} and {path}"
-                    )
-                else:
+                elif own.setdefault(name, path) == path:
                     found[name] = thing
-    return found
+                else:
+                    _TWICE[name] = f"two packages have a {kind} {name!r}: {own[name]} and {path}"
+    return {name: thing for name, thing in found.items() if name not in _TWICE}
 
 
 def _made_procedure(path: str, protocol: type[Thing]) -> Thing:

@@ -7,11 +7,13 @@ from functools import partial
 from typing import Any
 
 from rig.assembly.buses import is_can, make_bus
+from rig.assembly.contract_check import check_offers, make
 from rig.assembly.production import make_devices, make_mechanism
-from rig.assembly.registry import REGISTRY, load
+from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
+from rig.assembly.rows import load
 from rig.config import Perturbation, Profile
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, Plant
 from rig.hal.columns import Column
 
 
@@ -35,14 +37,20 @@ def make_plant(profile: Profile) -> Any:
     geometry = view.geometry_of(profile.nominal_settings)
     if profile.simulation.perturbation == Perturbation():
         extra = () if geometry is None else (geometry,)
-        return plant(settings, seed, *extra)
+        return _plant_of(profile.plant.model, plant, settings, seed, *extra)
     from drivers.sim.perturbation import draw, perturb_geometry, perturb_plant
 
     draws = draw(_bounds(profile), seed)
     extra = () if geometry is None else (perturb_geometry(geometry, draws),)
-    made = plant(perturb_plant(settings, draws), seed, *extra)
+    made = _plant_of(profile.plant.model, plant, perturb_plant(settings, draws), seed, *extra)
     if any(draws.leaks):
         made.set_leaks(draws.leaks[: len(made.channel_names)])
+    return made
+
+
+def _plant_of(model: str, plant: type, *arguments: object) -> Any:
+    made = make(f"the plant {model}", plant, *arguments)
+    check_offers(f"the plant {model}", made, Plant)
     return made
 
 

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 from rig.assembly.buses import is_can
 from rig.assembly.on_interfaces import Interfaces
-from rig.assembly.registry import REGISTRY, load
+from rig.assembly.registry import REGISTRY
+from rig.assembly.rows import load
 from rig.assembly.simulated import (
     checking_faults,
     devices_without_bus,

@@ -4,7 +4,8 @@ import dataclasses
 from typing import NamedTuple
 
 from rig.assembly.on_interfaces import Interfaces
-from rig.assembly.registry import REGISTRY, load
+from rig.assembly.registry import REGISTRY
+from rig.assembly.rows import load
 from rig.config import Profile
 from rig.hal import Address, DeviceFault, DriverSettings, MonotonicClock
 from rig.hal.frames import Found

@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rig.assembly import Backend, check_profile
+from rig.assembly.answers import check_motion
 from rig.calibration import instruments, store
+from rig.calibration.check_findings import check_findings
 from rig.calibration.instrument_files import read_file
 from rig.calibration.instruments import Readings
 from rig.calibration.page import draw_page
@@ -40,6 +42,8 @@ class Calibrated(NamedTuple):
 def plan_of(procedure: AnyProcedure, excitation: Excitation) -> Plan:
     """Return an excitation as what the runtime runs."""
     check_profile(excitation.profile)
+    what = f"the motion of the procedure {procedure.name}"
+    check_motion(what, excitation.motion, excitation.profile.loop.period)
     kind = type(excitation.settings).__name__.lower()
     experiment = Experiment(
         name=f"calibrate-{procedure.name}",
@@ -190,10 +194,13 @@ def conclude(
     CalibrationRefused
         The data do not suffice, or the fit is worse than the one in force. The page is drawn
         whenever there is a fit.
+    ContractBroken
+        The profile's settings do not take what was found; nothing is drawn or written.
     """
     # What is true of a simulated rig, and how it is drawn, is no business of an identification.
     seen = dataclasses.replace(profile, simulation=SimulationSettings(), plant=None)
     findings, name = procedure.identify(seen, data, readings), procedure.name
+    check_findings(procedure, findings, profile)
     figures = draw_page(folder / FIGURES, f"calibration-{name}", findings, circumstances.origin)
     files = []
     contents = []

@@ -96,6 +96,10 @@ def calibrate(rig: str, **options: Any) -> int:
     known = procedures(profile)
     if not options["procedures"] and not options["every"]:
         rows = [(p.name, ", ".join(p.targets(profile)), p.title) for p in known.values()]
+        if not known:
+            said = f"there is no procedure for {rig}: a {profile.mechanism} has none"
+            click.echo(said, err=True)
+            return 0
         print_tables([Table(f"procedures of {rig}", ("procedure", "writes", "what"), rows)])
         return 0
     chosen = pick(profile, tuple(known) if options["every"] else options["procedures"])

@@ -66,12 +66,12 @@ def invoke(arguments: list[str] | None = None) -> int:
         # The reader (`rig list | head`) has had enough: not an error, and nothing more to say.
         sys.stderr.close()
         return 0
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # somebody's code may want to end the program
         return _report(error)
     return result if isinstance(result, int) else 0
 
 
-def _report(error: Exception) -> int:
+def _report(error: BaseException) -> int:
     from rig.hal import ConfigurationError, DeviceError, RigError
 
     if isinstance(error, RigError):

@@ -28,5 +28,7 @@ def report(run: str, runs: Path) -> int:
         raise ConfigurationError(
             f"cannot write the report of {path}: {error.strerror or error}"
         ) from error
-    click.echo(str(made))
+    for sentence in made.failures:
+        click.echo(sentence, err=True)
+    click.echo(str(made.page))
     return 0

@@ -108,7 +108,7 @@ def run(
     if as_json:
         print_data(json.dumps(as_data(result), indent=2))
     else:
-        show(result, has_report=not no_report)
+        show(result)
     if (
         result.exit_code == EXIT_PREFLIGHT
         and not backend_of(on).is_simulated
@@ -136,9 +136,10 @@ def as_data(result: Result) -> dict[str, object]:
     }
 
 
-def show(result: Result, *, has_report: bool) -> None:
+def show(result: Result) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
     from rig.config.formats import format_against
+    from rig.run_folder import LOG, REPORT
 
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)
@@ -153,6 +154,7 @@ def show(result: Result, *, has_report: bool) -> None:
         lines.append(f"{metric.name:{width}}  {value:>12}  {bound}".rstrip())
     if lines:
         print_data("\n".join(lines))
-    what = "report.html" if has_report else "log.mcap"
+    report = result.path / REPORT
+    made = report if report.exists() else result.path / LOG
     verdict = "" if result.message is not None else f"{result.status}: "
-    click.echo(f"{verdict}{result.path / what}", err=True)
+    click.echo(f"{verdict}{made}", err=True)

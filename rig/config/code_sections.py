@@ -81,7 +81,9 @@ class Sections:
         try:
             return self.registry.settings(kind, name)
         except KeyError:
-            hint = nearest(name, self.registry.names(kind))
+            hint = nearest(name, self.registry.names(kind)) or ""
+            if not hint.startswith("did you mean"):
+                hint = f"is the package installed that it is of? {hint}".strip()
             self.problems.add(node.mark, f"no {kind} is called {shown(name)}", hint)
             return None
 

@@ -142,7 +142,10 @@ def entries_of(settings: type, defaults: Mapping[str, object] = MappingProxyType
         if isinstance(default, str | int | float | NoneType):
             schema["default"] = default
         info = pydantic.Field(description=texts.get(field.name), json_schema_extra=schema)
-        made = _annotated(annotation(types[field.name], default), [info])
+        try:
+            made = _annotated(annotation(types[field.name], default), [info])
+        except UnitError as error:
+            raise UnitError(f"{settings.__name__}.{field.name}: {error}") from error
         entries[field.name] = Required[made] if default is MISSING else NotRequired[made]
     return entries
 

@@ -5,7 +5,7 @@ from types import TracebackType
 from typing import NamedTuple
 
 from rig.assembly.contract_check import whose_bug
-from rig.hal import ConfigurationError, DeviceError, RigError
+from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
 from rig.run_folder import RunFolder, RunStatus
 from rig.runtime.recorder import RecorderError
 from rig.runtime.stop import StopRequests
@@ -44,7 +44,7 @@ class Ending(NamedTuple):
 
 def ending_of(error: BaseException) -> Ending:
     """Return the ending of a run that an error has ended, before or after its loop."""
-    if isinstance(error, KeyboardInterrupt):
+    if isinstance(error, KeyboardInterrupt) and whose_bug(error) is None:
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, "interrupted outside of the loop")
     if isinstance(error, RigError):
         code = EXIT_PREFLIGHT if isinstance(error, DeviceError) else EXIT_FAULT
@@ -55,8 +55,20 @@ def ending_of(error: BaseException) -> Ending:
 
 def bug_of(error: BaseException) -> Ending:
     """Return the ending of a run that a bug has ended, of ours or of another package."""
-    code = EXIT_BUG if whose_bug(error) is None else EXIT_USAGE
-    return Ending(RunStatus.CRASHED, code, f"{type(error).__name__}: {error}", error)
+    what = f"{type(error).__name__}: {error}"
+    place = whose_bug(error)
+    if place is None:
+        return Ending(RunStatus.CRASHED, EXIT_BUG, what, error)
+    if not isinstance(error, Exception):  # it would end the program as it likes
+        error = ContractBroken(f"{place} wants to end the program: {what}").with_traceback(
+            error.__traceback__
+        )
+    return Ending(RunStatus.CRASHED, EXIT_USAGE, f"{place}: {what}", error)
+
+
+def broken_contract(sentence: str) -> Ending:
+    """Return the ending of a run that failed by what another package's code returned."""
+    return Ending(RunStatus.CRASHED, EXIT_USAGE, sentence, ContractBroken(sentence))
 
 
 def fault_of(fault: Exception, t: float | None) -> Ending:
@@ -64,6 +76,8 @@ def fault_of(fault: Exception, t: float | None) -> Ending:
     if isinstance(fault, RecorderError):
         until = "" if t is None else f"; it ends before {t:.3f} s, what came then is lost"
         return Ending(RunStatus.FAULTED, EXIT_FAULT, f"{fault}{until}")
+    if isinstance(fault, ContractBroken):
+        return broken_contract(str(fault))
     if isinstance(fault, RigError | OSError):
         return Ending(RunStatus.FAULTED, EXIT_FAULT, str(fault))
     return bug_of(fault)

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from rig.hal.motion import Segment
+from rig.runtime.log import Log, LogError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from rig.runtime.log import Log
 
     Array = NDArray[np.float64]
 
@@ -39,7 +38,7 @@ class Samples:
         It lacks one of the two.
     """
 
-    def __init__(self, log: "Log") -> None:
+    def __init__(self, log: Log) -> None:
         self._log = log
         self._run = log.column("phase") == PHASE_RUN
         self._slopes: dict[str, Array] = {}
@@ -125,7 +124,7 @@ class Window:
 
     def column(self, name: str) -> "Array":
         """Return one column of the log, SI, shape (n,); LogError or NoTruth if there is none."""
-        if name.startswith(_TRUTH) and not self.has(name):
+        if name.startswith(_TRUTH) and not self._samples.names(_TRUTH):
             raise NoTruth(name)
         return self._samples.column(name)[self._part]
 
@@ -138,14 +137,14 @@ class Window:
 
         Raises
         ------
-        ValueError
+        LogError, NoTruth
             There is none.
         """
         names = self._samples.names(prefix)
-        if not names and prefix.startswith(_TRUTH):
+        if not names and prefix.startswith(_TRUTH) and not self._samples.names(_TRUTH):
             raise NoTruth(prefix)
         if not names:
-            raise ValueError(f"the log has no columns {prefix}…")
+            raise LogError(f"the log has no columns {prefix}…")
         return np.column_stack([self.column(name) for name in names])
 
     def slope(self, name: str) -> "Array":

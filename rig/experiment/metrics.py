@@ -10,7 +10,8 @@ import numpy as np
 
 from rig.assembly import REGISTRY
 from rig.experiment.measure import Measure, NoTruth, Samples, Window
-from rig.hal import RigError
+from rig.hal import ContractBroken, RigError
+from rig.hal.fits import is_number, is_ours, shown, where
 from rig.hal.motion import Fact, Segment
 from rig.runtime.log import LogError
 
@@ -60,8 +61,7 @@ class Metric(NamedTuple):
     name : str
         The experiment's name for it.
     value : float
-        SI; infinite if what it times never happened, NaN if it takes the true state and the rig
-        is no simulation in the same process.
+        SI; infinite if what it times never happened, NaN if it is not seen.
     unit : str
         SI unit, empty for a ratio.
     bound : float or None
@@ -70,6 +70,8 @@ class Metric(NamedTuple):
         ``"max"`` or ``"min"``.
     measure, segments : str
         Which measure was taken over which segments.
+    is_seen : bool
+        False: it takes the true state, which nobody could record.
     """
 
     name: str
@@ -79,11 +81,12 @@ class Metric(NamedTuple):
     bound_kind: str | None
     measure: str
     segments: str
+    is_seen: bool = True
 
     @property
     def passed(self) -> bool | None:
-        """Whether the bound holds; None without a bound, and without a value."""
-        if self.bound is None or math.isnan(self.value):
+        """Whether the bound holds, which NaN never does; None without a bound, or unseen."""
+        if self.bound is None or not self.is_seen:
             return None
         return self.value <= self.bound if self.bound_kind == "max" else self.value >= self.bound
 
@@ -153,24 +156,67 @@ def evaluate(
                 f"metric {name}: no measure is called {measure_name!r}; there are "
                 + ", ".join(known)
             )
-        chosen = [segment for segment in segments if fnmatchcase(segment.name, spec.segments)]
-        if not chosen:
-            raise MetricError(
-                f"metric {name}: no segment matches {spec.segments!r}; there are "
-                + (", ".join(repr(segment.name) for segment in segments) or "none")
-            )
-        windows = [_window(samples, name, segment) for segment in chosen]
+        windows = windows_of(samples, name, spec, segments)
         try:
             value = measure.compute(windows)
         except NoTruth:
-            value = math.nan
+            metrics += _bounded(name, spec, measure_name, math.nan, measure.unit, is_seen=False)
+            continue
         except (ValueError, LogError) as error:
             raise MetricError(f"metric {name}: {error}") from error
+        except RigError:
+            raise
+        except Exception as error:
+            if is_ours(measure.compute):
+                raise
+            what = f"metric {name}: the measure {measure_name} ({where(measure.compute)})"
+            raise ContractBroken(f"{what}: {type(error).__name__}: {error}") from error
+        check_value(name, measure_name, measure, value)
         metrics += _bounded(name, spec, measure_name, value, measure.unit)
     return metrics
 
 
-def _bounded(name: str, spec: MetricRequest, measure: str, value: float, unit: str) -> list[Metric]:
+def check_value(metric: str, name: str, measure: Measure, value: object) -> None:
+    """Refuse what is no number.
+
+    Raises
+    ------
+    ContractBroken
+        With whose value it is.
+    """
+    if not is_number(value):
+        what = f"metric {metric}: the measure {name} ({where(measure.compute)})"
+        raise ContractBroken(f"{what} returned {shown(value)}, and no number")
+
+
+def windows_of(
+    samples: Samples, metric: str, spec: MetricRequest, segments: Sequence[Segment]
+) -> list[Window]:
+    """Return the windows of a metric, one for each segment that it is taken over.
+
+    Raises
+    ------
+    MetricError
+        There is no such segment, or the log does not hold it to its end.
+    """
+    chosen = [segment for segment in segments if fnmatchcase(segment.name, spec.segments)]
+    if not chosen:
+        raise MetricError(
+            f"metric {metric}: no segment matches {spec.segments!r}; there are "
+            + (", ".join(repr(segment.name) for segment in segments) or "none")
+        )
+    return [_window(samples, metric, segment) for segment in chosen]
+
+
+def _bounded(
+    name: str,
+    spec: MetricRequest,
+    measure: str,
+    value: float,
+    unit: str,
+    *,
+    is_seen: bool = True,
+) -> list[Metric]:
     """Hold a value against the bounds that a specification gives: one metric for each."""
     bounds: list[tuple[str, float | None, str | None]] = []
     if spec.max is not None or spec.min is None:
@@ -178,7 +224,7 @@ def _bounded(name: str, spec: MetricRequest, measure: str, value: float, unit: s
     if spec.min is not None:
         bounds.append((f"{name}.min" if bounds else name, spec.min, "min"))
     return [
-        Metric(label, value, unit, bound, kind, measure, spec.segments)
+        Metric(label, value, unit, bound, kind, measure, spec.segments, is_seen)
         for label, bound, kind in bounds
     ]
 

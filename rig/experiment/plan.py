@@ -21,9 +21,10 @@ from rig.config import (
 )
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
+from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
 from rig.experiment.metrics import known_measures
-from rig.hal import ConfigurationError
+from rig.hal import Column, ConfigurationError
 from rig.hal.motion import Fact, Motion
 
 
@@ -136,12 +137,12 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         The profile lacks the controller, the motion is not possible or not permitted, or a
         metric cannot be computed.
     """
-    check_profile(profile)
+    columns = check_profile(profile)
     try:
         experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
         motion = plan_motion(profile, experiment.reference.settings, controller)
-        _check_metrics(experiment, motion, profile.mechanism)
+        _check_metrics(experiment, motion, profile.mechanism, columns)
         _check_figures(experiment, profile.mechanism)
     except ConfigurationError as error:
         raise type(error)(f"{experiment.name}: {error}") from error
@@ -161,10 +162,12 @@ def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experi
     return replace(experiment, metrics=applying)
 
 
-def _check_metrics(experiment: Experiment, motion: Motion[Any], mechanism: str) -> None:
+def _check_metrics(
+    experiment: Experiment, motion: Motion[Any], mechanism: str, columns: Sequence[Column]
+) -> None:
     names = [segment.name for segment in motion.segments]
-    facts = motion.facts
-    known: dict[str, Measure | Fact] = {**known_measures(mechanism), **facts}
+    facts, measures = motion.facts, known_measures(mechanism)
+    known: dict[str, Measure | Fact] = {**measures, **facts}
     for name, spec in experiment.metrics.items():
         measure = known.get(spec.measure or name)
         if measure is None:
@@ -182,6 +185,8 @@ def _check_metrics(experiment: Experiment, motion: Motion[Any], mechanism: str) 
             raise ConfigurationError(
                 f"metric {name}: no segment matches {spec.segments!r}; there are {', '.join(names)}"
             )
+    taken = {name: measure for name, measure in measures.items() if name not in facts}
+    try_measures(experiment.metrics, taken, motion.segments, columns)
 
 
 def _check_figures(experiment: Experiment, mechanism: str) -> None:

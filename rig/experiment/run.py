@@ -1,15 +1,14 @@
 """One experiment on one rig, from preflight to the report."""
 
 import contextlib
-import shlex
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rig.assembly import Backend, Rig, build_rig
+from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
-from rig.config import dump_resolved
-from rig.config.device_file import text_of
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -18,18 +17,22 @@ from rig.experiment.ending import (
     EXIT_PREFLIGHT,
     ClosedBooks,
     Ending,
+    broken_contract,
+    bug_of,
     fault_of,
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
-from rig.experiment.metrics import Metric, all_passed, evaluate, evaluation_as_json
+from rig.experiment.metrics import Metric, all_passed, evaluate
+from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import Plan
+from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import RigError
-from rig.run_folder import EVALUATION, RunFolder, RunFolderError, RunStatus
+from rig.run_folder import RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import LogError, read_log
 from rig.runtime.loop import Loop, Outcome
@@ -137,7 +140,7 @@ def run_experiment(
         with contextlib.ExitStack() as stack:
             stack.callback(rig.close)
             watcher.built(rig)
-            folder = _create_folder(plan, backend, on, out, overrides, frames)
+            folder = create_folder(plan, backend, on, out, overrides, frames)
             stack.enter_context(ClosedBooks(folder, stop))
             stop.expose()
             if frame_log is not None:
@@ -181,63 +184,12 @@ def _report(path: Path, watcher: Watcher) -> None:
     from rig.report.regenerate import write_report
 
     try:
-        write_report(path)
+        made = write_report(path)
     except (RigError, OSError) as error:
         watcher.said(f"there is no report: {error}; draw it later with: rig report {path}")
-
-
-def _create_folder(
-    plan: Plan,
-    backend: Backend,
-    on: str | None,
-    out: Path,
-    overrides: Sequence[str],
-    frames: str | None,
-) -> RunFolder:
-    experiment, profile = plan.experiment, plan.profile
-    command = ["rig", "run", experiment.name, "--on", on or backend.value]
-    for option in overrides:
-        command += ["--set", option]
-    if frames is not None:
-        command.append(f"--frames={frames}")
-    calibrations = {
-        f"calibration/{path.name}": path.read_text(encoding="utf-8")
-        for path in profile.files
-        if path.parent.parent.name == "calibration"
-    }
-    data_sheets = {
-        f"eds/{name}.eds": text_of(entry.eds)
-        for name, entry in profile.devices.items()
-        if entry.eds is not None
-    }
-    folder = RunFolder.create(
-        out,
-        experiment.name,
-        backend.value,
-        inputs={
-            "profile.yaml": dump_resolved(profile),
-            "experiment.yaml": dump_resolved(experiment),
-            **calibrations,
-            **data_sheets,
-            **plan.sources,
-        },
-        seed=profile.simulation.seed if backend.is_simulated else None,
-        command=[shlex.join(command)],
-    )
-    _write_evaluation(plan, folder)
-    return folder
-
-
-def _write_evaluation(plan: Plan, folder: RunFolder) -> None:
-    experiment = plan.experiment
-    content = evaluation_as_json(
-        plan.motion.segments,
-        experiment.metrics,
-        experiment.figures,
-        plan.motion.facts,
-        plan.profile.mechanism,
-    )
-    folder.write_json(EVALUATION, content)
+        return
+    for sentence in made.failures:
+        watcher.said(sentence)
 
 
 def _keep_frames(
@@ -315,14 +267,21 @@ def _run(
         if held:
             watcher.said(held)
             events(loop.t, "hold", held, {})
-        return _judge(outcome, loop.t, events)
-    except KeyboardInterrupt:
+        return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
+    except (KeyboardInterrupt, SystemExit) as error:
+        if whose_bug(error) is not None or isinstance(error, SystemExit):
+            return bug_of(error)
         when = "between two steps" if energised else "before the rig was energised"
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"interrupted {when}")
     except RigError as error:
         states.latch_fault(error)
         events(None, "fault", str(error), {"type": type(error).__name__})
         return Ending(RunStatus.FAULTED, EXIT_FAULT if energised else EXIT_PREFLIGHT, str(error))
+    except Exception as error:
+        blamed = whose_value(rig, plan, None if loop is None else loop.phases, error)
+        if blamed is None:
+            raise
+        return broken_contract(blamed)
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:
@@ -343,10 +302,17 @@ def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> 
     )
 
 
-def _judge(outcome: Outcome, t: float | None, events: "_Events") -> Ending:
+def _judge(
+    outcome: Outcome,
+    t: float | None,
+    events: "_Events",
+    blame: Callable[[BaseException], str | None],
+) -> Ending:
     fault = outcome.fault
     if fault is not None:
         ending = fault_of(fault, t)
+        if ending.bug is not None and (sentence := blame(fault)) is not None:
+            ending = broken_contract(sentence)
         events(t, "fault", str(ending.message), {"type": type(fault).__name__})
         return ending
     if outcome.unsafe:
@@ -370,7 +336,7 @@ def _finish(
     try:
         log = read_log(folder.log_path)
         if plan.motion.watches:  # what it came to is known only now
-            _write_evaluation(plan, folder)
+            write_evaluation(plan, folder)
         if len(log.cycle):
             folder.write_timing(summarise_timing(log) | stopwatch.facts)
         if ending.status is RunStatus.OK:

@@ -25,6 +25,7 @@ from rig.hal.driver import Address, BusSettings, DeviceFile, DriverSettings, End
 from rig.hal.errors import (
     ConfigurationError,
     ConnectionFailed,
+    ContractBroken,
     DeviceError,
     DeviceFault,
     EmergencyStop,
@@ -52,6 +53,7 @@ __all__ = [
     "Column",
     "ConfigurationError",
     "ConnectionFailed",
+    "ContractBroken",
     "Controller",
     "CyclicBus",
     "Device",

@@ -4,6 +4,7 @@
 
     RigError
     ├── ConfigurationError      a file, option or combination is wrong     (exit 2)
+    │   └── ContractBroken      code behind a name is not what it must be
     ├── DeviceError             a device or bus is not as it should be     (exit 3 or 4)
     │   ├── ConnectionFailed    it never answered, or answered as another
     │   └── DeviceFault         it reported or showed a fault
@@ -29,6 +30,10 @@ class RigError(Exception):
 
 class ConfigurationError(RigError):
     """A profile, experiment, calibration or option cannot be used as it is."""
+
+
+class ContractBroken(ConfigurationError):
+    """Code behind a name is not, or does not return, what the contract says."""
 
 
 class MotionRefused(ConfigurationError):

@@ -34,7 +34,8 @@ class Retrace:
 
     def __init__(self, plan: Plan, *, judged: bool = True) -> None:
         self._judged = judged
-        mechanism = self._mechanism = make_unconnected(plan.profile)
+        mechanism, _ = make_unconnected(plan.profile)
+        self._mechanism = mechanism
         mechanism.attach(plan.controller, plan.motion)
         states = StateMachine()
         for state in (RigState.IDLE, RigState.RUNNING):

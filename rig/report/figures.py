@@ -2,13 +2,16 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import NamedTuple
 
 from rig.assembly import REGISTRY
+from rig.hal.fits import where
 from rig.report.data import load_run, origin_of
 from rig.report.figure import FigureKind
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_folder import FIGURES as FIGURES_FOLDER
+from rig.run_folder import RunFolderError
 
 
 def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
@@ -16,10 +19,26 @@ def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
     return {**REGISTRY.figures(mechanism, FigureKind), **TIMING_FIGURES}
 
 
-def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[Path]:
+class Drawn(NamedTuple):
+    """The figures of a run.
+
+    Parameters
+    ----------
+    files : list of Path
+        Those written.
+    failures : list of str
+        Which others could not be drawn, and why.
+    """
+
+    files: list[Path]
+    failures: list[str]
+
+
+def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
     """Draw a run's figures into its folder, as PNG and SVG.
 
-    A figure whose quantities the log does not hold is left out.
+    A figure whose quantities the log does not hold is left out; one whose code fails keeps no
+    other from being drawn.
 
     Parameters
     ----------
@@ -30,8 +49,8 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[P
 
     Returns
     -------
-    list of Path
-        The files written.
+    Drawn
+        The files, and what failed.
 
     Raises
     ------
@@ -46,14 +65,20 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> list[P
     for name in chosen:
         if name not in known:
             raise ValueError(f"there is no figure {name!r}; there are {', '.join(known)}")
-    written: list[Path] = []
+    drawn = Drawn([], [])
     if len(run.log.t) < 2:
-        return written
+        return drawn
     with paper_style():
         for name in chosen:
-            figure = known[name].draw(run)
-            if figure is not None:
-                written += save(
-                    figure, run.folder.path / FIGURES_FOLDER, name, origin_of(run.folder)
-                )
-    return written
+            draw = known[name].draw
+            try:
+                figure = draw(run)
+                if figure is not None:
+                    folder = run.folder.path / FIGURES_FOLDER
+                    drawn.files.extend(save(figure, folder, name, origin_of(run.folder)))
+            except (OSError, RunFolderError):
+                raise
+            except Exception as error:  # anything may happen in the code of others
+                why = f"{type(error).__name__}: {error}"
+                drawn.failures.append(f"the figure {name} ({where(draw)}) cannot be drawn: {why}")
+    return drawn

@@ -36,7 +36,12 @@ _SCREEN_SCALE = 0.62
 """Pixels on the page per pixel of a figure: 85 mm and 170 mm stay one and two columns."""
 
 
-def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[str]) -> Path:
+def write_html(
+    folder: RunFolder,
+    figures: Sequence[Path],
+    problems: Sequence[str],
+    failures: Sequence[str] = (),
+) -> Path:
     """Write ``report.html`` into a run folder.
 
     Parameters
@@ -47,6 +52,8 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
         PNG files, which are embedded; one named ``.svg`` beside it is linked.
     problems : sequence of str
         What could not be judged, and why.
+    failures : sequence of str
+        Which figures could not be drawn, and why.
 
     Returns
     -------
@@ -64,7 +71,7 @@ def write_html(folder: RunFolder, figures: Sequence[Path], problems: Sequence[st
     sections = [
         _header(folder, title),
         _metrics(folder.metrics(), problems),
-        _figures(figures, mechanism_of(folder)),
+        _figures(figures, failures, mechanism_of(folder)),
         _timing(cast("TimingSummary", folder.read_json(TIMING))),
         _events(folder.events()),
         _reproduce(manifest),
@@ -129,11 +136,15 @@ def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> str:
             ]
         )
     table = _table(["metric", "over", "value", "bound", ""], rows, numeric=(2, 3)) if rows else ""
-    notes = "".join(f"<li>{escape(problem)}</li>" for problem in problems)
-    return _section("Metrics", table + (f'<ul class="problems">{notes}</ul>' if notes else ""))
+    return _section("Metrics", table + _problems(problems))
 
 
-def _figures(figures: Sequence[Path], mechanism: str | None) -> str:
+def _problems(sentences: Sequence[str]) -> str:
+    notes = "".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    return f'<ul class="problems">{notes}</ul>' if notes else ""
+
+
+def _figures(figures: Sequence[Path], failures: Sequence[str], mechanism: str | None) -> str:
     parts, known = [], known_figures(mechanism)
     for figure in figures:
         content = figure.read_bytes()
@@ -148,7 +159,8 @@ def _figures(figures: Sequence[Path], mechanism: str | None) -> str:
             f'<figcaption>{escape(caption)} <a href="{escape(vector)}">svg</a></figcaption>'
             "</figure>"
         )
-    return _section("Figures", "\n".join(parts)) if parts else ""
+    body = "\n".join(parts) + _problems(failures)
+    return _section("Figures", body) if body else ""
 
 
 def _speed(timing: TimingSummary) -> str:

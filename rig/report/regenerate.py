@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 from rig.experiment.metrics import (
     Metric,
@@ -12,6 +12,7 @@ from rig.experiment.metrics import (
     facts_from_json,
     known_measures,
 )
+from rig.hal import ContractBroken
 from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
@@ -20,7 +21,22 @@ from rig.run_folder import EVALUATION, METRICS, TIMING, RunFolder, RunStatus
 from rig.runtime.log import Log, LogError, read_log
 
 
-def write_report(path: str | Path) -> Path:
+class Report(NamedTuple):
+    """A run's page.
+
+    Parameters
+    ----------
+    page : Path
+        Its file.
+    failures : list of str
+        Which figures are not in it, and why.
+    """
+
+    page: Path
+    failures: list[str]
+
+
+def write_report(path: str | Path) -> Report:
     """Derive metrics, timing, figures and ``report.html`` from a run folder alone.
 
     It works on any run: of one that ended early, what its log holds is judged, and the report
@@ -28,8 +44,8 @@ def write_report(path: str | Path) -> Path:
 
     Returns
     -------
-    Path
-        The report.
+    Report
+        Its page, and what is not in it.
 
     Raises
     ------
@@ -43,7 +59,7 @@ def write_report(path: str | Path) -> Path:
     try:
         log = read_log(folder.log_path)
     except LogError as error:
-        return write_html(folder, [], [str(error)])
+        return Report(write_html(folder, [], [str(error)]), [])
     if folder.status is not RunStatus.RUNNING:
         metrics, problems = measure_run(folder, log)
         if metrics or not (folder.path / METRICS).exists():
@@ -51,8 +67,10 @@ def write_report(path: str | Path) -> Path:
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
     names = cast("list[str] | None", folder.read_json(EVALUATION).get("figures") or None)
-    figures = [figure for figure in draw_figures(folder.path, names) if figure.suffix == ".png"]
-    return write_html(folder, figures, problems)
+    drawn = draw_figures(folder.path, names)
+    figures = [file for file in drawn.files if file.suffix == ".png"]
+    page = write_html(folder, figures, problems, drawn.failures)
+    return Report(page, drawn.failures)
 
 
 def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
@@ -78,7 +96,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
             continue
         try:
             metrics += evaluate(log, segments, {name: spec}, facts, mechanism)
-        except MetricError as error:
+        except (MetricError, ContractBroken) as error:
             problems.append(str(error))
     return metrics, problems
 

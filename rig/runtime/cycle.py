@@ -143,7 +143,8 @@ class Cycle(Generic[State, Reference, Command]):
         """Return the reference, what the controller wants, and what the limits leave of it."""
         mechanism = self._mechanism
         if self.fault is None:
-            reference, command = self._run.step(t, state, stops)
+            run = self._run
+            run.reference, run.command = reference, command = run.step(t, state, stops)
             return reference, command, mechanism.limit(command)
         command = mechanism.released_command()  # what is about to be sent
         return mechanism.reference_of(state), command, command

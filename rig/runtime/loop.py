@@ -113,6 +113,8 @@ class Loop(Generic[State, Reference, Command]):
         self.truth = truth
         self.t: float | None = None
         """Time since the first cycle, s; None before it."""
+        self.phases: Phases[State, Reference, Command] | None = None
+        """The way of the run, also after it; None before it."""
 
     def run(
         self,
@@ -149,7 +151,7 @@ class Loop(Generic[State, Reference, Command]):
             Never raises for what happens on the rig; a `BaseException` that is no `Exception`
             makes safe and passes on.
         """
-        run = Phases(
+        run = self.phases = Phases(
             self.mechanism, self.controller, self.states, motion, timings, period=self.period
         )
         self.states.move(RigState.RUNNING)
@@ -223,7 +225,7 @@ class Loop(Generic[State, Reference, Command]):
         found = []
         for device in self.devices:
             try:
-                found.append(device.unsafe(now))
+                found.append(str(device.unsafe(now)))
             except Exception as error:
                 found.append(f"{device.name}: not known to be safe: {error!r}")
         return [sentence for sentence in found if sentence]

@@ -67,6 +67,13 @@ class Phases(Generic[State, Reference, Command]):
         Durations of energising, approach and release.
     period : float
         Of the cycle, s.
+
+    Attributes
+    ----------
+    state, reference, command : object or None
+        Of the last cycle, to be looked at if it failed; the command as it is asked for.
+    answer : object or None
+        The last command of the controller itself.
     """
 
     def __init__(
@@ -88,6 +95,11 @@ class Phases(Generic[State, Reference, Command]):
         self.finished = False
         self.notes: list[Note] = []
         """What the motion wants written among the events, until somebody has taken it."""
+        self.is_controlling = False
+        self.state: State | None = None
+        self.reference: Reference | None = None
+        self.command: Command | None = None
+        self.answer: Command | None = None
         self._mechanism = mechanism
         self._controller = controller
         self._states = states
@@ -96,7 +108,6 @@ class Phases(Generic[State, Reference, Command]):
         self._waits = motion.waits
         self._watches = motion.watches
         self._timings = timings
-        self._controlling = False
         self._resting: Command | None = None
         self._home: Reference
         self._braking: Braking[Reference] | None = None
@@ -106,6 +117,7 @@ class Phases(Generic[State, Reference, Command]):
     def step(self, t: float, state: State, stops: int) -> tuple[Reference, Command]:
         """Return the reference and command of this cycle, and move on to the next phase."""
         mechanism = self._mechanism
+        self.state = state
         if self._resting is None:
             self._resting = mechanism.resting_command(state)
             self._home = mechanism.reference_of(state)
@@ -128,10 +140,10 @@ class Phases(Generic[State, Reference, Command]):
             command = mechanism.blend(self._resting, mechanism.energised_command(state), share)
             return self._home, command
 
-        if not self._controlling:
+        if not self.is_controlling:
             self._home = mechanism.reference_of(state)
             self._controller.reset(state)
-            self._controlling = True
+            self.is_controlling = True
         if reference_time < 0.0:
             reference = self._approach(t - energise)
         else:
@@ -157,7 +169,8 @@ class Phases(Generic[State, Reference, Command]):
 
     def _control(self, state: State, reference: Reference) -> Command:
         try:
-            command = self._controller.update(state, reference)
+            self.reference = reference
+            self.answer = command = self._controller.update(state, reference)
         except ValueError as error:
             raise SafetyError(f"the controller cannot go on: {error}") from error
         self._mechanism.check_command(reference, command)
@@ -165,7 +178,7 @@ class Phases(Generic[State, Reference, Command]):
 
     def _begin_stop(self, t: float) -> None:
         timings = self._timings
-        if self._controlling and not self._mechanism.brakes_itself:
+        if self.is_controlling and not self._mechanism.brakes_itself:
             path, at, end = self._motion.at, self.reference_time, self.duration
             if self.phase is _APPROACH:
                 path, at, end = self._approach, t - timings.energise, timings.approach

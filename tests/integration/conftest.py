@@ -3,9 +3,11 @@
 import dataclasses
 
 import pytest
+from broken_package import plug_in
 
 from rig.experiment import frozen
 
+__all__ = ["plug_in"]
 _FREEZES = {}
 
 

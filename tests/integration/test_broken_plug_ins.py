@@ -1,92 +1,11 @@
 """What a plug-in lacks is a sentence with its name, and no bug of this program."""
 
-import sys
-from importlib.metadata import EntryPoint
-from itertools import count
 from types import SimpleNamespace
 
 import pytest
-from stranger_lab import SOURCE
 
 from rig.assembly import registry
-from rig.cli import invoke
 from rig.hal import ConfigurationError
-
-CONFIGS = SOURCE / "crank_rig" / "configs"
-GOOD = {
-    "rig.mechanisms": {"crank": "crank_rig.crank.parts:PARTS"},
-    "rig.drivers": {
-        "tecno-regulator": "crank_rig.tecno.parts:PARTS",
-        "load-cell": "crank_rig.load_cell.parts:PARTS",
-    },
-    "rig.additions": {"pi-for-cylinder": "crank_rig.extras.parts:FOR_CYLINDER"},
-}
-CACHES = (
-    registry._mechanisms,
-    registry._drivers,
-    registry._protocols,
-    registry._additions,
-    registry._foreign_additions,
-    registry._code,
-)
-NUMBERS = count()
-IMPORTS = """
-import dataclasses
-from crank_rig.crank import laws, mechanism, parts, references
-from crank_rig.extras import pi
-from crank_rig.tecno import device
-from crank_rig.tecno import parts as tecno
-from rig.hal.parts import Additions
-
-
-def crank(**changed):
-    return dataclasses.replace(parts.PARTS, **{k: f"{__name__}:{v}" for k, v in changed.items()})
-
-
-def crank_with(**changed):
-    return dataclasses.replace(
-        parts.PARTS,
-        **{
-            k: {**parts.PARTS.controllers, "cross-coupled": f"{__name__}:{v}"}
-            if k == "controllers"
-            else (f"{__name__}:{v}",)
-            for k, v in changed.items()
-        },
-    )
-"""
-
-
-@pytest.fixture
-def plug_in(tmp_path, monkeypatch, capsys):
-    """Return what runs a command with a package of one module in the place of a good row."""
-    monkeypatch.syspath_prepend(SOURCE)
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.chdir(tmp_path)
-
-    def run(group, name, code, *command, value=None):
-        module = f"broken_{next(NUMBERS)}"
-        (tmp_path / f"{module}.py").write_text(IMPORTS + code)
-        offered = {kind: dict(points) for kind, points in GOOD.items()}
-        offered[group][name] = value or f"{module}:PARTS"
-
-        def entry_points(*, group):
-            return [EntryPoint(n, v, group) for n, v in offered.get(group, {}).items()]
-
-        monkeypatch.setattr(registry, "entry_points", entry_points)
-        monkeypatch.setattr("rig.assembly.contract_check.entry_points", entry_points)
-        for cache in CACHES:
-            cache.cache_clear()
-        exit_code = invoke([*command, "--configs", str(CONFIGS)])
-        captured = capsys.readouterr()
-        assert "This is a bug in rig" not in captured.err
-        return exit_code, captured.err, module
-
-    yield run
-    for cache in CACHES:
-        cache.cache_clear()
-    for name in [name for name in sys.modules if name.startswith(("broken_", "crank_rig"))]:
-        del sys.modules[name]
-
 
 MECHANISM, DRIVER, ADDITIONS = (
     ("rig.mechanisms", "crank"),

@@ -155,6 +155,6 @@ def test_killed_run_loses_no_recorded_cycle(tmp_path, trials):
     generator = np.random.default_rng(7)
     for trial in range(trials):
         folder = kill_in_mid_run(tmp_path / str(trial), generator)
-    assert write_report(folder.path).exists()
+    assert write_report(folder.path).page.exists()
     manifest = json.loads((folder.path / "manifest.json").read_text())
     assert manifest["status"] == "crashed"

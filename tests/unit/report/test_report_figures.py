@@ -29,7 +29,7 @@ def ink(path: Path) -> float:
 
 def test_every_figure_is_drawn_as_png_and_svg(make_run: MakeRun) -> None:
     run = make_run()
-    paths = draw_figures(run)
+    paths = draw_figures(run).files
     drawn = {*PAIR_FIGURES, *TIMING_FIGURES}  # the others need columns that a pair has not
     assert {p.name for p in paths} == {f"{n}.{s}" for n in drawn for s in ("png", "svg")}
     for path in paths:
@@ -44,8 +44,8 @@ def test_every_figure_is_drawn_as_png_and_svg(make_run: MakeRun) -> None:
 
 def test_same_run_gives_the_same_bytes(make_run: MakeRun) -> None:
     run = make_run(duration=2.0)
-    first = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"])]
-    again = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"])]
+    first = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"]).files]
+    again = [path.read_bytes() for path in draw_figures(run, ["tracking", "error"]).files]
     assert first == again
 
 

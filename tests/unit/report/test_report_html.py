@@ -55,7 +55,7 @@ def _draw_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_report_says_everything_and_fetches_nothing(make_run: MakeRun) -> None:
     run = make_run(status=RunStatus.FAILED, bound=0.5e-4)
-    report = write_report(run)
+    report = write_report(run).page
     assert report == run / "report.html"
     text = report.read_text()
     page = Page(text)
@@ -91,7 +91,7 @@ def test_killed_run_is_reported_as_far_as_it_went(make_run: MakeRun) -> None:
     log = run / "log.mcap"
     content = log.read_bytes()
     log.write_bytes(content[: int(len(content) * 0.85)])
-    page = Page(write_report(run).read_text())
+    page = Page(write_report(run).page.read_text())
     assert RunFolder.open(run).status is RunStatus.CRASHED
     assert len(page.sources) == 5, "a killed run has all its figures"
     assert "crashed" in page.text and "process died" in page.text
@@ -104,7 +104,7 @@ def test_run_without_a_log_is_reported(make_run: MakeRun) -> None:
     run = make_run(duration=1.0, status=None)
     (run / "log.mcap").unlink()
     shutil.rmtree(run / "figures", ignore_errors=True)
-    page = Page(write_report(run).read_text())
+    page = Page(write_report(run).page.read_text())
     assert "cannot read the log" in page.text and page.sources == []
 
 
@@ -112,7 +112,7 @@ def test_live_run_is_left_alone(make_run: MakeRun, tmp_path: Path) -> None:
     run = RunFolder.create(tmp_path / "live", "sine", "hardware", inputs={})
     source = make_run(duration=1.0)
     shutil.copy(source / "log.mcap", run.log_path)
-    page = Page(write_report(run.path).read_text())
+    page = Page(write_report(run.path).page.read_text())
     assert "still goes on" in page.text
     assert not (run.path / "metrics.json").exists()
     run.finish(RunStatus.ABORTED, 130)

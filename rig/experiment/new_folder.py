@@ -1,0 +1,79 @@
+"""A run's folder as the run begins: profile, experiment and calibrations as they are used."""
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from rig.assembly import Backend
+from rig.config import dump_resolved
+from rig.config.device_file import text_of
+from rig.experiment.metrics import evaluation_as_json
+from rig.experiment.plan import Plan
+from rig.run_folder import EVALUATION, RunFolder
+
+
+def create_folder(
+    plan: Plan,
+    backend: Backend,
+    on: str | None,
+    out: Path,
+    overrides: Sequence[str],
+    frames: str | None,
+) -> RunFolder:
+    """Make the folder of a run, with what it is going to run.
+
+    Parameters
+    ----------
+    plan, backend, on, out, overrides, frames
+        See `rig.experiment.run.run_experiment`.
+
+    Raises
+    ------
+    RunFolderError
+        It cannot be made.
+    """
+    experiment, profile = plan.experiment, plan.profile
+    command = ["rig", "run", experiment.name, "--on", on or backend.value]
+    for option in overrides:
+        command += ["--set", option]
+    if frames is not None:
+        command.append(f"--frames={frames}")
+    calibrations = {
+        f"calibration/{path.name}": path.read_text(encoding="utf-8")
+        for path in profile.files
+        if path.parent.parent.name == "calibration"
+    }
+    data_sheets = {
+        f"eds/{name}.eds": text_of(entry.eds)
+        for name, entry in profile.devices.items()
+        if entry.eds is not None
+    }
+    folder = RunFolder.create(
+        out,
+        experiment.name,
+        backend.value,
+        inputs={
+            "profile.yaml": dump_resolved(profile),
+            "experiment.yaml": dump_resolved(experiment),
+            **calibrations,
+            **data_sheets,
+            **plan.sources,
+        },
+        seed=profile.simulation.seed if backend.is_simulated else None,
+        command=[shlex.join(command)],
+    )
+    write_evaluation(plan, folder)
+    return folder
+
+
+def write_evaluation(plan: Plan, folder: RunFolder) -> None:
+    """Write what is needed beside the log to judge and draw a run."""
+    experiment = plan.experiment
+    content = evaluation_as_json(
+        plan.motion.segments,
+        experiment.metrics,
+        experiment.figures,
+        plan.motion.facts,
+        plan.profile.mechanism,
+    )
+    folder.write_json(EVALUATION, content)
