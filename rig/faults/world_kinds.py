@@ -7,6 +7,7 @@ has. A row says what must come of it while the rig runs.
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from rig.faults.excuses import lets_fall_far, lets_fall_unseen
 from rig.faults.kind import (
     Excuse,
     Expect,
@@ -30,41 +31,6 @@ _ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension"})
 _ALONE = frozenset({*_ON_A_WIRE, "pressure"})
 """What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
 alone, with what the supply gives, until the mechanical stop bears it."""
-
-
-_LATE_CYCLES = 3
-"""Read in one, told in the next, obeyed by the end of the third: what breaks later, nobody sees."""
-_SHOWS = 5e-3
-"""rad of motion before a frozen or mirrored encoder shows: sag and rounding are less."""
-_ROOM = 0.3
-"""rad: by so much a servo of legs may be told another angle for the one where it stands, since
-its own limits are no nearer; a jump that goes beyond them turns the joint by the rest."""
-
-
-def _lets_fall(plight: Plight) -> frozenset[str]:
-    """Forgive a fall where a leg bears that one of its joints cannot hold, or nobody is there.
-
-    A servo with one loop on one encoder follows its lie for as long as it has torque; without
-    torque a standing leg folds.
-    """
-    if plight.left < _LATE_CYCLES * plight.subject.period:
-        return frozenset({"fall", "rate"})
-    leg = plight.place.axis.partition("_")[0]
-    bears = plight.truth.get(f"load_{leg}", 0.0) > 0.0
-    helpless = plight.place.target not in plight.subject.by_velocity
-    return frozenset({"fall"}) if bears and helpless else frozenset()
-
-
-def _lets_fall_unseen(plight: Plight) -> frozenset[str]:
-    """Forgive a fall as `_lets_fall` does, and where the axis rested until the program ended."""
-    return frozenset({"fall", "rate"}) if plight.moved < _SHOWS else _lets_fall(plight)
-
-
-def _lets_fall_far(plight: Plight) -> frozenset[str]:
-    """Forgive a fall as `_lets_fall` does, if the jump is beyond what can be made up for."""
-    is_far = abs(plight.sizes.magnitude or 0.0) > _ROOM
-    is_late = plight.left < _LATE_CYCLES * plight.subject.period
-    return _lets_fall(plight) if is_far or is_late else frozenset()
 
 
 def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
@@ -315,12 +281,12 @@ SERVOS = (
     _of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
                fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True),
                why="a servo that holds by position alone turns by what is outside its limits",
-               excuses=_lets_fall_far),
+               excuses=lets_fall_far),
     _of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
-               0.2, fault="encoder_frozen", excuses=_lets_fall_unseen,
+               0.2, fault="encoder_frozen", excuses=lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
-               0.2, fault="encoder_mirrored", excuses=_lets_fall_unseen,
+               0.2, fault="encoder_mirrored", excuses=lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
