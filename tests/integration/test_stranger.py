@@ -35,6 +35,12 @@ def recorded(lab):
     return lab.run("crank-turns", "--on", "virtual", "--frames")
 
 
+@pytest.fixture(scope="module")
+def simulated(lab):
+    """Return a run of the crank without a bus."""
+    return lab.run("crank-turns", "--on", "sim")
+
+
 def test_what_it_has_is_listed(lab):
     rigs = [rig["name"] for rig in json.loads(lab.rig("list", "rigs", "--json").stdout)]
     assert {"crank", "cylinder-tecno", "our-arm", "arm", "cylinder"} <= set(rigs)
@@ -96,12 +102,11 @@ def test_the_simulation_is_offered(lab):
     assert "RIG" in done.stdout
 
 
-def test_run_without_a_bus(lab):
-    path = lab.run("crank-turns", "--on", "sim")
-    metrics = metrics_of(path)
+def test_run_without_a_bus(simulated):
+    metrics = metrics_of(simulated)
     assert metrics["rod_twist"]["pass"] and metrics["turning_rms"]["pass"]
-    assert {"twist.png", "twist.svg"} <= {file.name for file in (path / "figures").iterdir()}
-    assert "Twist of the rod" in (path / "report.html").read_text()
+    assert {"twist.png", "twist.svg"} <= {file.name for file in (simulated / "figures").iterdir()}
+    assert "Twist of the rod" in (simulated / "report.html").read_text()
 
 
 def test_run_on_virtual_can(recorded):
@@ -111,9 +116,9 @@ def test_run_on_virtual_can(recorded):
 
 
 @pytest.mark.parametrize("backend", ["sim", "virtual"])
-def test_a_sensor_that_nobody_uses_is_logged_with_its_unit(lab, recorded, backend):
+def test_a_sensor_that_nobody_uses_is_logged_with_its_unit(simulated, recorded, backend):
     """It has no simulation of its own: what its settings describe is enough."""
-    path = recorded if backend == "virtual" else lab.run("crank-turns", "--on", "sim")
+    path = recorded if backend == "virtual" else simulated
     log = read_log(path / "log.mcap")
     (column,) = [c for c in log.columns if c.name == "device.rod_force_force"]
     assert column.unit == "N"

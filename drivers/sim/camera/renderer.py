@@ -4,10 +4,11 @@ Only the window round the marker is computed for each frame; the rest comes from
 the scene with noise of their own, drawn once.
 """
 
+import copy
 from collections.abc import Sequence
 from functools import lru_cache
 from math import ceil, sqrt
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,23 +52,14 @@ class MarkerRenderer:
     ) -> None:
         self._optics = optics
         self._marker = settings.marker
-        self._generator = np.random.default_rng(seed)
         lens = settings.intrinsics
         self._focal = np.array([lens.fx, lens.fy])
         self._blur = sqrt(optics.blur**2 + 1.0 / 12.0)  # a pixel is one wide
-        shape = (settings.height, settings.width)
-        self._rays = np.empty((*shape, 2), np.float32)
-        trace_rays(
-            self._rays,
-            self._focal,
-            np.array([lens.cx, lens.cy]),
-            np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]),
-        )
         turn = rotation_matrix(settings.rotation_base_from_camera)
         self._camera_from_base = (turn @ rotation_matrix(optics.rotation_error)).T
         self._camera = np.array(settings.position_camera_in_base) + optics.position_error
-        self._scene = self._make_scene(shape)
-        self._scenes = [self._with_noise(self._scene) for _ in range(_SCENES)]
+        self._rays, self._scene, self._scenes, generator = _make_backdrop(settings, optics, seed)
+        self._generator = copy.deepcopy(generator)
         self._darkness: list[Image] = []
         self._frames = 0
         dark = self._marker.kind == "blob" and self._marker.polarity == "dark"
@@ -132,7 +124,9 @@ class MarkerRenderer:
         """Return a frame with the lens covered."""
         if not self._darkness:
             night = np.full_like(self._scene, _DARK_LEVEL)
-            self._darkness = [self._with_noise(night) for _ in range(_SCENES)]
+            self._darkness = [
+                _with_noise(night, self._optics, self._generator) for _ in range(_SCENES)
+            ]
         self._frames += 1
         return self._darkness[self._frames % _SCENES].copy()
 
@@ -171,24 +165,74 @@ class MarkerRenderer:
             slice(max(left - margin, 0), right + margin),
         )
 
-    def _make_scene(self, shape: tuple[int, int]) -> NDArray[np.float32]:
-        """Return the scene without marker and noise, counts."""
-        optics = self._optics
-        y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, count) for count in shape), indexing="ij")
-        light = optics.background * (1.0 - optics.vignetting * 0.5 * (x * x + y * y))
-        for _ in range(6):  # a few soft waves: nothing in a lab is evenly lit
-            fx, fy, phase = self._generator.uniform([-6, -6, 0], [6, 6, 6.3])
-            light += optics.texture / sqrt(3.0) * np.sin(fx * x + fy * y + phase)
-        if self._marker.kind == "aruco" or self._marker.polarity == "dark":
-            light += 0.5 * optics.marker  # such markers are seen before a light scene
-        scene: NDArray[np.float32] = np.clip(light, 0.0, 255.0).astype(np.float32)
-        return scene
 
-    def _with_noise(self, scene: NDArray[np.float32]) -> Image:
-        spread = np.sqrt(self._optics.read_noise**2 + self._optics.shot_noise * scene)
-        noisy = scene + spread * self._generator.standard_normal(scene.shape, np.float32)
-        image: Image = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
-        return image
+class _Backdrop(NamedTuple):
+    """What a camera sees without its marker; nobody writes to it.
+
+    Attributes
+    ----------
+    rays : ndarray, shape (height, width, 2)
+        Direction of each pixel's ray, (x/z, y/z).
+    scene : ndarray, shape (height, width)
+        Without noise, counts.
+    scenes : list of ndarray
+        With different noise.
+    generator : numpy.random.Generator
+        As it is after them.
+    """
+
+    rays: NDArray[np.float32]
+    scene: NDArray[np.float32]
+    scenes: list[Image]
+    generator: np.random.Generator
+
+
+@lru_cache(maxsize=2)  # some 20 MB each, and half a second: most runs of a process share a camera
+def _make_backdrop(
+    settings: MarkerCameraSettings, optics: CameraSimulationSettings, seed: int
+) -> _Backdrop:
+    generator = np.random.default_rng(seed)
+    lens = settings.intrinsics
+    shape = (settings.height, settings.width)
+    rays = np.empty((*shape, 2), np.float32)
+    trace_rays(
+        rays,
+        np.array([lens.fx, lens.fy]),
+        np.array([lens.cx, lens.cy]),
+        np.array([lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]),
+    )
+    bright = settings.marker.kind == "aruco" or settings.marker.polarity == "dark"
+    scene = _make_scene(shape, optics, generator, bright=bright)
+    scenes = [_with_noise(scene, optics, generator) for _ in range(_SCENES)]
+    return _Backdrop(rays, scene, scenes, generator)
+
+
+def _make_scene(
+    shape: tuple[int, int],
+    optics: CameraSimulationSettings,
+    generator: np.random.Generator,
+    *,
+    bright: bool,
+) -> NDArray[np.float32]:
+    """Return the scene without marker and noise, counts."""
+    y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, count) for count in shape), indexing="ij")
+    light = optics.background * (1.0 - optics.vignetting * 0.5 * (x * x + y * y))
+    for _ in range(6):  # a few soft waves: nothing in a lab is evenly lit
+        fx, fy, phase = generator.uniform([-6, -6, 0], [6, 6, 6.3])
+        light += optics.texture / sqrt(3.0) * np.sin(fx * x + fy * y + phase)
+    if bright:  # dark markers, and squares, are seen before a light scene
+        light += 0.5 * optics.marker
+    scene: NDArray[np.float32] = np.clip(light, 0.0, 255.0).astype(np.float32)
+    return scene
+
+
+def _with_noise(
+    scene: NDArray[np.float32], optics: CameraSimulationSettings, generator: np.random.Generator
+) -> Image:
+    spread = np.sqrt(optics.read_noise**2 + optics.shot_noise * scene)
+    noisy = scene + spread * generator.standard_normal(scene.shape, np.float32)
+    image: Image = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    return image
 
 
 @lru_cache(maxsize=8)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from camera_scenes import QUIET, H, pose, small
 
+from drivers.sim.camera import renderer
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.renderer import MarkerRenderer, marker_cells
 from drivers.sim.camera.settings import CameraSimulationSettings
@@ -94,6 +95,21 @@ def test_equal_seeds_give_equal_images():
 def test_frames_in_a_row_differ_in_their_noise():
     renderer = MarkerRenderer(small(), CameraSimulationSettings(), 1)
     assert not (renderer.render([pose(0.1)]) == renderer.render([pose(0.1)])).all()
+
+
+@pytest.mark.parametrize("count", np.random.default_rng(61).integers(1, 9, 2))
+def test_what_one_camera_saw_changes_no_other(count):
+    """They share what they see without a marker."""
+    first = MarkerRenderer(small(), CameraSimulationSettings(), 3)
+    seen = [first.render([pose(0.01 * k)]) for k in range(count)]
+    for image in seen:
+        image[:] = 0
+    later = MarkerRenderer(small(), CameraSimulationSettings(), 3)
+    renderer._make_backdrop.cache_clear()
+    alone = MarkerRenderer(small(), CameraSimulationSettings(), 3)
+    for k in range(count):
+        assert (later.render([pose(0.01 * k)]) == alone.render([pose(0.01 * k)])).all()
+    assert (later.render(()) == alone.render(())).all()
 
 
 @pytest.mark.parametrize(
