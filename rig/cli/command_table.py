@@ -3,6 +3,7 @@
 COMMANDS = {
     "run": ("rig.cli.run:run", "Run an experiment and leave a run folder."),
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
+    "sweep": ("rig.cli.sweep:sweep", "Run an experiment under many settings, resumable."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "reset": ("rig.cli.reset:reset", "Reset a rig's latched fault."),

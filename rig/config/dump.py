@@ -37,11 +37,15 @@ def dump_resolved(resolved: Profile | Experiment) -> str:
         A file without ``extends``, options or defaults left out, numbers in SI. Loading it
         gives an equal object; calibrations are in it and are not laid over once more.
     """
-    content = _profile(resolved) if isinstance(resolved, Profile) else _entries(resolved)
     return yaml.dump(
-        content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
+        plain_of(resolved), Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100,
         default_flow_style=None,
     )  # fmt: skip
+
+
+def plain_of(resolved: Profile | Experiment) -> dict[str, Plain]:
+    """Return a profile or experiment as plain data: what `dump_resolved` writes."""
+    return _profile(resolved) if isinstance(resolved, Profile) else _entries(resolved)
 
 
 def setting_of(name: str, profile: Profile, experiment: Experiment) -> Plain:

@@ -1,0 +1,151 @@
+"""`rig sweep`: an experiment under many settings, in parallel, resumable."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.names import complete_experiment, configs_option, rig_option, set_option, yes_option
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.sweeping.result import Sweep
+
+_SHOWN = 12
+"""So many rows stand in the table on stdout, the best first."""
+
+
+@click.command()
+@click.argument("experiment", shell_complete=complete_experiment)
+@click.option(
+    "--vary", "axes", multiple=True, metavar="A.B=VALUES",
+    help="A setting and its values: 1..5:9, '10..50 kPa:5', log:1..100:5, x,y, or drawn together "
+    "with other axes: uniform:0..1:50, normal:1+-0.1:50, sobol:0..1:64.",
+)  # fmt: skip
+@click.option("--seeds", metavar="FIRST:END", help="Seeds of the simulation: 0:20 is 0 to 19.")
+@click.option(
+    "--on", "backend", type=click.Choice(("sim", "virtual", "vcan", "hardware")),
+    default=None, help="As for `rig run`; default: virtual.",
+)  # fmt: skip
+@rig_option
+@set_option
+@click.option("--workers", type=int, default=None, help="Points at once; default: processors.")
+@click.option("--dask", metavar="ADDRESS", help="A Dask scheduler: tcp://host:8786, or its file.")
+@click.option("--stop-when", metavar="'METRIC < BOUND'", help="End with the first such point.")
+@click.option("--budget", metavar="TIME", help="Begin no point after 30 min, or '500 points'.")
+@click.option("--metric", help="The metric to draw, and to be best in; default: the first.")
+@click.option("--keep", metavar="K|all", help="Logs of the best K, 3; failures' always.")
+@click.option("--draw-seed", type=int, default=None, help="Of axes that are drawn.")
+@click.option("--serial", is_flag=True, help="One after the other on one rig, hardware too.")
+@click.option("--cool-down", metavar="TIME", help="With --serial: rest between two points.")
+@click.option(
+    "--out", type=click.Path(path_type=Path),
+    help="The sweep's folder; default: runs/sweeps/EXPERIMENT-BACKEND.",
+)  # fmt: skip
+@configs_option
+@click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
+@yes_option
+def sweep(
+    experiment: str,
+    axes: tuple[str, ...],
+    seeds: str | None,
+    backend: str | None,
+    rig_name: str | None,
+    overrides: tuple[str, ...],
+    workers: int | None,
+    dask: str | None,
+    stop_when: str | None,
+    budget: str | None,
+    metric: str | None,
+    keep: str | None,
+    draw_seed: int | None,
+    serial: bool,
+    cool_down: str | None,
+    out: Path | None,
+    configs: Path | None,
+    as_json: bool,
+    yes: str | None,
+) -> int:
+    """Run EXPERIMENT under many settings; leave a table, a figure and a page.
+
+    EXPERIMENT is a name from `rig list`, the path of an experiment, or of a sweep file. What is
+    finished is never run again: the same command goes on after an interruption, and with another
+    value on an axis only what is new is run.
+    """
+    from rig.cli.announce import may_move
+    from rig.experiment.plan import load_plan
+    from rig.sweeping.axis import parse_axis, parse_seeds
+    from rig.sweeping.design import make_design
+    from rig.sweeping.progress import SweepProgress
+    from rig.sweeping.request import SweepRequest
+    from rig.sweeping.run import run_sweep
+    from rig.sweeping.stop_rule import parse_budget, parse_duration, parse_stop_rule
+    from rig.sweeping.sweep_file import is_sweep_file, load_sweep, parse_keep
+
+    file = load_sweep(Path(experiment)) if is_sweep_file(experiment) else SweepRequest(experiment)
+    # What the command line says goes before what the file says.
+    said: dict[str, Any] = {
+        "on": backend,
+        "rig": rig_name,
+        "configs": configs,
+        "workers": workers,
+        "dask": dask,
+        "out": out,
+        "best": metric,
+        "draw_seed": draw_seed,
+        "seeds": seeds and parse_seeds(seeds),
+        "stop_when": stop_when and parse_stop_rule(stop_when),
+        "keep": keep and parse_keep(keep),
+        "cool_down": cool_down and parse_duration(cool_down),
+    }
+    if budget:
+        said["seconds"], said["points"] = parse_budget(budget)
+    request = replace(
+        file,
+        **{name: value for name, value in said.items() if value is not None},
+        axes=(*file.axes, *map(parse_axis, axes)),
+        options=(*file.options, *overrides),
+        serial=serial,
+    ).checked()
+    if request.serial:
+        first = make_design(request.axes, request.seeds, request.draw_seed).options(0)
+        options = (*request.options, *first)
+        plan = load_plan(request.experiment, options, rig=request.rig, configs=request.configs)
+        if not may_move(plan, request.on, yes):
+            return 2
+    found = run_sweep(request, SweepProgress)
+    if as_json:
+        print_data(json.dumps(found.table, indent=2))
+    else:
+        show(found, request.best)
+    return 130 if found.end == "interrupted" else 0
+
+
+def show(found: Sweep, metric: str | None) -> None:
+    """Print the best points on stdout, and where all of them are on stderr."""
+    from rig.config.formats import format_quantity
+
+    data = found.data
+    counts = {status: data.statuses.count(status) for status in dict.fromkeys(data.statuses)}
+    if data.metrics:
+        name, _ = data.metric(metric)
+        header = (*data.settings, "status", *data.metrics)
+        rows = [
+            (
+                *(str(values[number]) for values in data.settings.values()),
+                data.statuses[number],
+                *(
+                    format_quantity(column.numbers[number], column.unit or "1")
+                    for column in data.metrics.values()
+                ),
+            )
+            for number in data.order(metric)[:_SHOWN]
+        ]
+        print_tables([Table(f"best in {name}", header, rows)])
+    told = ", ".join(f"{count} {status}" for status, count in counts.items())
+    click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
+    click.echo(f"{found.end}: {found.folder / 'sweep.csv'}, sweep.html", err=True)

@@ -1,0 +1,66 @@
+"""What runs points: the seam between a sweep and the machines that it goes to."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from rig.sweeping.finding import Finding
+from rig.sweeping.point import PointJob
+
+Perform = Callable[[PointJob], Finding]
+
+
+class WorkerSetup(NamedTuple):
+    """What workers need before their first point.
+
+    Parameters
+    ----------
+    perform : str
+        What runs a point, ``"module:function"``.
+    code : str
+        The version of the code that they have to run; empty if it does not matter.
+    log : Path or None
+        Takes what workers write to their standard error.
+    """
+
+    perform: str = "rig.sweeping.point:perform"
+    code: str = ""
+    log: Path | None = None
+
+
+class Report(NamedTuple):
+    """What an engine says of a point.
+
+    Parameters
+    ----------
+    name : str
+        The point's.
+    finding : Finding or None
+        What became of it.
+    trouble : str
+        Why no point can be run here, if it is so.
+    died : bool
+        Whether the worker that had it died.
+    """
+
+    name: str
+    finding: Finding | None = None
+    trouble: str = ""
+    died: bool = False
+
+
+class Engine(Protocol):
+    """Runs points; however it does, what becomes of a point is the same."""
+
+    @property
+    def slots(self) -> int:
+        """How many points it takes at once."""
+
+    def submit(self, job: PointJob) -> None:
+        """Take a point."""
+
+    def wait(self, timeout: float) -> list[Report]:
+        """Return what is finished, after `timeout` seconds at the latest."""
+
+    def close(self) -> None:
+        """End its workers at once."""

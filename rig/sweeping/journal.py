@@ -1,0 +1,127 @@
+"""What is finished of a sweep: one line for each point, on the disk before the next one counts."""
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO, cast
+
+from rig.hal import ConfigurationError
+from rig.spare_room import SpareRoom, append_line
+from rig.sweeping.errors import SweepStopped
+from rig.sweeping.finding import Finding
+
+JOURNAL = "points.jsonl"
+_LOCK = ".lock"
+
+
+class Journal:
+    """The finished points of a sweep's folder, which one process at a time may add to.
+
+    A line that a killed process left unfinished is cut off. Of each point the place of its line
+    is kept in memory, and nothing else.
+
+    Parameters
+    ----------
+    folder : Path
+        The sweep's; made if it is not there.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder cannot be made or written to.
+    SweepStopped
+        Another process works in it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._places: dict[bytes, int] = {}
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _take_lock(folder / _LOCK, folder)
+            self._spare = SpareRoom(folder)
+            self._spare.take()
+            self._fd = os.open(folder / JOURNAL, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+            self._reader: BinaryIO = (folder / JOURNAL).open("rb")
+            self._read()
+        except OSError as error:
+            raise ConfigurationError(
+                f"cannot keep a sweep in {folder}: {error.strerror or error}; choose another place "
+                "with --out"
+            ) from error
+
+    def __contains__(self, name: str) -> bool:
+        return bytes.fromhex(name) in self._places
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+    def __getitem__(self, name: str) -> Finding:
+        self._reader.seek(self._places[bytes.fromhex(name)])
+        return cast("Finding", json.loads(self._reader.readline()))
+
+    def add(self, finding: Finding) -> None:
+        """Keep what became of a point; it is on the disk when this returns.
+
+        Raises
+        ------
+        SweepStopped
+            It cannot be written; what was kept before stays.
+        """
+        line = (json.dumps(finding, ensure_ascii=False) + "\n").encode()
+        try:
+            place = os.fstat(self._fd).st_size
+            append_line(self._fd, line)
+            os.fdatasync(self._fd)
+        except OSError as error:
+            self._spare.give_back()  # for the table of what is finished
+            raise SweepStopped(
+                str(self.folder / JOURNAL),
+                f"{error.strerror or error}; what is finished is kept, and the same command "
+                "goes on from there",
+            ) from error
+        self._places[bytes.fromhex(finding["point"])] = place
+
+    def close(self) -> None:
+        """Let go of the folder."""
+        self._spare.give_back()
+        self._reader.close()
+        os.close(self._fd)
+        os.close(self._lock)
+
+    def _read(self) -> None:
+        whole = 0
+        for line in self._lines():
+            try:
+                name = json.loads(line)["point"]
+            except (ValueError, KeyError, TypeError) as error:
+                raise ConfigurationError(
+                    f"{self.folder / JOURNAL} is no journal of a sweep, or of another version: "
+                    "choose another folder with --out"
+                ) from error
+            self._places[bytes.fromhex(name)] = whole
+            whole += len(line)
+        os.ftruncate(self._fd, whole)
+
+    def _lines(self) -> Iterator[bytes]:
+        for line in self._reader:
+            if line.endswith(b"\n"):
+                yield line
+
+
+def _take_lock(path: Path, folder: Path) -> int:
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        who = os.read(descriptor, 32).decode(errors="replace").strip() or "unknown"
+        os.close(descriptor)
+        raise SweepStopped(
+            str(folder), f"another sweep works here (process {who}); wait for it, or take another "
+            "folder with --out"
+        ) from None  # fmt: skip
+    os.ftruncate(descriptor, 0)
+    os.write(descriptor, f"{os.getpid()}\n".encode())
+    return descriptor

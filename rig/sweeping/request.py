@@ -1,0 +1,116 @@
+"""What is asked of a sweep, checked before anything runs."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from rig.hal import ConfigurationError
+from rig.sweeping.axis import Axis, DrawnAxis
+from rig.sweeping.stop_rule import StopRule
+
+SWEEPS: Final = Path("runs/sweeps")
+"""Where sweeps live unless they are told otherwise."""
+SIMULATED: Final = ("sim", "virtual")
+"""Backends on which points do not disturb each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class SweepRequest:
+    """A sweep as it was asked for.
+
+    Parameters
+    ----------
+    experiment : str
+        A name, or the path of a file.
+    axes : tuple of Axis or DrawnAxis
+        What is varied.
+    seeds : Axis, optional
+        Seeds of the simulation.
+    on : str
+        The backend.
+    options : tuple of str
+        Settings of every point, as for ``--set``.
+    rig : str, optional
+        Another rig than the experiment's.
+    configs : Path, optional
+        The folder of the configurations.
+    workers : int
+        How many points at once, on this machine; 0: one for each processor.
+    dask : str, optional
+        A scheduler's address or file.
+    serial : bool
+        One point after the other, in this process.
+    cool_down : float
+        Rest between two points of `serial`, s.
+    out : Path, optional
+        The sweep's folder.
+    draw_seed : int
+        Of drawn axes.
+    stop_when : StopRule, optional
+        Ends the sweep with the first point of which it is true.
+    seconds, points : float or None
+        The budget.
+    best : str, optional
+        The metric that the best points are best in; default: the first one.
+    keep : int
+        Of how many of the best the run folder is kept; -1: of all.
+    """
+
+    experiment: str
+    axes: tuple[Axis | DrawnAxis, ...] = ()
+    seeds: Axis | None = None
+    on: str = "virtual"
+    options: tuple[str, ...] = ()
+    rig: str | None = None
+    configs: Path | None = None
+    workers: int = 0
+    dask: str | None = None
+    serial: bool = False
+    cool_down: float = 0.0
+    out: Path | None = None
+    draw_seed: int = 0
+    stop_when: StopRule | None = None
+    seconds: float | None = None
+    points: float | None = None
+    best: str | None = None
+    keep: int = 3
+
+    @property
+    def folder(self) -> Path:
+        """The sweep's folder."""
+        return self.out or SWEEPS / f"{Path(self.experiment).stem}-{self.on}"
+
+    def checked(self) -> "SweepRequest":
+        """Return the request.
+
+        Raises
+        ------
+        ConfigurationError
+            It asks for what does not go together.
+        """
+        if not self.axes and self.seeds is None:
+            raise ConfigurationError("nothing is varied: --vary a.b=1..5:9, or --seeds 0:20")
+        if self.on not in SIMULATED and not self.serial:
+            raise ConfigurationError(
+                f"a sweep on {self.on} has one rig for all of its points: --serial runs them one "
+                "after the other"
+            )
+        if self.serial and self.dask is not None:
+            raise ConfigurationError("--serial runs here, --dask elsewhere: leave out one")
+        if not 0 <= self.workers <= 1024:
+            raise ConfigurationError(f"--workers {self.workers}: expected 1 to 1024")
+        return self
+
+
+def as_options(settings: Mapping[str, object]) -> tuple[str, ...]:
+    """Return settings as options for ``--set``."""
+    return tuple(f"{key}={as_text(value)}" for key, value in settings.items())
+
+
+def as_text(value: object) -> str:
+    """Write a Python value as ``--set`` reads it."""
+    if isinstance(value, str):
+        return value
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,182 @@
+"""One sweep, from what was asked to its table, figure and page."""
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+
+from rig.assembly import Backend
+from rig.config import ProfileError
+from rig.experiment.permission import check_permitted
+from rig.experiment.plan import make_plan
+from rig.hal import ConfigurationError
+from rig.sweeping.axis import Axis
+from rig.sweeping.best import Best
+from rig.sweeping.code import CodeVersion, code_version
+from rig.sweeping.coordinator import Coordinator, Limits, Task
+from rig.sweeping.dask_cluster import DaskCluster
+from rig.sweeping.design import Design, make_design
+from rig.sweeping.engine import Engine, WorkerSetup
+from rig.sweeping.errors import SweepStopped
+from rig.sweeping.finding import Finding
+from rig.sweeping.journal import Journal
+from rig.sweeping.point import PointJob, reason_of
+from rig.sweeping.pool import Pool
+from rig.sweeping.progress import SweepProgress
+from rig.sweeping.request import SweepRequest
+from rig.sweeping.result import Rows, Sweep, SweepEnd, draw, write_sweep
+from rig.sweeping.serial import Serial
+from rig.sweeping.source import Source, freeze_configs, name_unresolved, resolve
+
+LOGS = "runs"
+_CONFIGS = ".configs"
+
+
+def run_sweep(request: SweepRequest, progress: Callable[[int], SweepProgress]) -> Sweep:
+    """Run what is not finished of a sweep, and write its table.
+
+    Parameters
+    ----------
+    request : SweepRequest
+        What is asked.
+    progress : callable
+        Makes what is told of it, from the number of points.
+
+    Returns
+    -------
+    Sweep
+        Of the points that are finished; Ctrl-C leaves a part of them.
+
+    Raises
+    ------
+    ConfigurationError
+        What was asked cannot be done, found before any point runs.
+    SweepStopped
+        Another sweep works in the folder, or points cannot be run any more; the table of what
+        is finished is written.
+    """
+    request = request.checked()
+    design = make_design(request.axes, request.seeds, request.draw_seed)
+    with closing(Journal(request.folder)) as journal:
+        code = code_version()
+        configs = request.folder.resolve() / _CONFIGS
+        name = freeze_configs(request.experiment, request.configs, configs)
+        source = Source(name, request.options, request.rig, request.on, code.digest)
+        check_axes(source, design, configs)
+        if request.serial:
+            _preflight(source, design, configs)
+        logs = request.folder.resolve() / LOGS
+        best = Best(request.best, request.keep, logs)
+        shown = progress(design.count)
+        with closing(_engine(request, code, configs, shown.say)) as engine:
+            coordinator = Coordinator(journal, engine, shown, _limits(request), best)
+            end, trouble = SweepEnd.DONE, None
+            try:
+                coordinator.run(_tasks(source, design, configs, logs))
+            except KeyboardInterrupt:
+                end = SweepEnd.INTERRUPTED
+            except SweepStopped as error:
+                trouble = error
+            if coordinator.cut:
+                end = SweepEnd.BUDGET
+        shown.clear()
+        _remove_unfinished(logs)
+        rows = Rows(design, coordinator, journal)
+        sweep = write_sweep(request.folder, rows, end, shown.say)
+        draw(
+            sweep,
+            request.best,
+            f"{name} on {request.on}, {len(sweep.data.points)} points",
+            shown.say,
+        )
+        changed = code.changed(code_version())
+        if changed:
+            more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+            shown.say(
+                f"the source changed meanwhile ({changed[0]}{more}); all points ran as it was"
+            )
+        if trouble is not None:
+            raise trouble
+        return sweep
+
+
+def check_axes(source: Source, design: Design, configs: Path) -> None:
+    """Check each value of each axis beside the first values of the others.
+
+    Raises
+    ------
+    ConfigurationError
+        A setting does not exist, or a value is not one of it.
+    """
+    first = design.options(0)
+    resolve(source, first, configs)
+    for place, axis in enumerate(design.axes):
+        for text in _telling(axis):
+            options = (*first[:place], f"{axis.setting}={text}", *first[place + 1 :])
+            try:
+                resolve(source, options, configs)
+            except ProfileError as error:
+                raise ConfigurationError(
+                    f"--vary {axis.setting}={text}: {reason_of(error)}"
+                ) from error
+
+
+def _telling(axis: Axis) -> tuple[str, ...]:
+    """Return the values that tell whether all can be: of many numbers the ends and some between."""
+    count = len(axis.texts)
+    if count <= 20:
+        return axis.texts
+    return tuple(axis.texts[place] for place in (0, count // 2, count - 1))
+
+
+def _tasks(source: Source, design: Design, configs: Path, logs: Path) -> Iterator[Task]:
+    for number in range(design.count):
+        options = design.options(number)
+        try:
+            name = resolve(source, options, configs).name
+        except ConfigurationError as error:
+            name = name_unresolved(source, options)
+            yield Finding(point=name, status="refused", reason=reason_of(error), metrics=[])
+        else:
+            yield PointJob(name, source, options, configs, logs)
+
+
+def _limits(request: SweepRequest) -> Limits:
+    rule = request.stop_when
+    return Limits(request.seconds, request.points, None if rule is None else rule.reached)
+
+
+def _engine(
+    request: SweepRequest, code: CodeVersion, configs: Path, say: Callable[[str], None]
+) -> Engine:
+    if request.serial:
+        return Serial(request.cool_down, say)
+    setup = WorkerSetup(code=code.digest, log=request.folder.resolve() / "workers.log")
+    if request.dask is not None:
+        return DaskCluster(request.dask, setup, configs)
+    return Pool(request.workers or os.cpu_count() or 1, setup)
+
+
+def _preflight(source: Source, design: Design, configs: Path) -> None:
+    """Refuse a queue of runs any of which cannot be done, before the rig moves.
+
+    Raises
+    ------
+    RigError
+        One cannot be done or is not permitted; with its settings.
+    """
+    for number in range(design.count):
+        options = design.options(number)
+        resolved = resolve(source, options, configs)
+        try:
+            plan = make_plan(resolved.experiment, resolved.profile)
+            check_permitted(plan, Backend(source.backend), heed_calibrations=True)
+        except ConfigurationError as error:
+            raise ConfigurationError(f"{' '.join(options)}: {error}") from error
+
+
+def _remove_unfinished(logs: Path) -> None:
+    """Remove the run folders of points that were under way."""
+    for folder in logs.glob(".*") if logs.is_dir() else ():
+        shutil.rmtree(folder, ignore_errors=True)

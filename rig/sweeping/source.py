@@ -1,0 +1,131 @@
+"""Where the points of a sweep come from: an experiment, and configurations that stand still."""
+
+import hashlib
+import json
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from rig.assembly import REGISTRY
+from rig.config import Experiment, Profile, find_configs, load_experiment, load_profile
+from rig.config.dump import plain_of
+from rig.config.names import find_file, is_path
+from rig.experiment.plan import split_overrides
+from rig.hal import ConfigurationError
+
+_LARGEST = 1 << 20
+"""No configuration is larger, bytes."""
+
+
+class Source(NamedTuple):
+    """What all points of a sweep have in common.
+
+    Parameters
+    ----------
+    experiment : str
+        A name, or the path of a file.
+    options : tuple of str
+        Settings of every point, as for ``--set``.
+    rig : str or None
+        Another rig than the experiment's.
+    backend : str
+        What it runs on.
+    code : str
+        The version of the code.
+    """
+
+    experiment: str
+    options: tuple[str, ...]
+    rig: str | None
+    backend: str
+    code: str
+
+
+class Resolved(NamedTuple):
+    """A point with every setting that it has.
+
+    Parameters
+    ----------
+    name : str
+        Says all that its result depends on: a hash of its settings and of the code.
+    experiment, profile : Experiment, Profile
+        As loaded.
+    """
+
+    name: str
+    experiment: Experiment
+    profile: Profile
+
+
+def resolve(source: Source, options: Sequence[str], configs: Path) -> Resolved:
+    """Load a point's experiment and profile, and name it by them.
+
+    Raises
+    ------
+    ConfigurationError
+        They are not valid.
+    """
+    search = find_configs(configs)
+    for_experiment, for_profile = split_overrides((*source.options, *options))
+    if source.rig is not None:
+        for_experiment = [*for_experiment, f"rig={source.rig}"]
+    experiment = load_experiment(source.experiment, REGISTRY, for_experiment, search)
+    profile = load_profile(experiment.rig, REGISTRY, for_profile, search)
+    sheets = [
+        hashlib.sha256(entry.eds.read_bytes()).hexdigest()
+        for entry in profile.devices.values()
+        if entry.eds is not None
+    ]
+    content = [source.code, source.backend, plain_of(experiment), plain_of(profile), sheets]
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False)
+    return Resolved(hashlib.sha256(text.encode()).hexdigest()[:32], experiment, profile)
+
+
+def name_unresolved(source: Source, options: Sequence[str]) -> str:
+    """Return the name of a point whose settings cannot be resolved."""
+    text = json.dumps([*source, *options], ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def freeze_configs(experiment: str, given: Path | None, into: Path) -> str:
+    """Copy the configurations, so that what is edited from now on changes no point.
+
+    Parameters
+    ----------
+    experiment : str
+        A name, or the path of a file, which is copied with those beside it.
+    given : Path, optional
+        The folder of the configurations.
+    into : Path
+        A folder; what was there is removed.
+
+    Returns
+    -------
+    str
+        The experiment's name in the copy.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such experiment, or the copy cannot be written.
+    """
+    search = find_configs(given)
+    path = find_file(experiment, "experiments", search)
+    try:
+        shutil.rmtree(into, ignore_errors=True)
+        for folder in reversed(search):  # an earlier folder hides a later one
+            shutil.copytree(folder, into, ignore=_too_large, dirs_exist_ok=True)
+        if is_path(experiment):
+            beside = into / "experiments"
+            beside.mkdir(parents=True, exist_ok=True)
+            for file in {path, *path.parent.glob("*.yaml")}:
+                shutil.copy(file, beside)
+    except (OSError, shutil.Error) as error:
+        raise ConfigurationError(f"cannot copy the configurations to {into}: {error}") from error
+    return path.stem
+
+
+def _too_large(folder: str, names: list[str]) -> list[str]:
+    paths = [Path(folder, name) for name in names]
+    return [p.name for p in paths if p.is_file() and p.stat().st_size > _LARGEST]

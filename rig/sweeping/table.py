@@ -1,0 +1,167 @@
+"""The table of a sweep: one row for each point, in the order of the points."""
+
+import contextlib
+import csv
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rig.config.quantities import UnitError, parse_any_quantity
+from rig.hal import ConfigurationError
+from rig.sweeping.errors import SweepStopped
+from rig.sweeping.finding import Finding
+
+if TYPE_CHECKING:
+    from pyarrow import DataType
+
+CSV, PARQUET = "sweep.csv", "sweep.parquet"
+_BATCH: Final = 1024
+"""Rows that are written at once."""
+
+_NUMBER: Final = re.compile(r"[-+]?([0-9]{1,18}|[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)?|[0-9]+\.)")
+
+Cell = float | int | str | bool | None
+
+
+class TableRow(NamedTuple):
+    """A point with what became of it.
+
+    Parameters
+    ----------
+    number : int
+        Its place in the sweep.
+    values : tuple
+        Of the axes, numbers in SI.
+    finding : Finding
+        What became of it.
+    """
+
+    number: int
+    values: tuple[Cell, ...]
+    finding: Finding
+
+
+class Columns(NamedTuple):
+    """The columns of a table.
+
+    Parameters
+    ----------
+    settings : dict of str to type
+        What was varied, and what its values are.
+    metrics : tuple of str
+        In the order in which points have them.
+    """
+
+    settings: dict[str, type]
+    metrics: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The header."""
+        of_metrics = (name for metric in self.metrics for name in (metric, f"{metric}.unit"))
+        return ("point", *self.settings, "status", "reason", *of_metrics)
+
+    def cells(self, row: TableRow) -> list[Cell]:
+        """Return a row's cells."""
+        finding = row.finding
+        known = {metric["name"]: metric for metric in finding["metrics"]}
+        values = [kind(v) for kind, v in zip(self.settings.values(), row.values, strict=True)]
+        found: list[Cell] = [finding["point"], *values, finding["status"], finding["reason"]]
+        for name in self.metrics:
+            metric = known.get(name)
+            found += [None, None] if metric is None else [metric["value"], metric["unit"]]
+        return found
+
+
+def value_of(text: str) -> Cell:
+    """Return a setting's value as a table has it: a number in SI, or the text itself."""
+    if _NUMBER.fullmatch(text):
+        return int(text) if text.lstrip("+-").isdigit() else float(text)
+    try:
+        return float(parse_any_quantity(text)[0])
+    except UnitError:
+        return text
+
+
+def kind_of(values: Iterable[Cell]) -> type:
+    """Return the type that all values of a setting can have."""
+    kinds = {type(value) for value in values}
+    if kinds == {int}:
+        return int
+    return float if kinds <= {int, float} else str
+
+
+def find_columns(settings: dict[str, type], rows: Iterable[TableRow]) -> Columns:
+    """Return the columns that rows need."""
+    metrics: dict[str, None] = {}
+    for row in rows:
+        for metric in row.finding["metrics"]:
+            metrics.setdefault(metric["name"])
+    return Columns(settings, tuple(metrics))
+
+
+def write_csv(folder: Path, columns: Columns, rows: Iterable[TableRow]) -> Path:
+    """Write ``sweep.csv``, whole or not at all.
+
+    Raises
+    ------
+    SweepStopped
+        It cannot be written.
+    """
+
+    def write(path: Path) -> None:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(columns.names)
+            writer.writerows(columns.cells(row) for row in rows)
+
+    return _write(folder / CSV, write)
+
+
+def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> Path:
+    """Write ``sweep.parquet``, whole or not at all.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no pyarrow.
+    SweepStopped
+        It cannot be written.
+    """
+    try:
+        import pyarrow
+        from pyarrow.parquet import ParquetWriter
+    except ImportError as error:
+        raise ConfigurationError(
+            "there is no sweep.parquet: it takes pyarrow, pip install 'rig-controller[parquet]'"
+        ) from error
+    types: dict[type, DataType] = {
+        int: pyarrow.int64(), float: pyarrow.float64(), str: pyarrow.string()
+    }  # fmt: skip
+    numbers = {**columns.settings, **dict.fromkeys(columns.metrics, float)}
+    schema = pyarrow.schema([(name, types[numbers.get(name, str)]) for name in columns.names])
+
+    def write(path: Path) -> None:
+        with ParquetWriter(path, schema, compression="zstd") as writer:
+            while batch := [columns.cells(row) for row in islice(rows, _BATCH)]:
+                data = [list(column) for column in zip(*batch, strict=True)]
+                writer.write_table(pyarrow.table(data, schema=schema))
+
+    return _write(folder / PARQUET, write)
+
+
+def _write(path: Path, write: Callable[[Path], None]) -> Path:
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        write(temporary)
+        temporary.replace(path)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise SweepStopped(
+            str(path), f"cannot be written: {error.strerror or error}; what is finished is kept"
+        ) from error
+    return path
