@@ -62,7 +62,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
     goal : Goal
         Where the state machine shall go, one transition a time.
     contact : DriveContact or None
-        The emergency stop that is wired to this drive.
+        Its emergency stop.
     """
 
     position_source = "0x6064:00"
@@ -85,8 +85,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.state: DriveState | None = None
         self.goal = Goal.DISABLED
         self.node = CanopenNode(self.name, settings.node, bus)
-        self._shared = shared
-        self._joint = joint
+        self._shared, self._joint = shared, joint
         self._period = period
         self._follows_velocity = follows_velocity
         codec = DriveCodec(settings)
