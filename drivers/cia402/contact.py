@@ -15,6 +15,11 @@ from rig.hal import Reading
 DIGITAL_INPUTS: Final = Entry(0x60FD, 0, "u32")
 
 
+def contact_at(joint: str, settings: ContactSettings | None) -> "DriveContact | None":
+    """Return the contact that is wired to a joint's drive, if one is."""
+    return None if settings is None or settings.joint != joint else DriveContact(settings)
+
+
 class DriveContact:
     """The contact as the drive's samples show it; pressed until it is seen closed.
 

@@ -8,6 +8,7 @@ IEC 61800-7-201 (CiA 402-2): state machine, modes csp (8) and csv (9). CiA 301: 
 from math import inf
 
 from drivers.canopen.bus import CanopenBus
+from drivers.cia402.contact import DIGITAL_INPUTS
 from drivers.cia402.drive import Cia402Drive
 from drivers.cia402.settings import Cia402Settings
 from drivers.cia402.setup import encode_interpolation_period, reset_fault
@@ -87,7 +88,8 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
     def look(self) -> None:
         """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
         if self._contact is not None:
-            self._watched.look(self._contact)
+            inputs = DIGITAL_INPUTS
+            self._watched.node.asked.ask(inputs.object, inputs.sub, self._contact.take_look)
 
     def arm(self) -> None:
         """Start the nodes and take first readings; the cycles from now on enable the drives.

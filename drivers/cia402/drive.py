@@ -8,7 +8,7 @@ from drivers.canopen.bus import CanopenBus
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.cia402.codec import DriveCodec
-from drivers.cia402.contact import DIGITAL_INPUTS, DriveContact
+from drivers.cia402.contact import contact_at
 from drivers.cia402.errors import describe_error
 from drivers.cia402.settings import PROFILE, Cia402Settings, DriveSettings
 from drivers.cia402.setup import (
@@ -62,7 +62,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
     goal : Goal
         Where the state machine shall go, one transition a time.
     contact : DriveContact or None
-        The emergency stop that is wired to this drive.
+        Its emergency stop.
     """
 
     position_source = "0x6064:00"
@@ -85,8 +85,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         self.state: DriveState | None = None
         self.goal = Goal.DISABLED
         self.node = CanopenNode(self.name, settings.node, bus)
-        self._shared = shared
-        self._joint = joint
+        self._shared, self._joint = shared, joint
         self._period = period
         self._follows_velocity = follows_velocity
         codec = DriveCodec(settings)
@@ -109,9 +108,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             3 + order.index(what) if what in order else None
             for what in ("velocity", "torque", "error_code", "demand")
         )
-        wired = shared.stop_contact
-        at_this = wired is not None and wired.joint == joint
-        self.contact = DriveContact(wired) if wired is not None and at_this else None
+        self.contact = contact_at(joint, shared.stop_contact)
         self._pack = layout_struct(shared.receive_layout).pack
         self.pdo = CyclicFrame(pdo_id(1, settings.node), self._pack(DISABLE_VOLTAGE, 0, self._mode))
         bus.add(self.pdo)
@@ -254,10 +251,6 @@ class Cia402Drive(AxisDrive[DriveSettings]):
                 value=f"{self.position:.6g} rad",
                 bound=self._range(),
             )
-
-    def look(self, contact: DriveContact) -> None:
-        """Ask for the contact of the emergency stop, while no sample shows it."""
-        self.node.asked.ask(DIGITAL_INPUTS.object, DIGITAL_INPUTS.sub, contact.take_look)
 
     @property
     def is_enabled(self) -> bool:
