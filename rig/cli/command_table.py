@@ -12,7 +12,7 @@ COMMANDS = {
     "faults": ("rig.cli.faults:faults", "Break a rig in simulation, and judge what comes of it."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
-    "export": ("rig.cli.export:export", "Write a run's log as csv, npz or mat."),
+    "export": ("rig.cli.export:export", "Write a run's log for other programs."),
     "replay": ("rig.cli.replay:replay", "Feed a run's log to the code at hand."),
     "schema": ("rig.cli.schema:schema", "Print the JSON Schema of a file, for editors."),
     "completion": ("rig.cli.completion:completion", "Print a shell's completion script."),

@@ -14,18 +14,19 @@ from rig.cli.names import complete_run, find_run, runs_option
 @click.option(
     "--format",
     "format",
-    type=click.Choice(["csv", "npz", "mat"]),
+    type=click.Choice(["csv", "npz", "mat", "parquet", "mcap"]),
     required=True,
-    help="csv: text. npz: numpy. mat: MATLAB.",
+    help="csv: text. npz: numpy. mat: MATLAB. parquet: pandas and others. mcap: in chunks with an "
+    "index, for viewers that want one.",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="File to write; default: log.FORMAT in the run folder.",
+    help="File to write; default: log.FORMAT in the run folder, log-indexed.mcap for mcap.",
 )
 @runs_option
 def export(run: str, format: str, out: Path | None, runs: Path) -> int:
-    """Write the log of RUN as csv, npz or mat, and print the file's path.
+    """Write the log of RUN in another format, and print the file's path.
 
     RUN is a run folder, the name of one, or "latest". A run that crashed exports as far as its
     log goes.

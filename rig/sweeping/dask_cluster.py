@@ -195,7 +195,7 @@ def _check_versions(client: "Client", address: str) -> None:
 
 def _wait_for_threads(client: "Client", address: str) -> int:
     end = time.monotonic() + _NO_WORKERS
-    while not (threads := sum(client.nthreads().values())):
+    while not (threads := int(sum(client.nthreads().values()))):
         if time.monotonic() > end:
             raise ConnectionFailed(address, "its cluster has no workers")
         time.sleep(0.2)

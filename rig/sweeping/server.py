@@ -14,7 +14,7 @@ import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from rig.assembly.registry import load
+from rig.assembly.rows import load
 from rig.sweeping.code import code_version, import_all
 from rig.sweeping.engine import Perform, Report, WorkerSetup
 from rig.sweeping.errors import SweepStopped

@@ -10,7 +10,7 @@ from scipy.io import loadmat
 
 from rig.export import FORMATS, ExportError, export_run, matlab_names
 from rig.hal import ConfigurationError
-from rig.runtime.log import Log, read_log
+from rig.runtime.log import Log, LogError, read_log
 
 MakeRun = Callable[..., Path]
 
@@ -71,6 +71,59 @@ def test_killed_run_is_exported(make_run: MakeRun, format: str) -> None:
     if format == "npz":
         with np.load(run / "log.npz") as arrays:
             assert len(arrays["t"]) == 999
+
+
+def test_parquet_round_trip(run: Path, log: Log) -> None:
+    import pyarrow.parquet as pq
+
+    table = pq.read_table(export_run(run, "parquet"))
+    assert table.column_names == ["cycle", "t", *(column.name for column in log.columns)]
+    assert np.array_equal(table["cycle"], log.cycle)
+    assert np.array_equal(table["t"], log.t)
+    for column in log.columns:
+        assert np.array_equal(table[column.name], log.column(column.name))
+        assert table.schema.field(column.name).metadata[b"unit"] == column.unit.encode()
+
+
+def test_mcap_with_an_index_is_read_backwards(run: Path, log: Log) -> None:
+    from mcap.reader import SeekingReader
+    from mcap_ros2.decoder import DecoderFactory
+
+    with export_run(run, "mcap").open("rb") as stream:
+        reader = SeekingReader(stream, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        assert summary is not None and summary.statistics is not None
+        assert summary.statistics.message_count == len(log.t)
+        assert summary.chunk_indexes
+        assert {index.compression for index in summary.chunk_indexes} == {"zstd"}
+        found = [message for *_, message in reader.iter_decoded_messages(reverse=True)]
+    found.reverse()
+    assert len(found) == len(log.t)
+    for k, message in enumerate(found[::50]):
+        row = 50 * k
+        assert (message.cycle, message.t) == (log.cycle[row], log.t[row])
+        assert message.reading.position == log.column("reading.position")[row]
+
+
+def test_a_damaged_log_is_not_exported(run: Path) -> None:
+    content = bytearray((run / "log.mcap").read_bytes())
+    content[len(content) // 2] ^= 4
+    (run / "log.mcap").write_bytes(content)
+    for format in FORMATS:
+        with pytest.raises(LogError, match="checksum"):
+            export_run(run, format)
+    assert not list(run.glob("log?*.[!m]*")) and not list(run.glob(".log*"))
+
+
+def test_what_an_export_leaves_goes_to_its_own_place(run: Path, tmp_path: Path) -> None:
+    """Not through a link to another file, and never over the log."""
+    elsewhere = tmp_path / "precious"
+    elsewhere.write_text("mine")
+    (run / "log.csv").symlink_to(elsewhere)
+    export_run(run, "csv")
+    assert elsewhere.read_text() == "mine"
+    with pytest.raises(ConfigurationError, match="log itself"):
+        export_run(run, "mcap", run / "log.mcap")
 
 
 def test_matlab_names_are_legal_and_different() -> None:
