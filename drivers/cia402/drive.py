@@ -80,8 +80,7 @@ class Cia402Drive(AxisDrive[DriveSettings]):
         # In csp the drive watches as well, and knows more: it speaks first.
         patience = settings.following_time * (1.0 if follows_velocity else 2.0)
         super().__init__(device, joint, settings, patience)
-        self.status = 0
-        self.error_code = 0
+        self.status = self.error_code = 0
         self.state: DriveState | None = None
         self.goal = Goal.DISABLED
         self.node = CanopenNode(self.name, settings.node, bus)

@@ -110,7 +110,7 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
     """
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     try:
-        motion: Motion[Any] = mechanism.plan(
+        motion: Motion[object] = mechanism.plan(
             profile.mechanism_settings, reference, controller, profile.loop.period
         )
     except ValueError as error:

@@ -48,7 +48,7 @@ class Plan(NamedTuple):
     experiment: Experiment
     profile: Profile
     controller: Any
-    motion: Motion[Any]
+    motion: Motion[object]
     measures: Mapping[str, Measure] = MappingProxyType({})
     sources: Mapping[str, str] = MappingProxyType({})
 
@@ -163,7 +163,7 @@ def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experi
 
 
 def _check_metrics(
-    experiment: Experiment, motion: Motion[Any], mechanism: str, columns: Sequence[Column]
+    experiment: Experiment, motion: Motion[object], mechanism: str, columns: Sequence[Column]
 ) -> None:
     names = [segment.name for segment in motion.segments]
     facts, measures = motion.facts, known_measures(mechanism)

@@ -167,7 +167,7 @@ class MarkerRenderer:
 
 
 class _Backdrop(NamedTuple):
-    """What a camera sees without its marker; nobody writes to it.
+    """The view of a camera without its marker; nobody writes to it.
 
     Attributes
     ----------
