@@ -4,7 +4,15 @@ import inspect
 from types import SimpleNamespace
 
 import pytest
-from loop_fakes import PERIOD, Bench, FakeBus, FakeDevice, FakeMechanism, FakeRecorder
+from loop_fakes import (
+    PERIOD,
+    Bench,
+    FakeBus,
+    FakeDevice,
+    FakeMechanism,
+    FakeMotion,
+    FakeRecorder,
+)
 
 from rig.hal import DeviceFault, LoopStalled, StaleReading
 from rig.runtime import cycle as module
@@ -228,3 +236,12 @@ def test_a_stop_whose_state_nobody_could_read_is_not_recorded():
     mechanism.row = lambda *values: (7.0,)
     stop_recording(mechanism, rows)(64.0 + 4 * PERIOD)
     assert rows == []
+
+
+def test_what_a_motion_wants_written_is_an_event_of_its_cycle(monkeypatch):
+    monkeypatch.setattr(FakeMotion, "watches", True, raising=False)
+    monkeypatch.setattr(FakeMotion, "see", lambda *_: (("mark", "seen"),), raising=False)
+    bench = Bench()
+    bench.run()
+    marks = [(round(t / PERIOD), message) for t, kind, message, _ in bench.events if kind == "mark"]
+    assert marks == [(k, "seen") for k in range(10, 10 + len(marks))] and marks

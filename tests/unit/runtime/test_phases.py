@@ -182,3 +182,38 @@ def test_a_controller_that_cannot_go_on_is_a_fault_of_the_motion():
     run.go(4)
     with pytest.raises(SafetyError, match="the controller cannot go on: no way on"):
         run.step(4 * P, 4.0, 0)
+
+
+class Watching(Ramp):
+    """A motion that ends two periods after its third."""
+
+    watches = True
+
+    def __init__(self):
+        self.seen = []
+
+    def see(self, t, state, here):
+        self.seen.append((t / P, state, here))
+        if t < 3 * P:
+            return ()
+        self.duration = 5 * P
+        return (("mark", "seen"),)
+
+
+def test_a_motion_that_watches_sees_each_cycle_of_its_own_and_may_end_earlier():
+    run, motion, told = Run(), Watching(), []
+    run._motion, run._watches = motion, True
+    run.go(20)
+    assert motion.seen == [(float(k), 8.0 + k, 8.0 + k) for k in range(6)]
+    assert run.phase is Phase.STOP
+    run.t = 2.5
+    run.hand_over(lambda *event: told.append(event))
+    assert told == [(2.5, "mark", "seen", {})] * 3
+    assert run.notes == []
+
+
+def test_a_motion_that_watches_sees_nothing_once_a_stop_was_asked_for():
+    run, motion = Run(), Watching()
+    run._motion, run._watches = motion, True
+    run.go(14, stop=10)
+    assert [t for t, _, _ in motion.seen] == [0.0, 1.0]
