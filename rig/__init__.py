@@ -33,7 +33,9 @@ if TYPE_CHECKING:
         RunInterrupted,
     )
     from rig.scripting.recorded import Run
+    from rig.scripting.replaying import replay
     from rig.scripting.running import load, run, runs
+    from rig.sweeping.api import sweep
 
 _OFFERED = {
     **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
@@ -41,6 +43,8 @@ _OFFERED = {
     "check": "rig.scripting.checking",
     "calibrate": "rig.scripting.calibrating",
     "compare": "rig.scripting.comparing",
+    "replay": "rig.scripting.replaying",
+    "sweep": "rig.sweeping.api",
     "StopRequests": "rig.runtime.stop",
     **dict.fromkeys(
         ("RunError", "BoundMissed", "NotEnergised", "RunFaulted", "RunInterrupted"),
@@ -65,8 +69,10 @@ __all__ = [
     "check",
     "compare",
     "load",
+    "replay",
     "run",
     "runs",
+    "sweep",
 ]
 
 

@@ -10,7 +10,7 @@ from rig.run_folder import RunFolder
 from rig.runtime.cycle import RUN_COLUMNS
 from rig.runtime.log import Log, read_log
 
-PROFILE, EXPERIMENT = "profile.yaml", "experiment.yaml"
+PROFILE, EXPERIMENT, CODE = "profile.yaml", "experiment.yaml", "code"
 
 
 class Logged(NamedTuple):
@@ -100,6 +100,12 @@ def plan_of(folder: RunFolder, overrides: Sequence[str] = ()) -> Plan:
     for name in (PROFILE, EXPERIMENT):
         if not (folder.path / name).is_file():
             raise ConfigurationError(f"{folder.path} has no {name}: it is not a whole run folder")
+    if (folder.path / CODE).is_dir():
+        given = ", ".join(sorted(path.name for path in (folder.path / CODE).iterdir()))
+        raise ConfigurationError(
+            f"{folder.path} ran code that was given from Python ({CODE}/: {given}): only a program "
+            "that gives it again, with rig.run, can run it"
+        )
     # Absolute, so that nothing in it is taken for a name that is looked for elsewhere.
     here = folder.path.resolve()
     return load_plan(here / EXPERIMENT, overrides, rig=str(here / PROFILE))

@@ -88,6 +88,16 @@ def test_runs_side_by_side(recorded, out):
         rig.compare([recorded])
 
 
+def test_a_run_is_replayed(recorded, out):
+    found = rig.replay(recorded)
+    assert found.same
+    assert found.cycles == len(recorded.data)
+    assert np.any(rig.replay(recorded, controller="pid").most > 1e3)
+    given = rig.run("cylinder-staircase", on="sim", set=SHORT, controller=Pid, out=out)
+    with pytest.raises(rig.ConfigurationError, match=r"given from Python \(code/: Pid.py\)"):
+        rig.replay(given)
+
+
 def test_a_check_says_what_a_file_says():
     assert rig.check("cylinder")["name"] == "cylinder"
     assert rig.check("cylinder-sine")["experiment"]["name"] == "cylinder-sine"

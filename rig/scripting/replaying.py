@@ -1,0 +1,47 @@
+"""`rig.replay`: a recorded run's log through the code at hand."""
+
+from pathlib import Path
+
+from rig.replaying.open_loop import OpenLoopAnswer, answer
+from rig.replaying.recorded import open_recorded
+from rig.replaying.verify import Verification, verify
+from rig.scripting.recorded import Run
+from rig.scripting.running import Settings, as_options
+
+
+def replay(
+    run: Run | str | Path,
+    *,
+    controller: str | None = None,
+    set: Settings | None = None,
+) -> Verification | OpenLoopAnswer:
+    """Feed a run's readings to the controllers of the code at hand.
+
+    Parameters
+    ----------
+    run : Run or Path
+        A recorded run.
+    controller : str, optional
+        Another controller of its profile; what it would have commanded, in open loop.
+    set : mapping, optional
+        Other settings, likewise.
+
+    Returns
+    -------
+    Verification or OpenLoopAnswer
+        Whether every command is the log's, bit for bit; or what the other law would have
+        commanded, which the rig did not follow.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be replayed.
+    LogError
+        Its log is damaged.
+    """
+    path = run.path if isinstance(run, Run) else Path(run)
+    options = as_options(set)
+    if controller is not None:
+        options.append(f"controller={controller}")
+    recorded = open_recorded(path, options)
+    return answer(recorded) if options else verify(recorded)
