@@ -27,19 +27,15 @@ class Trajectory(Protocol):
 
     def pose(self, t: float) -> Pose:
         """Return the pose at a nominal time, s."""
-        ...
 
     def twist(self, t: float) -> Twist:
         """Return the twist at a nominal time, s."""
-        ...
 
     def command_at(self, gone: float) -> Twist:
         """Return the twist that a singularity-consistent law scales, where its sign turns back."""
-        ...
 
     def foot(self, position: Vector) -> Vector:
         """Return the place of the path that is nearest to a tool point, base axes, m."""
-        ...
 
 
 class ArmPath(ABC):

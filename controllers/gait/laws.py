@@ -5,7 +5,7 @@ Each is built from its settings, the robot's model and the loop's period, as `Ga
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from annotated_types import Ge, Gt, Unit
 
@@ -129,12 +129,3 @@ class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
             return TrapezoidNormPace(entry.arcs, entry.cycles, self.period, ramp, limit)
 
         return make
-
-
-LAWS: tuple[type[GaitLaw[Any]], ...] = (
-    InverseLaw,
-    LimitedNormLaw,
-    TrapezoidNormLaw,
-    MinimumJerkLaw,
-)
-"""In the order in which they are compared."""

@@ -42,7 +42,6 @@ class TimeLaw(Protocol):
 
     def advance(self, curve: PhaseCurve, cycle: int) -> None:
         """Move on by one period; `cycle` counts from 0."""
-        ...
 
 
 class _PathPace(ABC):

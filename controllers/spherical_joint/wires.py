@@ -27,7 +27,6 @@ class Wires(Protocol):
 
     def lengths(self, rotation: Rotation) -> Quadruple:
         """Return the lengths from anchor to adjust point, m."""
-        ...
 
 
 class WireMotion(NamedTuple):

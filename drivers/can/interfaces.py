@@ -36,22 +36,18 @@ class InterfaceSettings(Protocol):
     @property
     def interface(self) -> str:
         """The python-can interface."""
-        ...
 
     @property
     def channel(self) -> str:
         """What the interface calls the bus."""
-        ...
 
     @property
     def bitrate(self) -> int:
         """Of the bus, bit/s."""
-        ...
 
     @property
     def options(self) -> dict[str, str | int | float | bool]:
         """More arguments for python-can."""
-        ...
 
 
 def open_bus(settings: InterfaceSettings) -> FastCanBus:

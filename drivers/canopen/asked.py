@@ -16,7 +16,6 @@ class SendingBus(Protocol):
 
     def send(self, can_id: int, data: bytes) -> None:
         """Send it."""
-        ...
 
 
 class AskedObjects:

@@ -32,6 +32,8 @@ class CanopenBus(CyclicCanBus):
         Those so far.
     late_samples : list of callable
         Each returns how many samples of a device came in another cycle than that of their SYNC.
+    held_samples : list of callable
+        Each returns in how many cycles a device's last sample was held for want of a new one.
     lost_setpoints : list of callable
         Each returns how many setpoints a device was sent and did not get.
     """
@@ -50,6 +52,7 @@ class CanopenBus(CyclicCanBus):
         self.settings = settings
         self.syncs = SyncTrain(can_omit=settings.sync)
         self.late_samples: list[Callable[[], int]] = []
+        self.held_samples: list[Callable[[], int]] = []
         self.lost_setpoints: list[Callable[[], int]] = []
         self._now = clock.now
         self._heartbeat = HeartbeatProducer(settings.heartbeat)
@@ -110,6 +113,7 @@ class CanopenBus(CyclicCanBus):
             "syncs": self.syncs.count - self.syncs.omissions,
             "omitted_syncs": self.syncs.omissions,
             "late_samples": sum(late() for late in self.late_samples),
+            "held_samples": sum(held() for held in self.held_samples),
             "strange_answers": strange,
         }
         if self.lost_setpoints:

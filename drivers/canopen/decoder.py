@@ -60,15 +60,12 @@ class ObjectNames(Protocol):
 
     def name_of(self, index: int, sub: int) -> str | None:
         """Return what the maker calls an object."""
-        ...
 
     def type_of(self, index: int, sub: int) -> str | None:
         """Return its data type, in the words of `drivers.canopen.mapping`."""
-        ...
 
     def number_of(self, index: int, sub: int, node: int) -> int | None:
         """Return its default, if that is a number."""
-        ...
 
 
 def make_decoder(

@@ -43,11 +43,6 @@ class CyclicInputs:
         has them, and its time, s.
     hold_after, fault_after : int
         Samples missed in a row that are counted as held, and that are a fault.
-
-    Attributes
-    ----------
-    held : int
-        Cycles in which the last sample was held for want of a new one.
     """
 
     def __init__(
@@ -76,9 +71,10 @@ class CyclicInputs:
         self._taken_sync = 0
         self._answers = tuple(Answers(bus.syncs) for _ in layouts)
         bus.late_samples.append(self._count_late)
+        bus.held_samples.append(lambda: self._held)
         self._wrong_in_a_row = 0
         self._wrong: tuple[int, int, int] = (0, 0, 0)
-        self.held = 0
+        self._held = 0
         single = len(layouts) == 1
         for number, layout in enumerate(layouts):
             handler = self._single(layout) if single else self._part(number, layout)
@@ -128,7 +124,7 @@ class CyclicInputs:
         if not missed:
             return
         if missed >= self._hold_after:
-            self.held += 1
+            self._held += 1
         if self._wrong_in_a_row >= self._fault_after:
             can_id, size, expected = self._wrong
             raise DeviceFault(

@@ -24,11 +24,9 @@ class PumpedBus(Protocol):
 
     def send(self, can_id: int, data: bytes) -> None:
         """Send one frame now."""
-        ...
 
     def wait_until(self, condition: Callable[[], bool], timeout: float) -> bool:
         """Receive until a condition holds, or for `timeout` (s); return whether it does."""
-        ...
 
 
 class ThreadlessNetwork(canopen.Network):

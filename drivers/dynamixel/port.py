@@ -19,7 +19,6 @@ class SerialPort(Protocol):
         OSError
             The port is gone.
         """
-        ...
 
     def write(self, data: bytes) -> int:
         """Take bytes to be sent; return how many were taken.
@@ -29,11 +28,9 @@ class SerialPort(Protocol):
         OSError
             The port is gone.
         """
-        ...
 
     def close(self) -> None:
         """Release the port. Idempotent."""
-        ...
 
 
 class TtyPort:

@@ -39,11 +39,9 @@ class Search(Protocol):
 
     def look_at(self, image: Image, x0: int, y0: int) -> SearchResult:
         """Search a region whose top left pixel is (`x0`, `y0`) of the frame."""
-        ...
 
     def acquire(self, image: Image) -> tuple[SearchResult, list[Point]]:
         """Search a whole frame coarsely: what to say if nothing is found, and where to look."""
-        ...
 
 
 class BlobSearch:

@@ -70,7 +70,6 @@ class FrameSource(Protocol):
         SourceFailure
             It is not there, or not as the settings say.
         """
-        ...
 
     def read(self) -> CameraImage:
         """Wait for the next frame.
@@ -80,11 +79,9 @@ class FrameSource(Protocol):
         SourceFailure
             There is none, and there will be none.
         """
-        ...
 
     def close(self) -> None:
         """Release it. Idempotent."""
-        ...
 
 
 def to_grey(image: Any) -> Image:

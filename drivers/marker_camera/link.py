@@ -35,12 +35,9 @@ class CameraLink(Protocol):
 
     def open(self, now: float) -> None:
         """Start; `Ready` or a `Failure` follows."""
-        ...
 
     def poll(self, now: float) -> Sequence[Event]:
         """Return what happened since the last call, in order; never waits."""
-        ...
 
     def close(self) -> None:
         """Stop. Idempotent."""
-        ...

@@ -18,17 +18,14 @@ class ServoChainSettings(Protocol):
     @property
     def joints(self) -> Mapping[str, AxisSettings]:
         """The joints, in order."""
-        ...
 
     @property
     def position_gain(self) -> float:
         """Velocity for an error in position where the drives follow velocities, 1/s."""
-        ...
 
     @property
     def enable_time(self) -> float:
         """How long the drives may take to become enabled, s."""
-        ...
 
 
 class ServoChain(ServoBus, Generic[Drive]):

@@ -8,7 +8,6 @@ class World(Protocol):
 
     def advance(self, t: float) -> None:
         """Let time pass up to `t`, s."""
-        ...
 
 
 class SimClock:

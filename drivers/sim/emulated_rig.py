@@ -26,22 +26,18 @@ class WorldSettings(Protocol):
     @property
     def seed(self) -> int:
         """Of everything random outside the plant."""
-        ...
 
     @property
     def bus_latency(self) -> float:
         """From the master's send until the nodes act, s."""
-        ...
 
     @property
     def frame_loss(self) -> float:
         """Probability that a frame is lost, each way."""
-        ...
 
     @property
     def faults(self) -> Sequence[ScheduledFault]:
         """The fault schedule."""
-        ...
 
 
 class Timed(Faulty, Protocol):
@@ -52,15 +48,12 @@ class Timed(Faulty, Protocol):
     @property
     def due(self) -> float:
         """When it acts next, s."""
-        ...
 
     def tick(self, now: float) -> None:
         """Act if it is time; the plant is at `now`."""
-        ...
 
     def tell(self, now: float) -> None:
         """Take the time, s."""
-        ...
 
 
 class EmulatedRig:

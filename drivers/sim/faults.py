@@ -12,22 +12,18 @@ class ScheduledFault(Protocol):
     @property
     def at(self) -> float:
         """When, s on the rig's clock."""
-        ...
 
     @property
     def device(self) -> str:
         """Name of the device, or ``plant``."""
-        ...
 
     @property
     def fault(self) -> str:
         """One of the faults that it knows."""
-        ...
 
     @property
     def value(self) -> float | None:
         """What the fault's description says, SI."""
-        ...
 
 
 class Faulty(Protocol):
@@ -36,11 +32,9 @@ class Faulty(Protocol):
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` understands."""
-        ...
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now."""
-        ...
 
 
 class FaultSchedule:

@@ -28,7 +28,6 @@ class ServoPort(Protocol):
             Whether the power stage is on; without it the joint is free (or on its brake) and
             the reference means nothing.
         """
-        ...
 
     def limit_joint(self, channel: int, speed: float, torque: float) -> None:
         """Cap a joint's servo loop, whatever it could do.
@@ -42,16 +41,12 @@ class ServoPort(Protocol):
         torque : float
             That it gives at most, N m; infinite for no cap of its own.
         """
-        ...
 
     def joint_position(self, channel: int) -> float:
         """Return the true angle of a joint, rad."""
-        ...
 
     def joint_velocity(self, channel: int) -> float:
         """Return the true velocity of a joint, rad/s."""
-        ...
 
     def joint_torque(self, channel: int) -> float:
         """Return the torque that the drive exerts on a joint, N m."""
-        ...

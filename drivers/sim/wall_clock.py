@@ -30,7 +30,6 @@ class End(Protocol):
 
     def fileno(self) -> int:
         """Return what to wait for, or -1 if it can only be looked at."""
-        ...
 
     def take(self, origin: float) -> None:
         """Take what has come.
@@ -40,15 +39,12 @@ class End(Protocol):
         origin : float
             What the wall clock shows when the world's time is 0, s.
         """
-        ...
 
     def give(self) -> None:
         """Hand over what the devices have answered."""
-        ...
 
     def close(self) -> None:
         """Release the interface. Idempotent."""
-        ...
 
 
 class CanEnd(FastCanBus):

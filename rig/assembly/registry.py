@@ -16,7 +16,7 @@ from rig.assembly.contract_check import (
     check_settings,
     check_table,
 )
-from rig.assembly.rows import Rows, collect, find_row, load
+from rig.assembly.rows import InstalledRows, collect, find_row, load
 from rig.config.named_settings import Kind
 from rig.config.settings import adapter
 from rig.hal import (
@@ -179,17 +179,17 @@ _TWICE: dict[str, str] = {}
 
 # Looked up once: what is installed does not change while a program runs.
 @functools.cache
-def _mechanisms() -> Rows:
+def _mechanisms() -> InstalledRows:
     return collect(MECHANISMS, "rig.mechanisms", MechanismParts)
 
 
 @functools.cache
-def _drivers() -> Rows:
+def _drivers() -> InstalledRows:
     return collect(DRIVERS, "rig.drivers", DriverParts)
 
 
 @functools.cache
-def _protocols() -> Rows:
+def _protocols() -> InstalledRows:
     return collect(PROTOCOLS, "rig.protocols", ProtocolParts)
 
 
@@ -200,7 +200,7 @@ def _additions() -> tuple[Additions, ...]:
 
 
 @functools.cache
-def _foreign_additions() -> Rows:
+def _foreign_additions() -> InstalledRows:
     return collect({}, "rig.additions", Additions)
 
 
@@ -268,7 +268,7 @@ _SETTINGS_OF: dict[Kind, type] = {
     "bus": BusSettings,
     "plant": PhysicsSettings,
 }
-_ROWS_OF: dict[Kind, Sequence[Callable[[], Rows]]] = {
+_ROWS_OF: dict[Kind, Sequence[Callable[[], InstalledRows]]] = {
     "mechanism": (_mechanisms,),
     "driver": (_drivers,),
     "bus": (_protocols,),

@@ -32,23 +32,23 @@ def load(path: object) -> Any:
     return found
 
 
-class Rows(NamedTuple):
+class InstalledRows(NamedTuple):
     """Rows of one kind by name, and why others that are installed cannot be used."""
 
     rows: dict[str, Any]
     broken: dict[str, str]
 
 
-def find_row(found: Rows, name: str) -> Any:
+def find_row(found: InstalledRows, name: str) -> Any:
     """Return a row; a name that two packages took is nobody's, and fails where it is used."""
     if name in found.broken:
         raise ConfigurationError(found.broken[name])
     return found.rows[name]
 
 
-def collect(own: Mapping[str, str], group: str, kind: type[Row]) -> Rows:
+def collect(own: Mapping[str, str], group: str, kind: type[Row]) -> InstalledRows:
     """Return the rows of a kind: our own, and those of the entry points of a group."""
-    found = Rows({name: load(path) for name, path in own.items()}, {})
+    found = InstalledRows({name: load(path) for name, path in own.items()}, {})
     takers = {name: f"this program ({path})" for name, path in own.items()}
     try:
         points = tuple(entry_points(group=group))

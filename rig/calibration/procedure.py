@@ -121,16 +121,13 @@ class Evidence(Protocol):
     @property
     def paths(self) -> tuple[Path, ...]:
         """The files."""
-        ...
 
     @property
     def samples(self) -> int:
         """How much is in them."""
-        ...
 
     def sha256(self) -> str:
         """Return the digest of the files."""
-        ...
 
 
 class FilesOffered(NamedTuple):
@@ -168,13 +165,11 @@ class Procedure(Protocol[Data]):
     @abstractmethod
     def name(self) -> str:
         """What the command line calls it."""
-        ...
 
     @property
     @abstractmethod
     def title(self) -> str:
         """What it finds, for people."""
-        ...
 
     def targets(self, profile: Profile) -> tuple[str, ...]:
         """Return the files that it writes, devices or the mechanism; default: the mechanism."""
@@ -228,7 +223,6 @@ class Procedure(Protocol[Data]):
         CalibrationRefused
             They do not suffice; says what is missing.
         """
-        ...
 
 
 AnyProcedure = Procedure[Any]

@@ -23,7 +23,6 @@ class EstimatingController(
     @property
     def estimate(self) -> object:
         """What it believes."""
-        ...
 
 
 class ScriptedMotion(Motion[Reference], Controller[Reference, State, Command]):

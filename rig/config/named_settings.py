@@ -14,7 +14,6 @@ class Registry(Protocol):
 
     def names(self, kind: Kind) -> tuple[str, ...]:
         """Return every name of a kind, sorted."""
-        ...
 
     def settings(self, kind: Kind, name: str) -> type[object]:
         """Return the settings dataclass of a name.
@@ -24,7 +23,6 @@ class Registry(Protocol):
         KeyError
             There is no such name.
         """
-        ...
 
 
 def controller_key(registry: Registry, mechanism: str, name: str) -> str:

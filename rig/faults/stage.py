@@ -23,15 +23,12 @@ class PausableClock(Protocol):
 
     def now(self) -> float:
         """Return the virtual time, s."""
-        ...
 
     def pause(self, duration: float) -> None:
         """Have the sleep that goes on now take longer, s."""
-        ...
 
     def sleep_until(self, t: float) -> None:
         """Let the world go on until `t`, s."""
-        ...
 
 
 class Cue(NamedTuple):

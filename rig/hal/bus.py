@@ -17,7 +17,6 @@ class Frame(Protocol):
     @property
     def data(self) -> bytes | bytearray:
         """0 … 8 bytes, of CAN FD up to 64."""
-        ...
 
 
 class CanBus(Protocol):
@@ -25,19 +24,15 @@ class CanBus(Protocol):
 
     def send(self, msg: Frame, timeout: float | None = None) -> None:
         """Queue one frame; raise `can.CanError` or `OSError` if the interface refuses it."""
-        ...
 
     def recv(self, timeout: float | None = None) -> Frame | None:
         """Return the next received frame, or None after `timeout` seconds (0: at once)."""
-        ...
 
     def fileno(self) -> int:
         """Return the descriptor to wait for; raise `NotImplementedError` without one."""
-        ...
 
     def shutdown(self) -> None:
         """Release the interface."""
-        ...
 
 
 class FastCanBus(Protocol):
@@ -50,11 +45,9 @@ class FastCanBus(Protocol):
 
     def drain(self, limit: int) -> list[tuple[int, bytes]]:
         """Return the waiting frames, at most `limit`, without waiting."""
-        ...
 
     def send_data(self, can_id: int, data: bytes) -> None:
         """Send one frame; raise `can.CanError` or `OSError` if the interface refuses it."""
-        ...
 
     def backlog(self) -> int:
         """Return how many frames wait that the interface has not taken yet; 0 if it cannot tell."""
@@ -78,7 +71,6 @@ class FastCanBus(Protocol):
 
     def shutdown(self) -> None:
         """Release the interface."""
-        ...
 
 
 class FrameLoad(NamedTuple):
@@ -164,7 +156,6 @@ class CyclicBus(Protocol):
 
     def open(self) -> None:
         """Open the interface."""
-        ...
 
     def expect_alone(self, duration: float) -> None:
         """Only listen for so long (s), and raise if somebody else is the bus's master.
@@ -174,15 +165,12 @@ class CyclicBus(Protocol):
         ConnectionFailed
             Another master was heard.
         """
-        ...
 
     def receive(self, now: float) -> None:
         """Take every waiting frame to the driver that it belongs to."""
-        ...
 
     def transmit(self, now: float) -> None:
         """Send this cycle's setpoints, SYNC, and the heartbeat if it is due."""
-        ...
 
     def check(self, now: float) -> None:
         """Raise if the bus itself is not well.
@@ -192,19 +180,15 @@ class CyclicBus(Protocol):
         DeviceFault
             The interface is down, off the bus, or refuses frames.
         """
-        ...
 
     def make_safe(self) -> None:
         """Send the safe setpoints of every driver on this bus now. Never raises."""
-        ...
 
     def close(self) -> None:
         """Stop the nodes and release the interface. Idempotent."""
-        ...
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest: frames in, out, unknown, lost."""
-        ...
 
 
 Buses = Sequence[CyclicBus]

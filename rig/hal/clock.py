@@ -9,7 +9,6 @@ class Clock(Protocol):
 
     def now(self) -> float:
         """Return the current time, s."""
-        ...
 
     def sleep_until(self, t: float) -> None:
         """Return at time `t` (s) or at once if `t` has passed.
@@ -17,7 +16,6 @@ class Clock(Protocol):
         A simulated clock advances its plants and emulated nodes here, which is why
         every backend runs the same loop.
         """
-        ...
 
 
 class MonotonicClock:

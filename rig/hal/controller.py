@@ -18,7 +18,6 @@ class Controller(Protocol[Reference, State, Command]):
     @abstractmethod
     def reset(self, state: State) -> None:
         """Forget the past and start bumplessly from the measured `state`."""
-        ...
 
     @abstractmethod
     def update(self, state: State, reference: Reference) -> Command:
@@ -29,7 +28,6 @@ class Controller(Protocol[Reference, State, Command]):
         ValueError
             It cannot go on: the loop makes the rig safe.
         """
-        ...
 
 
 class Law(Controller[Reference, State, Command], Protocol[Reference, State, Command]):
@@ -46,4 +44,3 @@ class Law(Controller[Reference, State, Command], Protocol[Reference, State, Comm
 
     def compile(self) -> None:
         """Compile now what would otherwise be compiled in the first cycle; may do nothing."""
-        ...

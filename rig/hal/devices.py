@@ -44,12 +44,10 @@ class Device(Protocol):
         ConnectionFailed
             It did not answer, is of the wrong type, or did not take a setting.
         """
-        ...
 
     @abstractmethod
     def arm(self) -> None:
         """Make it follow setpoints from now on (NMT operational, torque on, supply open)."""
-        ...
 
     @abstractmethod
     def check(self, now: float) -> None:
@@ -60,12 +58,10 @@ class Device(Protocol):
         DeviceFault
             It reported a fault, fell silent, rebooted or behaves implausibly.
         """
-        ...
 
     @abstractmethod
     def make_safe(self) -> None:
         """Take the safe state as this cycle's setpoint (vent, zero torque). Never raises."""
-        ...
 
     def unsafe(self, now: float) -> str:
         """Return why the device is not known to be safe; empty: its own readings say that it is.
@@ -86,7 +82,6 @@ class Device(Protocol):
     @abstractmethod
     def close(self) -> None:
         """Release it. Idempotent, and safe to call in any state."""
-        ...
 
 
 def not_standing(name: str, age: float, velocity: float, max_speed: float) -> str:
@@ -142,17 +137,14 @@ class PressureRegulator(Device, Protocol):
     @abstractmethod
     def pressure(self) -> Reading[Vector]:
         """Return the monitored pressures, Pa gauge, shape (n,)."""
-        ...
 
     @abstractmethod
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,)."""
-        ...
 
     @abstractmethod
     def safe_pressure(self) -> Vector:
         """Return the setpoints that `make_safe` would take now, Pa gauge, shape (n,)."""
-        ...
 
     def unsafe(self, now: float) -> str:
         """Return which chambers still hold more than they should; see `Device.unsafe`."""
@@ -189,12 +181,10 @@ class LinearEncoder(Device, Protocol):
     @abstractmethod
     def position(self) -> Reading[Vector]:
         """Return the rod extensions, m, shape (n,), each within 0 … `stroke`."""
-        ...
 
     @abstractmethod
     def velocity(self) -> Reading[Vector]:
         """Return the device's own velocities, m/s, shape (n,); often coarse."""
-        ...
 
 
 class EmergencyStopInput(Protocol):
@@ -211,7 +201,6 @@ class EmergencyStopInput(Protocol):
     @abstractmethod
     def emergency_stop(self) -> Reading[bool]:
         """Return whether the stop is pressed (an open contact or broken wire is pressed)."""
-        ...
 
     def was_pressed(self) -> bool:
         """Return whether the stop was pressed at any look since `connect`, be it released again."""
@@ -248,7 +237,6 @@ class MarkerCamera(Device, Protocol):
     @abstractmethod
     def markers(self) -> Reading[Markers]:
         """Return the newest markers; `t` is the middle of the exposure."""
-        ...
 
 
 class ServoBus(Device, Protocol):
@@ -259,24 +247,19 @@ class ServoBus(Device, Protocol):
     @abstractmethod
     def positions(self) -> Reading[Vector]:
         """Return the joint positions, rad, shape (n,)."""
-        ...
 
     @abstractmethod
     def velocities(self) -> Reading[Vector]:
         """Return the drives' own joint velocities, rad/s, shape (n,); often coarse."""
-        ...
 
     @abstractmethod
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,)."""
-        ...
 
     @abstractmethod
     def command_velocities(self, velocities: Vector) -> None:
         """Take velocity setpoints for this cycle, rad/s, shape (n,)."""
-        ...
 
     @abstractmethod
     def set_torque_enabled(self, enabled: bool) -> None:
         """Energise or release all joints."""
-        ...

@@ -61,7 +61,6 @@ class DeviceFile(Protocol):
         plain : mapping
             The settings as they were written; those that they say already stay.
         """
-        ...
 
     def findings(self, device: str, settings: "DriverSettings") -> Iterable[tuple[Keys, str]]:
         """Return what the device cannot do of what the settings want, with the keys that want it.
@@ -73,7 +72,6 @@ class DeviceFile(Protocol):
         settings : DriverSettings
             The driver's.
         """
-        ...
 
 
 class DriverSettings:
@@ -152,8 +150,6 @@ class BusSettings(Protocol):
     @property
     def max_load(self) -> float:
         """Share of its time that a rig may take."""
-        ...
 
     def endpoint(self) -> Endpoint:
         """Return what it runs on."""
-        ...

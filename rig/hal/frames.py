@@ -65,7 +65,6 @@ class Decoder(Protocol):
         data : bytes
             Its content.
         """
-        ...
 
 
 class LoggedFrame(NamedTuple):

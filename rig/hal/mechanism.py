@@ -100,7 +100,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         ConfigurationError
             A device is not there, or cannot do what its role asks for (`pick_device`).
         """
-        ...
 
     @classmethod
     def wiring(cls, settings: Settings) -> Mapping[str, str]:
@@ -131,7 +130,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @abstractmethod
     def model_of(cls, settings: Settings) -> object:
         """Return what the controllers are told of the mechanics, from the profile's settings."""
-        ...
 
     @classmethod
     @abstractmethod
@@ -156,7 +154,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         ValueError
             With the instant, the quantity and the bound that make it impossible.
         """
-        ...
 
     @classmethod
     def beyond_drives(
@@ -185,7 +182,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @abstractmethod
     def approach(cls, start: Reference, end: Reference, duration: float, t: float) -> Reference:
         """Return the reference at `t` on the way from rest at `start` to rest at `end`."""
-        ...
 
     @classmethod
     def slow_down(cls, reference: Reference, rate: float, change: float) -> Reference:
@@ -258,7 +254,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         StaleReading
             A reading is older than its limit.
         """
-        ...
 
     def recall(self, logged: Mapping[str, float]) -> State:
         """Assemble the state of a cycle from the log, to the bit, in the place of `read`.
@@ -281,7 +276,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         ------
         LimitExceeded, EmergencyStop
         """
-        ...
 
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; None: the rig has no such contact."""
@@ -301,12 +295,10 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @abstractmethod
     def resting_command(self, state: State) -> Command:
         """Return the command that changes nothing: what the devices hold now."""
-        ...
 
     @abstractmethod
     def energised_command(self, state: State) -> Command:
         """Return the command that energises without moving; control starts from it."""
-        ...
 
     def balanced_command(self, state: State) -> Command:
         """Return the command from which a stop releases the rig: nothing of it moves anything.
@@ -318,17 +310,14 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @abstractmethod
     def released_command(self) -> Command:
         """Return the command of the released rig, to which a stop leads."""
-        ...
 
     @abstractmethod
     def blend(self, start: Command, end: Command, share: float) -> Command:
         """Return the command `share` (0 … 1) of the way from `start` to `end`."""
-        ...
 
     @abstractmethod
     def start_limiting(self, state: State) -> None:
         """Make the measured state the one that the rate limit starts from."""
-        ...
 
     def check_command(self, reference: Reference, command: Command) -> None:
         """Raise `SafetyError` if the controller asks for what it never may.
@@ -345,31 +334,25 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     @abstractmethod
     def limit(self, command: Command) -> Command:
         """Return the command that may be applied; the one choke point."""
-        ...
 
     @abstractmethod
     def write(self, applied: Command) -> None:
         """Hand the applied command to the devices as this cycle's setpoints."""
-        ...
 
     @abstractmethod
     def row(
         self, state: State, reference: Reference, command: Command, applied: Command
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
-        ...
 
     @abstractmethod
     def reference_of(self, state: State) -> Reference:
         """Return the reference that the rig fulfils as it stands: no motion."""
-        ...
 
     @abstractmethod
     def worst_margin(self, state: State, applied: Command, now: float) -> Margin:
         """Return the quantity that is nearest to its limit."""
-        ...
 
     @abstractmethod
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""
-        ...

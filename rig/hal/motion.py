@@ -70,18 +70,15 @@ class Motion(Protocol[Followed]):
     @abstractmethod
     def duration(self) -> float:
         """How long it takes, s."""
-        ...
 
     @property
     @abstractmethod
     def segments(self) -> tuple[Segment, ...]:
         """The stretches that metrics look at."""
-        ...
 
     @abstractmethod
     def at(self, t: float) -> Followed:
         """Return the reference at `t` seconds, 0 … `duration`."""
-        ...
 
     @property
     def foreseen(self) -> "Motion[Followed]":

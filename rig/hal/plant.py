@@ -25,12 +25,10 @@ class Plant(Protocol):
     @abstractmethod
     def advance(self, t: float) -> None:
         """Integrate up to time `t`, s."""
-        ...
 
     @abstractmethod
     def truth(self) -> tuple[float, ...]:
         """Return the true state, which no device measures, one value for each column."""
-        ...
 
     @abstractmethod
     def inject(self, fault: str, value: float | None = None) -> None:
@@ -41,7 +39,6 @@ class Plant(Protocol):
         ValueError
             There is no such fault.
         """
-        ...
 
 
 class MeasuredPlant:
@@ -68,12 +65,10 @@ class RestorablePlant(Plant, Protocol):
     @abstractmethod
     def snapshot(self) -> object:
         """Return all that moves, as it is now."""
-        ...
 
     @abstractmethod
     def restore(self, snapshot: object) -> None:
         """Go back to a snapshot of this plant."""
-        ...
 
 
 class PhysicsSettings(Protocol):

@@ -16,21 +16,17 @@ class Targets(Protocol[Reference]):
     @abstractmethod
     def rest(self, target: Sequence[float]) -> Reference:
         """Return the reference to rest at a target; ValueError if it is none."""
-        ...
 
     @abstractmethod
     def moving(
         self, before: Reference, here: Reference, after: Reference, step: float
     ) -> Reference:
         """Return the reference of a motion through three rests that are `step` seconds apart."""
-        ...
 
     @abstractmethod
     def distance(self, one: Reference, other: Reference) -> float:
         """Return how far two rests are apart, in the unit of a target."""
-        ...
 
     @abstractmethod
     def check(self, reference: Reference) -> None:
         """Raise ValueError, with number and bound, if the rig must not be there or move so."""
-        ...

@@ -35,13 +35,11 @@ class BreakableWorld(Protocol):
     @abstractmethod
     def advance(self, t: float) -> None:
         """Let time pass up to `t`, s; what the program has sent arrives."""
-        ...
 
     @property
     @abstractmethod
     def known_faults(self) -> Mapping[str, tuple[str, ...]]:
         """Names that `inject` understands, of each device, each bus and the plant."""
-        ...
 
     @abstractmethod
     def inject(self, device: str, fault: str, value: float | None = None) -> None:
@@ -52,12 +50,10 @@ class BreakableWorld(Protocol):
         ValueError
             There is no such device, it has no such fault, or the value does not fit.
         """
-        ...
 
     @abstractmethod
     def frames_of(self, device: str) -> Frames | None:
         """Return the identifiers of a device's frames now; None if it has no CAN frames."""
-        ...
 
     @abstractmethod
     def disturb(self, bus: str, kind: str, can_id: int, value: float) -> Callable[[], None]:
@@ -74,4 +70,3 @@ class BreakableWorld(Protocol):
         value : float
             What the kind takes: a delay in s, bytes that are left, a byte's place.
         """
-        ...

@@ -21,7 +21,7 @@ from rig.run_folder import EVALUATION, METRICS, TIMING, RunFolder, RunStatus
 from rig.runtime.log import Log, LogError, read_log
 
 
-class Report(NamedTuple):
+class RunReport(NamedTuple):
     """A run's page.
 
     Parameters
@@ -36,7 +36,7 @@ class Report(NamedTuple):
     failures: list[str]
 
 
-def write_report(path: str | Path) -> Report:
+def write_report(path: str | Path) -> RunReport:
     """Derive metrics, timing, figures and ``report.html`` from a run folder alone.
 
     It works on any run: of one that ended early, what its log holds is judged, and the report
@@ -44,7 +44,7 @@ def write_report(path: str | Path) -> Report:
 
     Returns
     -------
-    Report
+    RunReport
         Its page, and what is not in it.
 
     Raises
@@ -59,7 +59,7 @@ def write_report(path: str | Path) -> Report:
     try:
         log = read_log(folder.log_path)
     except LogError as error:
-        return Report(write_html(folder, [], [str(error)]), [])
+        return RunReport(write_html(folder, [], [str(error)]), [])
     if folder.status is not RunStatus.RUNNING:
         metrics, problems = measure_run(folder, log)
         if metrics or not (folder.path / METRICS).exists():
@@ -70,7 +70,7 @@ def write_report(path: str | Path) -> Report:
     drawn = draw_figures(folder.path, names)
     figures = [file for file in drawn.files if file.suffix == ".png"]
     page = write_html(folder, figures, problems, drawn.failures)
-    return Report(page, drawn.failures)
+    return RunReport(page, drawn.failures)
 
 
 def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
@@ -106,6 +106,7 @@ def _as_recorded(folder: RunFolder, measure: str) -> list[Metric]:
         Metric(
             row["name"], math.nan if row["value"] is None else row["value"], row["unit"],
             row["bound"], row["bound_kind"], measure, row["segments"],
+            is_seen=row["pass"] is not None,
         )
         for row in folder.metrics()
         if row.get("measure") == measure

@@ -30,7 +30,6 @@ class Recorder(Protocol):
 
     def write(self, cycle: int, t: float, row: Sequence[float]) -> None:
         """Append one cycle; it is with the operating system when this returns."""
-        ...
 
 
 def log_values_of(devices: Sequence[Device]) -> Callable[[], tuple[float, ...]]:

@@ -17,45 +17,35 @@ class Bench(Protocol[Tested]):
     @property
     def device(self) -> Tested:
         """The device."""
-        ...
 
     @property
     def clock(self) -> Clock:
         """The rig's clock, in virtual time."""
-        ...
 
     @property
     def period(self) -> float:
         """Of the cycle, s."""
-        ...
 
     def open(self) -> None:
         """Open the bus and connect the device."""
-        ...
 
     def start(self) -> None:
         """Open, arm, and run a few cycles."""
-        ...
 
     def run(self, cycles: int, command: Callable[[], object] | None = None) -> None:
         """Run cycles of the loop; `command` gives setpoints where a mechanism would."""
-        ...
 
     def safe_cycles(self, cycles: int) -> None:
         """Make safe in each of so many cycles."""
-        ...
 
     def restart(self) -> None:
         """Close the device, connect it and arm it again, with all that has to be told along."""
-        ...
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault of the device happen now."""
-        ...
 
     def close(self) -> None:
         """Make safe and close everything."""
-        ...
 
 
 class _Faulty(Protocol):
@@ -63,7 +53,6 @@ class _Faulty(Protocol):
 
     def inject(self, *what: object) -> None:
         """Make a fault happen now."""
-        ...
 
 
 class _SimulatedClock(Protocol):

@@ -11,9 +11,10 @@ from statistics import median
 
 import numpy as np
 import pytest
+from gait_laws import LAWS
 from gait_peers import MinkStep, PinkStep
 
-from controllers.gait.laws import LAWS, TrapezoidNormLaw
+from controllers.gait.laws import TrapezoidNormLaw
 from controllers.gait.motions import WalkSettings
 from controllers.gait.types import GaitModel, LegsState
 

@@ -214,7 +214,7 @@ def test_lost_frames_are_held_then_a_fault(valves):
     valves.run(VENTED)
     for _ in range(4):
         valves.run()
-    assert valves.driver._inputs.held == 3
+    assert valves.bus.statistics()["held_samples"] == 3
     with pytest.raises(DeviceFault, match=r"does not answer SYNC.*5 missed in a row"):
         valves.run()
 
@@ -225,7 +225,7 @@ def test_a_late_frame_ends_the_gap_and_the_newest_counts(valves):
     valves.run("181#B80BB80B01", "181#B80CB80B01")
     assert valves.driver.pressure().value[0] == pytest.approx(0x100 * 75.0)
     valves.run(VENTED)
-    assert valves.driver._inputs.held == 0
+    assert valves.bus.statistics()["held_samples"] == 0
 
 
 def test_foreign_remote_and_extended_frames_change_nothing(valves):

@@ -22,11 +22,9 @@ class MarkerPort(Protocol):
 
     def marker_position(self) -> Sequence[float]:
         """Return the true centre of the marker in the joint's base frame, m, length 3."""
-        ...
 
     def ring_rotation(self) -> Sequence[Sequence[float]]:
         """Return the true rotation of the ring in the base frame, shape (3, 3), by rows."""
-        ...
 
 
 @dataclass(frozen=True, slots=True)

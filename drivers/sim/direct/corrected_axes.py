@@ -14,7 +14,6 @@ class ChainSettings(Protocol):
     @property
     def joints(self) -> Mapping[str, AxisSettings]:
         """The joints by name."""
-        ...
 
 
 class CorrectedAxes(ServoPort):

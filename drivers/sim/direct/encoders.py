@@ -16,11 +16,9 @@ class RodPort(Protocol):
 
     def position(self, channel: int) -> float:
         """Return the true extension of a rod, m."""
-        ...
 
     def speed(self, channel: int) -> float:
         """Return the true speed of a rod's extension, m/s."""
-        ...
 
 
 class SimulatedEncoder(SimulatedDevice, LinearEncoder):

@@ -22,26 +22,21 @@ class BusNode(Protocol):
         self, can_id: int, data: bytes, now: float, *, extended: bool = False, remote: bool = False
     ) -> None:
         """Take a frame from the bus; what is not for this node is ignored."""
-        ...
 
     def tick(self, now: float) -> None:
         """Do what is due at time `now`, s."""
-        ...
 
     @property
     def transmit_ids(self) -> tuple[int, ...]:
         """CAN ids of the process data that the node sends now."""
-        ...
 
     @property
     def receive_ids(self) -> tuple[int, ...]:
         """CAN ids of the process data that the node takes now."""
-        ...
 
     @property
     def alive_ids(self) -> tuple[int, ...]:
         """CAN ids by which the node says that it lives."""
-        ...
 
     def add_fault(
         self,
@@ -50,13 +45,10 @@ class BusNode(Protocol):
         repair: Callable[[], None] | None = None,
     ) -> None:
         """Make a fault known by name, with what undoes it."""
-        ...
 
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` accepts."""
-        ...
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now."""
-        ...

@@ -43,7 +43,6 @@ class PositionPort(Protocol):
 
     def position(self, channel: int) -> float:
         """Return the true extension of a rod, m."""
-        ...
 
 
 class EmulatedCia406(EmulatedNode):

@@ -18,19 +18,15 @@ class Process(Protocol):
 
     def sample_inputs(self, now: float) -> None:
         """Bring the input objects up to date."""
-        ...
 
     def apply_outputs(self, now: float) -> None:
         """Act on the output objects."""
-        ...
 
     def wake(self) -> None:
         """Have the node look at what is due."""
-        ...
 
     def communication_failed(self) -> None:
         """Do what the node is told to do when its communication fails."""
-        ...
 
 
 class PdoExchange:

@@ -43,7 +43,6 @@ class LegDimensions(Protocol):
     @property
     def axes(self) -> tuple[str, ...]:
         """Of the joints of a leg, from the waist."""
-        ...
 
     thigh: float
     shank: float
@@ -53,19 +52,16 @@ class LegDimensions(Protocol):
     @property
     def sole(self) -> SoleDimensions:
         """What a foot stands on."""
-        ...
 
     @property
     def masses(self) -> LinkMasses:
         """Of the links."""
-        ...
 
     max_rate: float
 
     @property
     def torque_peak(self) -> tuple[float, ...]:
         """Of a leg's servos, N m."""
-        ...
 
 
 class LegDeviations(NamedTuple):

@@ -25,32 +25,26 @@ class JointGeometry(Protocol):
     @property
     def ball_radius(self) -> float:
         """Radius of the ball, on which the anchors lie."""
-        ...
 
     @property
     def ring_radius(self) -> float:
         """Radius of the circle of the anchors."""
-        ...
 
     @property
     def anchor_angles(self) -> Sequence[float]:
         """Azimuth of each wire from the ball's x axis, shape (4,)."""
-        ...
 
     @property
     def adjust_radius(self) -> float:
         """Radius of the circle of the adjust points."""
-        ...
 
     @property
     def adjust_depth(self) -> float:
         """Depth of the adjust points below the ball's centre."""
-        ...
 
     @property
     def marker_height(self) -> float:
         """Distance of the marker from the ball's centre, along the ring's axis."""
-        ...
 
 
 def check_geometry(geometry: JointGeometry) -> None:

@@ -36,7 +36,6 @@ class EstimatingPairController(Controller[PairReference, PairState, PairCommand]
     @property
     def estimate(self) -> tuple[float, float]:
         """Velocity of the pair, m/s, and disturbance force on it, N."""
-        ...
 
 
 class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairReference, PairCommand]):

@@ -49,12 +49,10 @@ class EstimatingPoseController(Controller[JointReference, JointState, JointComma
     @property
     def estimate(self) -> JointEstimate:
         """Marker, residual, wanted rods and tensions."""
-        ...
 
     @property
     def learning(self) -> LapLearning | None:
         """What it learns over laps, if anything."""
-        ...
 
 
 class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReference, JointCommand]):

@@ -70,7 +70,6 @@ class BelievingController(Protocol):
     @property
     def settings(self) -> Beliefs:
         """Of the profile."""
-        ...
 
 
 class JointMotion(PosedMotion):

@@ -121,3 +121,19 @@ def test_live_run_is_left_alone(make_run: MakeRun, tmp_path: Path) -> None:
 def test_other_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="not a run folder"):
         write_report(tmp_path)
+
+
+@pytest.mark.parametrize("passed", [None, False])
+def test_a_measure_whose_package_is_gone_keeps_its_verdict(make_run, passed):
+    run = make_run(duration=2.0)
+    metrics = json.loads((run / "metrics.json").read_text())
+    row = {**metrics["metrics"][0], "name": "gone", "measure": "gone", "value": None, "bound": 1.0}
+    metrics["metrics"].append({**row, "bound_kind": "max", "pass": passed})
+    (run / "metrics.json").write_text(json.dumps(metrics))
+    evaluation = json.loads((run / "evaluation.json").read_text())
+    asked = {"measure": None, "segments": "*", "max": 1.0, "min": None}
+    evaluation["metrics"]["gone"] = asked
+    (run / "evaluation.json").write_text(json.dumps(evaluation))
+    write_report(run)
+    again = json.loads((run / "metrics.json").read_text())["metrics"]
+    assert next(m for m in again if m["name"] == "gone")["pass"] is passed

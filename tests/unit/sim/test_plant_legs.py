@@ -6,9 +6,9 @@ import random
 import mujoco
 import numpy as np
 import pytest
+from gait_laws import LAWS
 
 from controllers.gait.geometry import LegGeometry
-from controllers.gait.laws import LAWS
 from controllers.gait.motions import BobSettings, SquatSettings, WalkSettings
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.minimum_jerk import minimum_jerk

@@ -22,7 +22,6 @@ class AxisPositions(Protocol):
     @property
     def positions(self) -> Posture:
         """Rad."""
-        ...
 
 
 class AxisMotion(AxisPositions, Protocol):
@@ -31,7 +30,6 @@ class AxisMotion(AxisPositions, Protocol):
     @property
     def velocities(self) -> Posture:
         """rad/s."""
-        ...
 
 
 Reference = TypeVar("Reference", bound=AxisMotion)

@@ -4,8 +4,8 @@ import math
 from functools import cache
 
 import pytest
+from gait_laws import LAWS
 
-from controllers.gait.laws import LAWS
 from controllers.gait.motions import BobSettings, SquatSettings, WalkSettings
 from controllers.gait.types import GaitModel
 

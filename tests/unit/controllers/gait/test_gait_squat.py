@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from gait_laws import LAWS
 
 from controllers.gait.geometry import KNEES, LegGeometry
-from controllers.gait.laws import LAWS
 from controllers.gait.motions import SquatSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from gait_laws import LAWS
 
 from controllers.gait.geometry import KNEES, LegGeometry
 from controllers.gait.laws import (
-    LAWS,
     InverseLaw,
     LimitedNormLaw,
     LimitedNormSettings,
