@@ -5,6 +5,7 @@ import os
 import sys
 
 import hypothesis
+import pytest
 
 pytest_plugins = "rig.testing.plugin"
 
@@ -25,6 +26,14 @@ hypothesis.settings.load_profile("repeatable")
 APART = ("benchmark", "slow")
 TOGETHER = ("tests/unit/controllers/gait/", "tests/closed_loop/test_legs_")
 """Starts of the paths of files that share plans of walks, which are slow to make."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _state_of_its_own(tmp_path_factory):
+    """Keep the faults of this user's rigs out of the tests, and theirs out of this user's rigs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
 
 
 def pytest_ignore_collect(collection_path, config):
