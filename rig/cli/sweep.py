@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -88,7 +88,7 @@ def sweep(
 
     file = load_sweep(Path(experiment)) if is_sweep_file(experiment) else SweepRequest(experiment)
     # What the command line says goes before what the file says.
-    said: dict[str, Any] = {
+    said: dict[str, object] = {
         "on": backend,
         "rig": rig_name,
         "configs": configs,
@@ -106,7 +106,7 @@ def sweep(
         said["seconds"], said["points"] = parse_budget(budget)
     request = replace(
         file,
-        **{name: value for name, value in said.items() if value is not None},
+        **{name: value for name, value in said.items() if value is not None},  # type: ignore[arg-type]
         axes=(*file.axes, *map(parse_axis, axes)),
         options=(*file.options, *overrides),
         serial=serial,

@@ -2,12 +2,16 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from rig.sweeping.finding import Finding
 from rig.sweeping.point import PointJob
 
 Perform = Callable[[PointJob], Finding]
+
+
+PERFORM: Final = "rig.sweeping.point:perform"
+"""Runs an experiment with a point's settings."""
 
 
 class WorkerSetup(NamedTuple):
@@ -23,7 +27,7 @@ class WorkerSetup(NamedTuple):
         Takes what workers write to their standard error.
     """
 
-    perform: str = "rig.sweeping.point:perform"
+    perform: str = PERFORM
     code: str = ""
     log: Path | None = None
 

@@ -45,12 +45,16 @@ class Journal:
             self._spare.take()
             self._fd = os.open(folder / JOURNAL, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
             self._reader: BinaryIO = (folder / JOURNAL).open("rb")
-            self._read()
         except OSError as error:
             raise ConfigurationError(
                 f"cannot keep a sweep in {folder}: {error.strerror or error}; choose another place "
                 "with --out"
             ) from error
+        try:
+            self.read()
+        except ConfigurationError:
+            self.close()
+            raise
 
     def __contains__(self, name: str) -> bool:
         return bytes.fromhex(name) in self._places
@@ -91,8 +95,16 @@ class Journal:
         os.close(self._fd)
         os.close(self._lock)
 
-    def _read(self) -> None:
+    def read(self) -> None:
+        """Find again what is finished: an interrupt may have come between a line and its place.
+
+        Raises
+        ------
+        ConfigurationError
+            The file is no journal.
+        """
         whole = 0
+        self._reader.seek(0)
         for line in self._lines():
             try:
                 name = json.loads(line)["point"]

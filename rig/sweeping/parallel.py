@@ -51,7 +51,8 @@ def draw_parallel(data: SweepData, metric: str, varied: Sequence[str]) -> "Figur
         axes.axvline(place, color=INK, lw=0.6)
         for height, text in labels:
             axes.annotate(text, (place, height), xytext=(2, 0), textcoords="offset points",
-                          fontsize=6.0, va="center")  # fmt: skip
+                          fontsize=6.0, va="center",
+ bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6})  # fmt: skip
     title = f"{metric.replace('_', ' ')} ({unit})" if unit else metric.replace("_", " ")
     axes.set_xticks(places, labels=[*(_folded(name) for name in varied), title])
     axes.set_yticks([])

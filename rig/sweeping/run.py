@@ -13,11 +13,11 @@ from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import Axis
 from rig.sweeping.best import Best
-from rig.sweeping.code import CodeVersion, code_version
+from rig.sweeping.code import code_version
 from rig.sweeping.coordinator import Coordinator, Limits, Task
 from rig.sweeping.dask_cluster import DaskCluster
 from rig.sweeping.design import Design, make_design
-from rig.sweeping.engine import Engine, WorkerSetup
+from rig.sweeping.engine import PERFORM, Engine, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import Finding
 from rig.sweeping.journal import Journal
@@ -33,7 +33,9 @@ LOGS = "runs"
 _CONFIGS = ".configs"
 
 
-def run_sweep(request: SweepRequest, progress: Callable[[int], SweepProgress]) -> Sweep:
+def run_sweep(
+    request: SweepRequest, progress: Callable[[int], SweepProgress], perform: str = PERFORM
+) -> Sweep:
     """Run what is not finished of a sweep, and write its table.
 
     Parameters
@@ -42,6 +44,8 @@ def run_sweep(request: SweepRequest, progress: Callable[[int], SweepProgress]) -
         What is asked.
     progress : callable
         Makes what is told of it, from the number of points.
+    perform : str
+        What runs a point, ``"module:function"``.
 
     Returns
     -------
@@ -69,13 +73,15 @@ def run_sweep(request: SweepRequest, progress: Callable[[int], SweepProgress]) -
         logs = request.folder.resolve() / LOGS
         best = Best(request.best, request.keep, logs)
         shown = progress(design.count)
-        with closing(_engine(request, code, configs, shown.say)) as engine:
+        setup = WorkerSetup(perform, code.digest, request.folder.resolve() / "workers.log")
+        with closing(_engine(request, setup, configs, shown.say)) as engine:
             coordinator = Coordinator(journal, engine, shown, _limits(request), best)
             end, trouble = SweepEnd.DONE, None
             try:
                 coordinator.run(_tasks(source, design, configs, logs))
             except KeyboardInterrupt:
                 end = SweepEnd.INTERRUPTED
+                journal.read()
             except SweepStopped as error:
                 trouble = error
             if coordinator.cut:
@@ -148,11 +154,10 @@ def _limits(request: SweepRequest) -> Limits:
 
 
 def _engine(
-    request: SweepRequest, code: CodeVersion, configs: Path, say: Callable[[str], None]
+    request: SweepRequest, setup: WorkerSetup, configs: Path, say: Callable[[str], None]
 ) -> Engine:
     if request.serial:
         return Serial(request.cool_down, say)
-    setup = WorkerSetup(code=code.digest, log=request.folder.resolve() / "workers.log")
     if request.dask is not None:
         return DaskCluster(request.dask, setup, configs)
     return Pool(request.workers or os.cpu_count() or 1, setup)

@@ -21,7 +21,8 @@ CSV, PARQUET = "sweep.csv", "sweep.parquet"
 _BATCH: Final = 1024
 """Rows that are written at once."""
 
-_NUMBER: Final = re.compile(r"[-+]?([0-9]{1,18}|[0-9]*\.?[0-9]+([eE][-+]?[0-9]+)?|[0-9]+\.)")
+_WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
+_NUMBER: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 
 Cell = float | int | str | bool | None
 
@@ -79,7 +80,7 @@ class Columns(NamedTuple):
 def value_of(text: str) -> Cell:
     """Return a setting's value as a table has it: a number in SI, or the text itself."""
     if _NUMBER.fullmatch(text):
-        return int(text) if text.lstrip("+-").isdigit() else float(text)
+        return int(text) if _WHOLE.fullmatch(text) else float(text)
     try:
         return float(parse_any_quantity(text)[0])
     except UnitError:

@@ -2,7 +2,8 @@
 
 from dataclasses import asdict
 
-from rig.assembly.simulated import make_plant, reality_of
+from drivers.sim.camera.wiring import true_camera
+from rig.assembly.simulated import install, make_plant
 from rig.mechanisms.joint.calibration.board_lens import Board, read_views
 from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
 from rig.mechanisms.joint.calibration.parameters import LENGTHS
@@ -29,10 +30,15 @@ DRAWN = {
 }
 
 
+def camera_of(profile):
+    """Return the camera that the simulated joint has."""
+    return true_camera(install(profile, make_plant(profile), "camera")[1])
+
+
 def true_of_camera(profile, seed, procedure, folders):
     """Return where the camera is and how late, in the frame of the simulated joint."""
-    real = reality_of(profile, "camera", make_plant(profile))
-    scene, optics = real["scene"], real["optics"]
+    camera = camera_of(profile)
+    scene, optics = camera.scene, camera.optics
     true = {("camera", "latency"): scene.latency}
     for k, axis in enumerate("xyz"):
         place = scene.position_camera_in_base[k] + optics.position_error[k]
@@ -56,7 +62,7 @@ def true_of_geometry(profile, seed, procedure, folders):
 
 def true_of_lens(profile, seed, procedure, folders):
     """Return the lens that the simulated camera has."""
-    lens = reality_of(profile, "camera", make_plant(profile))["scene"].intrinsics
+    lens = camera_of(profile).scene.intrinsics
     return {("camera", name): getattr(lens, name) for name in ("fx", "fy", "cx", "cy", "k1", "k2")}
 
 

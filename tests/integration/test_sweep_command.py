@@ -1,0 +1,149 @@
+"""`rig sweep`: what it leaves, what it refuses, and that a point is the run that it names."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from rig.assembly import Backend
+from rig.cli import invoke
+from rig.experiment.plan import load_plan
+from rig.experiment.run import run_experiment
+from rig.sweeping.api import sweep
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+SHORT = ("--on", "sim", "--configs", CONFIGS, "--set", "loop.rate=200")
+AXES = ("--vary", "plant.friction_scale=0.9,1.1", "--seeds", "0:2")
+
+
+def run(capsys, *arguments):
+    code = invoke(["sweep", *map(str, arguments)])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_a_sweep_from_command_to_page(tmp_path, capsys):
+    out = tmp_path / "sweep"
+    code, shown, told = run(
+        capsys, "cylinder-step", *SHORT, *AXES, "--out", out, "--workers", 2, "--keep", 1
+    )
+    assert code == 0
+    assert "4 of 4 points: 4 ok" in told and "best in rise_time" in shown
+    rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    assert [(row["plant.friction_scale"], row["simulation.seed"]) for row in rows] == [
+        ("0.9", "0"), ("0.9", "1"), ("1.1", "0"), ("1.1", "1"),
+    ]  # fmt: skip
+    options = ["loop.rate=200", "plant.friction_scale=1.1", "simulation.seed=1"]
+    plan = load_plan("cylinder-step", options, configs=CONFIGS)
+    result = run_experiment(plan, Backend.SIM, tmp_path, report=False)
+    for metric in result.metrics:
+        assert float(rows[3][metric.name]) == metric.value
+        assert rows[3][f"{metric.name}.unit"] == metric.unit
+    kept = [folder.name for folder in (out / "runs").iterdir()]
+    best = min(rows, key=lambda row: float(row["rise_time"]))
+    assert kept == [best["point"]]
+    assert f'href="runs/{best["point"]}/"' in (out / "sweep.html").read_text()
+    before = {name: (out / name).read_bytes() for name in ("sweep.csv", "sweep.parquet")}
+    again = sweep(
+        "cylinder-step", {"plant.friction_scale": [0.9, 1.1, 1.2]}, seeds=range(2), on="sim",
+        set={"loop.rate": 200}, out=out, configs=CONFIGS, workers=1, quiet=True,
+    )  # fmt: skip
+    assert len(again.table) == 6
+    assert (out / "points.jsonl").read_text().count("\n") == 6
+    assert (out / "sweep.csv").read_text().splitlines()[:5] == (
+        before["sweep.csv"].decode().splitlines()
+    )
+    least = min(row["overshoot"] for row in again.table)
+    assert again.best("overshoot")["overshoot"] == least
+    assert again.figure("overshoot").axes
+    serial = tmp_path / "serial"
+    assert run(capsys, "cylinder-step", *SHORT, *AXES, "--out", serial, "--serial")[0] == 0
+    assert {name: (serial / name).read_bytes() for name in before} == before
+
+
+def test_a_sweep_file_says_what_options_say(tmp_path, capsys):
+    file = tmp_path / "friction.yaml"
+    file.write_text(
+        "experiment: cylinder-step\non: sim\nset: {loop.rate: 200}\n"
+        "perturbation: {friction: 0.3}\nvary: {controller: [cascade, pid]}\nrepeat: 2\n"
+        "metric: overshoot\nbudget: 3 points\nkeep: 0\n"
+    )
+    code, shown, told = run(capsys, file, "--out", tmp_path / "out", "--configs", CONFIGS)
+    assert code == 0 and "best in overshoot" in shown and "3 of 4 points" in told
+    code, shown, _ = run(
+        capsys, file, "--out", tmp_path / "out", "--configs", CONFIGS, "--budget", "1 h", "--json"
+    )
+    rows = json.loads(shown)
+    assert [row["controller"] for row in rows] == ["cascade", "cascade", "pid", "pid"]
+    assert rows[0]["overshoot"] != rows[1]["overshoot"]
+    assert not any((tmp_path / "out" / "runs").iterdir())
+
+
+def test_a_point_that_cannot_be_is_a_row(tmp_path):
+    found = sweep(
+        "arm-elbow-turnback", {"reference.speed": ["0.1 m/s", "30 m/s"]}, on="sim",
+        out=tmp_path, configs=CONFIGS, workers=1, quiet=True, set={"metrics": "{}"},
+        budget="2 points",
+    )  # fmt: skip
+    fast = found.table[1]
+    assert fast["status"] == "refused" and fast["reason"]
+    assert fast["reference.speed"] == 30.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), ("nothing is varied",)),
+        (("--vary", "plant.frictoin_scale=1,2"), ("frictoin_scale", "did you mean friction_scale")),
+        (("--vary", "planet.friction_scale=1,2"), ("planet",)),
+        (("--vary", "plant.friction_scale=1,2 mm"), ("friction_scale", "2 mm")),
+        (("--vary", "plant.friction_scale=1..2:100000", "--seeds", "0:10000"),
+         ("1,000,000,000 points",)),
+        (("--vary", "plant.friction_scale=1..2"), ("no such range",)),
+        ((*AXES, "--on", "hardware"), ("--serial",)),
+        ((*AXES, "--on", "vcan"), ("--serial",)),
+        ((*AXES, "--workers", "0x"), ("workers",)),
+        ((*AXES, "--workers", "9999"), ("1 to 1024",)),
+        ((*AXES, "--dask", "tcp://192.0.2.1:8786"), ("TLS",)),
+        ((*AXES, "--dask", "nowhere.json"), ("neither an address",)),
+        ((*AXES, "--budget", "5 mm"), ("budget", "mm")),
+        ((*AXES, "--keep", "some"), ("keep",)),
+        ((*AXES, "--stop-when", "x"), ("stop when",)),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, arguments, words):
+    code, _, told = run(
+        capsys, "cylinder-step", "--configs", CONFIGS, "--out", tmp_path, *arguments
+    )
+    assert code == 2
+    for word in words:
+        assert word in told
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_scheduler_that_is_not_there(tmp_path, capsys):
+    code, _, told = run(
+        capsys, "cylinder-step", *SHORT, *AXES, "--out", tmp_path, "--dask", "tcp://127.0.0.1:9"
+    )
+    assert code == 3 and "no Dask scheduler answers" in told
+
+
+def test_without_pyarrow_there_is_a_csv_and_a_sentence(tmp_path, monkeypatch):
+    import sweep_stub
+
+    monkeypatch.syspath_prepend(Path(__file__).parent)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    sweep_stub.sweep(tmp_path, 1, 4)
+    assert (tmp_path / "sweep.csv").exists() and not (tmp_path / "sweep.parquet").exists()
+
+
+def test_help_needs_nothing_heavy():
+    code = (
+        "import sys; from rig.cli import invoke; invoke(['sweep', '--help']); "
+        "print([m for m in ('numpy', 'rig.sweeping', 'pydantic') if m in sys.modules])"
+    )
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert shown.stdout.endswith("[]\n")
