@@ -1,7 +1,6 @@
 """One experiment on one rig, from preflight to the report."""
 
 import contextlib
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,6 +9,7 @@ from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
 from rig.config import dump_resolved
 from rig.config.device_file import text_of
+from rig.experiment.command import command_of
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -78,6 +78,7 @@ def run_experiment(
     stop: StopRequests | None = None,
     rehearses: bool = False,
     is_permitted: bool = False,
+    command: Sequence[str] = (),
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -108,6 +109,8 @@ def run_experiment(
         Rehearse a simulated run as well, although nothing stalls in virtual time.
     is_permitted : bool
         The plan was tried with frozen setpoints before the operator was asked.
+    command : sequence of str
+        The command line that runs it again; default: ``rig run`` with the experiment's name.
 
     Returns
     -------
@@ -137,7 +140,7 @@ def run_experiment(
         with contextlib.ExitStack() as stack:
             stack.callback(rig.close)
             watcher.built(rig)
-            folder = _create_folder(plan, backend, on, out, overrides, frames)
+            folder = _create_folder(plan, backend, on, out, overrides, frames, command)
             stack.enter_context(ClosedBooks(folder, stop))
             stop.expose()
             if frame_log is not None:
@@ -193,13 +196,9 @@ def _create_folder(
     out: Path,
     overrides: Sequence[str],
     frames: str | None,
+    command: Sequence[str],
 ) -> RunFolder:
     experiment, profile = plan.experiment, plan.profile
-    command = ["rig", "run", experiment.name, "--on", on or backend.value]
-    for option in overrides:
-        command += ["--set", option]
-    if frames is not None:
-        command.append(f"--frames={frames}")
     calibrations = {
         f"calibration/{path.name}": path.read_text(encoding="utf-8")
         for path in profile.files
@@ -222,7 +221,9 @@ def _create_folder(
             **plan.sources,
         },
         seed=profile.simulation.seed if backend.is_simulated else None,
-        command=[shlex.join(command)],
+        command=command or command_of(experiment, on or backend.value, overrides, frames),
+        rig=profile.name,
+        law=experiment.controller,
     )
     _write_evaluation(plan, folder)
     return folder
