@@ -30,8 +30,12 @@ _GIT_TIMEOUT = 2.0
 """A checkout on a slow network drive must not hold up a run, s."""
 
 
+_OURS = ("rig", "drivers", "controllers", "configs")
+"""Folders of a checkout in which a file that git does not know may shape a run: a new profile."""
+
+
 class GitState(TypedDict):
-    """A checkout: its commit, and whether files differ from it."""
+    """A checkout: its commit, and whether files differ from it or a run may use others."""
 
     commit: str
     dirty: bool
@@ -56,7 +60,10 @@ def git_state(directory: Path | None = None) -> GitState | None:
         return None
     try:
         commit = _git(directory, "rev-parse", "HEAD")
-        dirty = _git(directory, "status", "--porcelain", "--untracked-files=no") != ""
+        changed = _git(directory, "status", "--porcelain", "--untracked-files=no")
+        root = Path(_git(directory, "rev-parse", "--show-toplevel"))
+        untracked = _git(root, "ls-files", "--others", "--exclude-standard", "--", *_OURS)
+        dirty = changed + untracked != ""
     except (OSError, subprocess.SubprocessError):
         return None
     return {"commit": commit, "dirty": dirty}

@@ -3,7 +3,6 @@
 import contextlib
 import fcntl
 import json
-import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -11,10 +10,9 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Protocol, TypedDict, cast
 
-import numpy as np
-
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
+from rig.json_file import plain, write_json
 from rig.runtime.log import is_locked
 from rig.spare_room import SpareRoom, append_line
 
@@ -49,6 +47,8 @@ class Manifest(TypedDict, total=False):
     experiment: str
     backend: str
     seed: int | None
+    rig: str
+    law: str
     command: list[str]
     started: str
     ended: str | None
@@ -124,6 +124,8 @@ class RunFolder:
         inputs: Mapping[str, str],
         seed: int | None = None,
         command: Sequence[str] = (),
+        rig: str = "",
+        law: str = "",
         now: datetime | None = None,
     ) -> "RunFolder":
         """Make a new folder ``<out>/<UTC stamp>-<experiment>-<backend>``.
@@ -140,7 +142,9 @@ class RunFolder:
         seed : int, optional
             Seed of the simulation.
         command : sequence of str
-            The command line that repeats this run.
+            The words of the command line that repeats this run.
+        rig, law : str
+            Names of the profile and of its controller.
         now : datetime, optional
             Start; default: now.
 
@@ -164,6 +168,8 @@ class RunFolder:
                 "experiment": experiment,
                 "backend": backend,
                 "seed": seed,
+                "rig": rig,
+                "law": law,
                 "command": list(command),
                 "started": started.isoformat(timespec="milliseconds"),
                 "ended": None,
@@ -174,7 +180,7 @@ class RunFolder:
                 "machine": provenance.machine(),
                 "files": provenance.file_hashes(inputs),
             }
-            _write_json(path / MANIFEST, manifest)
+            write_json(path / MANIFEST, manifest)
             SpareRoom(path).take()
         except OSError as error:
             raise ConfigurationError(
@@ -195,12 +201,14 @@ class RunFolder:
         path = Path(path)
         try:
             manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:
             raise ConfigurationError(
                 f"{path} is not a run folder: its {MANIFEST} cannot be read ({error})"
             ) from error
-        if not isinstance(manifest, dict) or "status" not in manifest:
-            raise ConfigurationError(f"{path} is not a run folder: its {MANIFEST} has no status")
+        if not isinstance(manifest, dict) or manifest.get("status") not in list(RunStatus):
+            raise ConfigurationError(
+                f"{path} is not a run folder: its {MANIFEST} has no status that a run can have"
+            )
         folder = cls(path, cast("Manifest", manifest))
         if folder.status is RunStatus.RUNNING and not folder.is_live():
             # The process may have finished between our look at the manifest and at its lock.
@@ -245,7 +253,7 @@ class RunFolder:
         if self._events_fd is None:
             raise RunFolderError(f"{self.path} is not open for writing")
         event = {"t": t, "kind": kind, "message": message, "data": data}
-        line = (json.dumps(_plain(event), ensure_ascii=False) + "\n").encode()
+        line = (json.dumps(plain(event), ensure_ascii=False) + "\n").encode()
         descriptor = self._events_fd
         self._store(EVENTS, lambda: append_line(descriptor, line))
 
@@ -271,7 +279,7 @@ class RunFolder:
         RunFolderError
             It cannot be written.
         """
-        self._store(name, lambda: _write_json(self.path / name, content))
+        self._store(name, lambda: write_json(self.path / name, content))
 
     def read_json(self, name: str) -> dict[str, object]:
         """Return the content of one of the folder's JSON files, ``{}`` if it is absent."""
@@ -279,7 +287,7 @@ class RunFolder:
             content = json.loads((self.path / name).read_text(encoding="utf-8"))
         except OSError:
             return {}
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise RunFolderError(f"{self.path / name} is not JSON: {error}") from error
         return content if isinstance(content, dict) else {}
 
@@ -350,7 +358,7 @@ class RunFolder:
         self.manifest["message"] = "the process died while the run went on"
         # A folder on read-only storage can still be looked at.
         with contextlib.suppress(OSError):
-            _write_json(self.path / MANIFEST, self.manifest)
+            write_json(self.path / MANIFEST, self.manifest)
 
 
 def _make_unique(out: Path, name: str) -> Path:
@@ -365,33 +373,3 @@ def _make_unique(out: Path, name: str) -> Path:
             suffix += 1
             continue
         return path
-
-
-def _write_json(path: Path, content: Mapping[str, object]) -> None:
-    text = json.dumps(_plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("w", encoding="utf-8") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise
-
-
-def _plain(value: object) -> object:
-    """Make a value of JSON's own types, with null for numbers that JSON does not have."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, np.generic | np.ndarray):
-        return _plain(value.tolist())
-    return str(value)

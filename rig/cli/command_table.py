@@ -13,6 +13,8 @@ COMMANDS = {
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
     "export": ("rig.cli.export:export", "Write a run's log for other programs."),
+    "rerun": ("rig.cli.rerun:rerun", "Run a run again, from its folder alone."),
+    "diff": ("rig.cli.diff:diff", "Show what two runs differ in."),
     "replay": ("rig.cli.replay:replay", "Feed a run's log to the code at hand."),
     "schema": ("rig.cli.schema:schema", "Print the JSON Schema of a file, for editors."),
     "completion": ("rig.cli.completion:completion", "Print a shell's completion script."),

@@ -1,12 +1,12 @@
 """A run's folder as the run begins: profile, experiment and calibrations as they are used."""
 
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
 from rig.assembly import Backend
 from rig.config import dump_resolved
 from rig.config.device_file import text_of
+from rig.experiment.command import command_of
 from rig.experiment.metrics import evaluation_as_json
 from rig.experiment.plan import Plan
 from rig.run_folder import EVALUATION, RunFolder
@@ -19,12 +19,13 @@ def create_folder(
     out: Path,
     overrides: Sequence[str],
     frames: str | None,
+    command: Sequence[str] = (),
 ) -> RunFolder:
     """Make the folder of a run, with what it is going to run.
 
     Parameters
     ----------
-    plan, backend, on, out, overrides, frames
+    plan, backend, on, out, overrides, frames, command
         See `rig.experiment.run.run_experiment`.
 
     Raises
@@ -33,11 +34,6 @@ def create_folder(
         It cannot be made.
     """
     experiment, profile = plan.experiment, plan.profile
-    command = ["rig", "run", experiment.name, "--on", on or backend.value]
-    for option in overrides:
-        command += ["--set", option]
-    if frames is not None:
-        command.append(f"--frames={frames}")
     calibrations = {
         f"calibration/{path.name}": path.read_text(encoding="utf-8")
         for path in profile.files
@@ -60,7 +56,9 @@ def create_folder(
             **plan.sources,
         },
         seed=profile.simulation.seed if backend.is_simulated else None,
-        command=[shlex.join(command)],
+        command=command or command_of(experiment, on or backend.value, overrides, frames),
+        rig=profile.name,
+        law=experiment.controller,
     )
     write_evaluation(plan, folder)
     return folder

@@ -81,6 +81,7 @@ def run_experiment(
     stop: StopRequests | None = None,
     rehearses: bool = False,
     is_permitted: bool = False,
+    command: Sequence[str] = (),
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -111,6 +112,8 @@ def run_experiment(
         Rehearse a simulated run as well, although nothing stalls in virtual time.
     is_permitted : bool
         The plan was tried with frozen setpoints before the operator was asked.
+    command : sequence of str
+        The command line that runs it again; default: ``rig run`` with the experiment's name.
 
     Returns
     -------
@@ -140,7 +143,7 @@ def run_experiment(
         with contextlib.ExitStack() as stack:
             stack.callback(rig.close)
             watcher.built(rig)
-            folder = create_folder(plan, backend, on, out, overrides, frames)
+            folder = create_folder(plan, backend, on, out, overrides, frames, command)
             stack.enter_context(ClosedBooks(folder, stop))
             stop.expose()
             if frame_log is not None:

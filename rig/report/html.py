@@ -99,6 +99,8 @@ def _header(folder: RunFolder, title: str) -> str:
     facts = {
         "started": _time(manifest.get("started")),
         "took": _duration(manifest.get("started"), manifest.get("ended")),
+        "rig": manifest.get("rig"),
+        "law": manifest.get("law"),
         "backend": manifest.get("backend"),
         "seed": manifest.get("seed"),
         "exit code": manifest.get("exit_code"),
@@ -235,8 +237,10 @@ def _reproduce(manifest: Manifest) -> str:
     command = manifest.get("command")
     if not command:
         return ""
+    if len(command) == 1:  # an older version kept the line as one word
+        command = shlex.split(command[0])
     git = manifest.get("git")
-    lines = [f"git checkout {git['commit']}"] if git else []
+    lines = [shlex.join(("git", "checkout", str(git["commit"])))] if git else []
     lines.append(shlex.join(command))
     note = (
         "<p>The checkout had uncommitted changes, so its commit alone is not what ran.</p>"

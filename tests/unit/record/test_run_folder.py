@@ -126,7 +126,11 @@ def test_json_is_written_whole_or_not_at_all(
     assert folder.read_json("metrics.json") == {}
 
 
-@pytest.mark.parametrize("content", [None, "not json", "[]", "{}"])
+@pytest.mark.parametrize(
+    "content",
+    [None, "not json", "[]", "{}", '{"status": "exploded"}', '{"status": []}', "[" * 100_000],
+    ids=["none", "text", "list", "empty", "status", "type", "deep"],
+)
 def test_other_folders_are_refused(tmp_path: Path, content: str | None) -> None:
     if content is not None:
         (tmp_path / MANIFEST).write_text(content)
@@ -144,6 +148,15 @@ def test_git_state_of_a_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     state = provenance.git_state(tmp_path / "package")
     assert state is not None and len(state["commit"]) == 40 and state["dirty"] is False
     (tmp_path / "package" / "a.py").write_text("a = 2\n")
+    state = provenance.git_state(tmp_path / "package")
+    assert state is not None and state["dirty"] is True
+    subprocess.run(["git", "checkout", "-q", "."], cwd=tmp_path, check=True)
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "profile.yaml").write_text("name: mine\n")
+    state = provenance.git_state(tmp_path / "package")
+    assert state is not None and state["dirty"] is False  # what runs leave shapes none
+    (tmp_path / "configs" / "rigs").mkdir(parents=True)
+    (tmp_path / "configs" / "rigs" / "mine.yaml").write_text("name: mine\n")
     state = provenance.git_state(tmp_path / "package")
     assert state is not None and state["dirty"] is True
     monkeypatch.setenv("PATH", str(tmp_path))

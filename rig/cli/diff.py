@@ -1,0 +1,72 @@
+"""`rig diff`: two runs beside each other."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rig.cli.names import complete_run, find_run, runs_option
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.replaying.difference import MetricChange
+    from rig.run_folder import RunFolder
+
+
+@click.command()
+@click.argument("first", shell_complete=complete_run)
+@click.argument("second", shell_complete=complete_run)
+@runs_option
+def diff(first: str, second: str, runs: Path) -> int:
+    """Show what two runs differ in: profile, code, metrics, and the first cycle that differs.
+
+    Whether chance explains a metric's difference is told from the runs beside the first one that
+    differ from it in nothing but their seed. It exits with 0 if all is the same, else with 1.
+    """
+    from rig.run_folder import RunFolder
+
+    one, other = (RunFolder.open(find_run(name, runs)) for name in (first, second))
+    return show(one, other)
+
+
+def show(one: RunFolder, other: RunFolder) -> int:
+    """Print what two runs differ in; return 0 if it is nothing."""
+    from rig.replaying.difference import (
+        differing_code,
+        differing_settings,
+        first_difference,
+        metrics_beside,
+        siblings_of,
+    )
+
+    settings, code = differing_settings(one, other), differing_code(one, other)
+    metrics = metrics_beside(one, other, siblings_of(one, one.path.resolve().parent))
+    header = ("", one.path.name, other.path.name)
+    print_tables(
+        [
+            Table("settings that differ", header, settings),
+            Table("code and versions that differ", header, code),
+            Table("metrics", (*header, "difference", "by chance"), [_row(m) for m in metrics]),
+        ]
+    )
+    log = first_difference(one, other)
+    print_data(
+        "every cycle of both logs is the same" if log is None else f"the logs differ first at {log}"
+    )
+    same = not settings and not code and log is None
+    return 0 if same and all(m.by_chance == "the same" for m in metrics) else 1
+
+
+def _row(metric: MetricChange) -> tuple[str, ...]:
+    from rig.config.formats import format_quantity
+
+    unit = metric.unit or "1"
+    values = (metric.first, metric.second, metric.second - metric.first)
+    texts = [format_quantity(v, unit) if math.isfinite(v) else "-" for v in values]
+    chance = metric.by_chance
+    if metric.spread is not None:
+        chance += f" (σ {format_quantity(metric.spread, unit)})"
+    return (metric.name, *texts, chance)

@@ -1,0 +1,50 @@
+"""`rig rerun`: a run once more, from its folder alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rig.cli.names import complete_run, find_run, out_option, runs_option, yes_option
+from rig.cli.tables import print_data
+
+
+@click.command()
+@click.argument("run", shell_complete=complete_run)
+@runs_option
+@out_option
+@click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
+@yes_option
+def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> int:
+    """Run RUN again from its folder alone, and say whether the same came of it.
+
+    Profile, calibrations and experiment are those in the folder. In simulation, with the same
+    versions, every number of the log but wall-clock times is the same, and so are the metrics.
+    """
+    path = find_run(run, runs)
+    from rig.cli.announce import may_move
+    from rig.cli.progress import ProgressLine
+    from rig.cli.run import show
+    from rig.replaying.difference import differing_code, first_difference
+    from rig.replaying.rerun import Repeat
+    from rig.run_folder import RunFolder
+
+    repeat = Repeat(path)
+    on = repeat.on or repeat.backend.value
+    if not may_move(repeat.plan, on, yes):
+        return 2
+    line = ProgressLine(repeat.plan.experiment.name, on)
+    with line:
+        result = repeat.run(out, line, report=not no_report)
+    show(result, has_report=not no_report)
+    if repeat.backend.is_simulated and result.path.joinpath("log.mcap").exists():
+        made = RunFolder.open(result.path)
+        difference = first_difference(repeat.folder, made)
+        if difference is None:
+            print_data("every cycle is as it was")
+        else:
+            print_data(f"it differs first at {difference}")
+            for change in differing_code(repeat.folder, made):
+                click.echo(f"{change.what}: {change.first} then, {change.second} now", err=True)
+    return result.exit_code
