@@ -37,7 +37,7 @@ def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> 
     line = ProgressLine(repeat.plan.experiment.name, on)
     with line:
         result = repeat.run(out, line, report=not no_report)
-    show(result, has_report=not no_report)
+    show(result)
     if repeat.backend.is_simulated and result.path.joinpath("log.mcap").exists():
         made = RunFolder.open(result.path)
         difference = first_difference(repeat.folder, made)

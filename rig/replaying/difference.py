@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -195,7 +195,7 @@ def _code(folder: RunFolder) -> dict[str, str]:
 
 def _settings(folder: RunFolder, name: str) -> dict[str, str]:
     try:
-        content: Plain = read_loosely(folder.path / name)
+        content = cast("Plain", read_loosely(folder.path / name))
     except (OSError, ValueError) as error:
         raise ConfigurationError(f"{folder.path} has no readable {name}: {error}") from error
     return dict(_flat("", content))
