@@ -9,9 +9,21 @@ from rig.assembly.contract_check import check_offers, make
 from rig.assembly.registry import REGISTRY
 from rig.config import Profile
 from rig.config.named_settings import controller_key
-from rig.hal import Clock, ConfigurationError, CyclicBus, Device, Mechanism, MotionRefused
+from rig.hal import (
+    Clock,
+    ConfigurationError,
+    ContractBroken,
+    CyclicBus,
+    Device,
+    Mechanism,
+    MotionRefused,
+)
 from rig.hal.devices import EmergencyStopInput
+from rig.hal.fits import where
 from rig.hal.motion import Motion
+
+_LONGEST_STOP = 60.0
+"""No rig takes longer to come to rest, s: a stop that never ends would keep it energised."""
 
 
 def make_devices(
@@ -65,6 +77,11 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     mechanism = view.assemble(profile.mechanism_settings, devices, profile.loop.period)
     what = f"the mechanism {profile.mechanism}"
     check_offers(what, mechanism, Mechanism)
+    if not 0.0 <= mechanism.stopping_time <= _LONGEST_STOP:
+        raise ContractBroken(
+            f"{what}: {where(type(mechanism))}.stopping_time is {mechanism.stopping_time:g} s, and "
+            f"not between 0 and {_LONGEST_STOP:g} s"
+        )
     stop = mechanism.stop_input()
     if stop is not None:
         check_offers(f"{what}: its stop_input", stop, EmergencyStopInput)

@@ -92,7 +92,7 @@ class InstalledParts:
         """Return the settings dataclass of a name; KeyError if there is none."""
         code = _code_of(kind, name)
         path = code.settings or f"{code.path}.Settings"
-        found: type[Any] = load(path)
+        found: type[Any] = load(path, f"{kind} {name}: ")
         what = f"{kind} {name}: {path}"
         check_settings(what, found, _SETTINGS_OF.get(kind, object))
         try:
@@ -110,7 +110,7 @@ class InstalledParts:
             It is not what the contract says.
         """
         path = _code_of(kind, name).path
-        found = load(path)
+        found = load(path, f"{kind} {name}: ")
         protocols = _PROTOCOLS_OF.get(kind, ())
         if kind == "controller":
             protocols = (*protocols, load(self.mechanism(name.partition("/")[0]).view).law)

@@ -12,8 +12,8 @@ from rig.hal.parts import Additions, DriverParts, ProtocolParts
 Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
 
 
-def load(path: object) -> Any:
-    """Import what a path names, ``"module:name"``.
+def load(path: object, what: str = "") -> Any:
+    """Import what a path names, ``"module:name"``; `what` says in messages whose it is.
 
     Raises
     ------
@@ -28,7 +28,7 @@ def load(path: object) -> Any:
         for part in name.split("."):
             found = getattr(found, part)
     except (Exception, SystemExit) as error:  # anything may happen in the code of others
-        raise ConfigurationError(f"{path} cannot be imported: {error}") from error
+        raise ConfigurationError(f"{what}{path} cannot be imported: {error}") from error
     return found
 
 

@@ -31,7 +31,7 @@ from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import RigError
+from rig.hal import Column, RigError
 from rig.run_folder import RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import LogError, read_log
@@ -235,16 +235,9 @@ def _run(
             stack.callback(stop.shield)  # first on the way out: closing is not to be torn
             states.move(RigState.IDLE)
             loop = _make_loop(plan, rig, states, watcher)
-            columns = (
-                *RUN_COLUMNS,
-                *rig.mechanism.columns,
-                *[column for device in rig.devices.values() for column in device.log_columns],
-                *TIMING_COLUMNS,
-                *rig.truth_columns,
-            )
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
-                LogRecorder(folder.log_path, columns) as recorder,
+                LogRecorder(folder.log_path, _columns(rig)) as recorder,
                 real_time(priority, plan.profile.loop.cpu) as refused,
             ):
                 for sentence in refused:
@@ -263,13 +256,12 @@ def _run(
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
                     )
-        for sentence in outcome.unsafe:
+        said = [("unsafe", sentence) for sentence in outcome.unsafe]
+        if outcome.fault is not None and (held := rig.mechanism.pose_held()):
+            said.append(("hold", held))
+        for kind, sentence in said:
             watcher.said(sentence)
-            events(loop.t, "unsafe", sentence, {})
-        held = rig.mechanism.pose_held() if outcome.fault is not None else None
-        if held:
-            watcher.said(held)
-            events(loop.t, "hold", held, {})
+            events(loop.t, kind, sentence, {})
         return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
@@ -285,6 +277,13 @@ def _run(
         if blamed is None:
             raise
         return broken_contract(blamed)
+
+
+def _columns(rig: Rig) -> tuple[Column, ...]:
+    """Return what a row of the log holds, in the order of `rig.runtime.cycle.Cycle.note`."""
+    measured = [column for device in rig.devices.values() for column in device.log_columns]
+    run, timing = RUN_COLUMNS, TIMING_COLUMNS
+    return (*run, *rig.mechanism.columns, *measured, *timing, *rig.truth_columns)
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:

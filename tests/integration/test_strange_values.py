@@ -282,3 +282,14 @@ def test_a_package_that_is_not_installed_is_asked_for(plug_in, monkeypatch):
 
 
 EMPTY = "PARTS = Additions(mechanism='cylinder')"
+
+
+@pytest.mark.parametrize("seconds", ["inf", "nan", "-0.5", "1e4"])
+def test_a_stop_that_never_ends_is_refused_at_the_check(plug_in, seconds):
+    code = (
+        f"class View(mechanism.Crank):\n    stopping_time = float('{seconds}')\n"
+        "PARTS = crank(view='View')"
+    )
+    exit_code, said, module = plug_in(*CRANK, code, "check", "crank-turns")
+    assert exit_code == 2
+    assert f"{module}.View.stopping_time is {float(seconds):g} s" in said
