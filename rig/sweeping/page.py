@@ -2,12 +2,13 @@
 
 import base64
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from rig.config.formats import format_quantity
+from rig.hal import RigError
 
 if TYPE_CHECKING:
     from rig.sweeping.result import Sweep
@@ -15,6 +16,19 @@ if TYPE_CHECKING:
 PAGE: Final = "sweep.html"
 _SHOWN: Final = 20
 """Most rows of a table of the page; sweep.csv has all."""
+
+
+def draw(sweep: "Sweep", metric: str | None, title: str, say: Callable[[str], None]) -> None:
+    """Draw the figure and write the page; the table is there without them too."""
+    from rig.report.style import paper_style, save
+
+    try:
+        with paper_style():
+            figure = sweep.figure(metric)
+            save(figure, sweep.folder, "sweep", title)
+        write_page(sweep, metric, title)
+    except (RigError, OSError) as error:
+        say(f"there is no figure: {error}")
 
 
 def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:

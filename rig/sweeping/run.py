@@ -19,15 +19,16 @@ from rig.sweeping.dask_cluster import DaskCluster
 from rig.sweeping.design import Design, make_design
 from rig.sweeping.engine import PERFORM, Engine, WorkerSetup
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 from rig.sweeping.journal import Journal
+from rig.sweeping.page import draw
 from rig.sweeping.point import PointJob, reason_of
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
 from rig.sweeping.request import SweepRequest
-from rig.sweeping.result import Rows, Sweep, SweepEnd, draw, write_sweep
+from rig.sweeping.result import Sweep, SweepEnd, SweepRows, write_sweep
 from rig.sweeping.serial import Serial
-from rig.sweeping.source import Source, freeze_configs, name_unresolved, resolve
+from rig.sweeping.source import PointSource, freeze_configs, name_unresolved, resolve
 
 LOGS = "runs"
 _CONFIGS = ".configs"
@@ -66,7 +67,7 @@ def run_sweep(
         code = code_version()
         configs = request.folder.resolve() / _CONFIGS
         name = freeze_configs(request.experiment, request.configs, configs)
-        source = Source(name, request.options, request.rig, request.on, code.digest)
+        source = PointSource(name, request.options, request.rig, request.on, code.digest)
         check_axes(source, design, configs)
         if request.serial:
             _preflight(source, design, configs)
@@ -88,7 +89,7 @@ def run_sweep(
                 end = SweepEnd.BUDGET
         shown.clear()
         _remove_unfinished(logs)
-        rows = Rows(design, coordinator, journal)
+        rows = SweepRows(design, coordinator, journal)
         sweep = write_sweep(request.folder, rows, end, shown.say)
         draw(
             sweep,
@@ -107,7 +108,7 @@ def run_sweep(
         return sweep
 
 
-def check_axes(source: Source, design: Design, configs: Path) -> None:
+def check_axes(source: PointSource, design: Design, configs: Path) -> None:
     """Check each value of each axis beside the first values of the others.
 
     Raises
@@ -136,14 +137,14 @@ def _telling(axis: Axis) -> tuple[str, ...]:
     return tuple(axis.texts[place] for place in (0, count // 2, count - 1))
 
 
-def _tasks(source: Source, design: Design, configs: Path, logs: Path) -> Iterator[Task]:
+def _tasks(source: PointSource, design: Design, configs: Path, logs: Path) -> Iterator[Task]:
     for number in range(design.count):
         options = design.options(number)
         try:
             name = resolve(source, options, configs).name
         except ConfigurationError as error:
             name = name_unresolved(source, options)
-            yield Finding(point=name, status="refused", reason=reason_of(error), metrics=[])
+            yield PointFinding(point=name, status="refused", reason=reason_of(error), metrics=[])
         else:
             yield PointJob(name, source, options, configs, logs)
 
@@ -163,7 +164,7 @@ def _engine(
     return Pool(request.workers or os.cpu_count() or 1, setup)
 
 
-def _preflight(source: Source, design: Design, configs: Path) -> None:
+def _preflight(source: PointSource, design: Design, configs: Path) -> None:
     """Refuse a queue of runs any of which cannot be done, before the rig moves.
 
     Raises
