@@ -43,6 +43,7 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
     failed = [int(number) for number in data.failed.nonzero()[0]]
     unfinished = sweep.total - len(data.points)
     left = f", {unfinished} not finished" if unfinished else ""
+    missed = data.statuses.count("failed")
     path = sweep.folder / PAGE
     path.write_text(
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -50,7 +51,7 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
         "style-src 'unsafe-inline'; img-src data:\">\n"
         f"<title>{escape(title)}</title>\n<style>\n{css}main {{ max-width: 80rem; }}\n</style>\n"
         f"</head>\n<body>\n<main>\n<header><h1>{escape(title)}</h1>"
-        f"<p>{len(failed)} failed{left}. All points stand in sweep.csv.</p></header>\n"
+        f"<p>{missed} missed a bound, {len(failed)} failed{left}. All points stand in sweep.csv.</p></header>\n"
         f'<section><figure><img src="data:image/png;base64,{image}" alt="{escape(name)}" '
         'style="max-width: 100%"></figure></section>\n'
         + _section(f"Best in {name}", sweep, order[:_SHOWN])

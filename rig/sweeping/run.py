@@ -7,7 +7,8 @@ from contextlib import closing
 from pathlib import Path
 
 from rig.assembly import Backend
-from rig.config import ProfileError
+from rig.config import Experiment, ProfileError
+from rig.config.diagnostics import nearest
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
@@ -69,6 +70,7 @@ def run_sweep(
         name = freeze_configs(request.experiment, request.configs, configs)
         source = PointSource(name, request.options, request.rig, request.on, code.digest)
         check_axes(source, design, configs)
+        _check_metrics(request, resolve(source, design.options(0), configs).experiment)
         if request.serial:
             _preflight(source, design, configs)
         logs = request.folder.resolve() / LOGS
@@ -127,6 +129,15 @@ def check_axes(source: PointSource, design: Design, configs: Path) -> None:
                 raise ConfigurationError(
                     f"--vary {axis.setting}={text}: {reason_of(error)}"
                 ) from error
+
+
+def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:
+    """Refuse a metric that the experiment does not ask for; bounds may be of it or of ``.min``."""
+    rule = request.stop_when
+    for option, name in (("metric", request.best), ("stop when", rule and rule.metric)):
+        if name is not None and name.removesuffix(".min") not in experiment.metrics:
+            hint = nearest(name, experiment.metrics) or "it has none"
+            raise ConfigurationError(f"{option}: {experiment.name} has no metric {name!r}; {hint}")
 
 
 def _telling(axis: Axis) -> tuple[str, ...]:
