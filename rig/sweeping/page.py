@@ -51,7 +51,8 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
         "style-src 'unsafe-inline'; img-src data:\">\n"
         f"<title>{escape(title)}</title>\n<style>\n{css}main {{ max-width: 80rem; }}\n</style>\n"
         f"</head>\n<body>\n<main>\n<header><h1>{escape(title)}</h1>"
-        f"<p>{missed} missed a bound, {len(failed)} failed{left}. All points stand in sweep.csv.</p></header>\n"
+        f"<p>{missed} missed a bound, {len(failed)} failed{left}. "
+        "All points stand in sweep.csv.</p></header>\n"
         f'<section><figure><img src="data:image/png;base64,{image}" alt="{escape(name)}" '
         'style="max-width: 100%"></figure></section>\n'
         + _section(f"Best in {name}", sweep, order[:_SHOWN])
