@@ -14,7 +14,7 @@ from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import Axis
 from rig.sweeping.best import Best
-from rig.sweeping.code import code_version
+from rig.sweeping.code import CodeVersion, code_version
 from rig.sweeping.coordinator import Coordinator, Limits, Task
 from rig.sweeping.dask_cluster import DaskCluster
 from rig.sweeping.design import Design, make_design
@@ -67,17 +67,12 @@ def run_sweep(
     with closing(Journal(request.folder)) as journal:
         code = code_version()
         configs = request.folder.resolve() / _CONFIGS
-        name = freeze_configs(request.experiment, request.configs, configs)
-        source = PointSource(name, request.options, request.rig, request.on, code.digest)
-        check_axes(source, design, configs)
-        _check_metrics(request, resolve(source, design.options(0), configs).experiment)
-        if request.serial:
-            _preflight(source, design, configs)
         logs = request.folder.resolve() / LOGS
-        best = Best(request.best, request.keep, logs)
+        source = _checked_source(request, design, configs, code)
         shown = progress(design.count)
         setup = WorkerSetup(perform, code.digest, request.folder.resolve() / "workers.log")
         with closing(_engine(request, setup, configs, shown.say)) as engine:
+            best = Best(request.best, request.keep, logs)
             coordinator = Coordinator(journal, engine, shown, _limits(request), best)
             end, trouble = SweepEnd.DONE, None
             try:
@@ -91,23 +86,33 @@ def run_sweep(
                 end = SweepEnd.BUDGET
         shown.clear()
         _remove_unfinished(logs)
-        rows = SweepRows(design, coordinator, journal)
-        sweep = write_sweep(request.folder, rows, end, shown.say)
-        draw(
-            sweep,
-            request.best,
-            f"{name} on {request.on}, {len(sweep.data.points)} points",
-            shown.say,
-        )
-        changed = code.changed(code_version())
-        if changed:
-            more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
-            shown.say(
-                f"the source changed meanwhile ({changed[0]}{more}); all points ran as it was"
-            )
+        sweep = write_sweep(request.folder, SweepRows(design, coordinator, journal), end, shown.say)
+        title = f"{source.experiment} on {request.on}, {len(sweep.data.points)} points"
+        draw(sweep, request.best, title, shown.say)
+        _tell_of_edits(code, shown)
         if trouble is not None:
             raise trouble
         return sweep
+
+
+def _checked_source(
+    request: SweepRequest, design: Design, configs: Path, code: CodeVersion
+) -> PointSource:
+    """Copy the configurations; return where points come from, after a look at all of the axes."""
+    name = freeze_configs(request.experiment, request.configs, configs)
+    source = PointSource(name, request.options, request.rig, request.on, code.digest)
+    check_axes(source, design, configs)
+    _check_metrics(request, resolve(source, design.options(0), configs).experiment)
+    if request.serial:
+        _preflight(source, design, configs)
+    return source
+
+
+def _tell_of_edits(code: CodeVersion, shown: SweepProgress) -> None:
+    changed = code.changed(code_version())
+    if changed:
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        shown.say(f"the source changed meanwhile ({changed[0]}{more}); all points ran as it was")
 
 
 def check_axes(source: PointSource, design: Design, configs: Path) -> None:
