@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _SHOWN = 12
 """So many rows stand in the table on stdout, the best first."""
+_TOLD = {"failed": "missed a bound"}
 
 
 @click.command()
@@ -146,6 +147,6 @@ def show(found: Sweep, metric: str | None) -> None:
             for number in data.order(metric)[:_SHOWN]
         ]
         print_tables([Table(f"best in {name}", header, rows)])
-    told = ", ".join(f"{count} {status}" for status, count in counts.items())
+    told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
     click.echo(f"{found.end}: {found.folder / 'sweep.csv'}, sweep.html", err=True)

@@ -6,12 +6,12 @@ import shutil
 from pathlib import Path
 from typing import Final
 
-from rig.sweeping.finding import DONE, Finding, MetricCell
+from rig.sweeping.finding import DONE, MetricCell, PointFinding
 
 KEEP_ALL: Final = -1
 
 
-def metric_of(finding: Finding, name: str | None) -> MetricCell | None:
+def metric_of(finding: PointFinding, name: str | None) -> MetricCell | None:
     """Return a point's metric by its name, or its first one."""
     return next((m for m in finding["metrics"] if name is None or m["name"] == name), None)
 
@@ -43,7 +43,7 @@ class Best:
         self._logs = logs
         self._best: list[tuple[float, str]] = []
 
-    def take(self, finding: Finding) -> None:
+    def take(self, finding: PointFinding) -> None:
         """Take a point; remove the run folder that is not wanted any more."""
         if finding["status"] not in DONE or self._keep == KEEP_ALL:
             return
@@ -54,7 +54,7 @@ class Best:
         if len(self._best) > self._keep:
             shutil.rmtree(self._logs / self._best.pop()[1], ignore_errors=True)
 
-    def recall(self, finding: Finding) -> None:
+    def recall(self, finding: PointFinding) -> None:
         """Take a point that was finished before, if its run folder is still there."""
         if (self._logs / finding["point"]).is_dir():
             self.take(finding)

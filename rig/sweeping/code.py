@@ -43,7 +43,7 @@ def code_version() -> CodeVersion:
         f"{package}/{path.relative_to(folder)}": hashlib.sha256(path.read_bytes()).hexdigest()
         for package, folder in _packages()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and "__pycache__" not in path.parts
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix != ".md"
     }
     text = repr((sorted(files.items()), sorted(provenance.versions().items())))
     return CodeVersion(hashlib.sha256(text.encode()).hexdigest(), files)

@@ -5,9 +5,9 @@ from time import monotonic
 from typing import Final, NamedTuple
 
 from rig.sweeping.best import Best
-from rig.sweeping.engine import Engine, Report
+from rig.sweeping.engine import Engine, PointReport
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import LOST, Finding
+from rig.sweeping.finding import LOST, PointFinding
 from rig.sweeping.journal import Journal
 from rig.sweeping.point import PointJob
 from rig.sweeping.progress import SweepProgress
@@ -17,12 +17,12 @@ TRIES: Final = 6
 _LOOK: Final = 0.5
 """Longest wait before the progress is told again, s."""
 
-Task = PointJob | Finding
+Task = PointJob | PointFinding
 """A point to run, or what became of one that cannot be."""
 
 
 class Limits(NamedTuple):
-    """What ends a sweep before its last point.
+    """The bounds that end a sweep before its last point.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Limits(NamedTuple):
 
     seconds: float | None = None
     points: float | None = None
-    reached: Callable[[Finding], bool] | None = None
+    reached: Callable[[PointFinding], bool] | None = None
 
 
 class Coordinator:
@@ -74,7 +74,7 @@ class Coordinator:
         """The names of all points so far in their order, sixteen bytes each."""
         self.end: int | None = None
         """The number of the first point with which the sweep may end."""
-        self.lost: dict[str, Finding] = {}
+        self.lost: dict[str, PointFinding] = {}
         """What became of points that are not finished."""
         self.cut = False
         """Whether a budget was spent before the last point."""
@@ -133,7 +133,7 @@ class Coordinator:
         self._keep(task)
         return False
 
-    def _take(self, report: Report) -> None:
+    def _take(self, report: PointReport) -> None:
         if report.trouble:
             raise SweepStopped("sweep", report.trouble)
         if report.finding is not None:
@@ -148,18 +148,18 @@ class Coordinator:
         del self._jobs[report.name]
         self._numbers.pop(report.name)
         reason = f"{TRIES} workers died while they ran it"
-        finding = Finding(point=report.name, status=LOST, reason=reason, metrics=[])
+        finding = PointFinding(point=report.name, status=LOST, reason=reason, metrics=[])
         self.lost[report.name] = finding
         self._progress.told(finding)
 
-    def _keep(self, finding: Finding) -> None:
+    def _keep(self, finding: PointFinding) -> None:
         self._journal.add(finding)
         self._deaths.pop(finding["point"], None)
         self._look(self._numbers.pop(finding["point"]), finding)
         self._best.take(finding)
         self._progress.told(finding)
 
-    def _look(self, number: int, finding: Finding) -> None:
+    def _look(self, number: int, finding: PointFinding) -> None:
         reached = self._limits.reached
         if reached is not None and reached(finding):
             self.end = number if self.end is None else min(self.end, number)

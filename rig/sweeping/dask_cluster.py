@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 from rig.hal import ConfigurationError
 from rig.hal.errors import ConnectionFailed
 from rig.sweeping.dask_worker import pack, run_here
-from rig.sweeping.engine import Report, WorkerSetup
+from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.point import PointJob
 
@@ -111,7 +111,7 @@ class DaskCluster:
         self._names[key] = job.name, future
         future.add_done_callback(self._done.put)
 
-    def wait(self, timeout: float) -> list[Report]:
+    def wait(self, timeout: float) -> list[PointReport]:
         """Return what the cluster says.
 
         Raises
@@ -134,16 +134,16 @@ class DaskCluster:
         with contextlib.suppress(Exception):  # it may be what failed
             self._client.close(timeout=2.0)
 
-    def _report(self, name: str, future: "Future") -> Report:
+    def _report(self, name: str, future: "Future") -> PointReport:
         if future.status == "finished":
-            report: Report = future.result(timeout=_GONE)
+            report: PointReport = future.result(timeout=_GONE)
             return report
         if future.status in ("cancelled", "lost"):
             raise self._gone()
         error = future.exception(timeout=_GONE)
         if type(error).__name__ == "KilledWorker":
-            return Report(name, died=True)
-        return Report(name, trouble=f"a worker of {self._address} cannot run points: {error}")
+            return PointReport(name, died=True)
+        return PointReport(name, trouble=f"a worker of {self._address} cannot run points: {error}")
 
     def _check_alive(self) -> None:
         if self._client.status == "running":

@@ -10,7 +10,7 @@ import zipfile
 from pathlib import Path
 from typing import Final
 
-from rig.sweeping.engine import Report, WorkerSetup
+from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.point import PointJob
 from rig.sweeping.pool import Pool
@@ -29,7 +29,7 @@ def pack(folder: Path) -> bytes:
     return packed.getvalue()
 
 
-def run_here(job: PointJob, setup: WorkerSetup, configs: bytes) -> Report:
+def run_here(job: PointJob, setup: WorkerSetup, configs: bytes) -> PointReport:
     """Run a point in this thread's own process.
 
     Parameters
@@ -46,7 +46,7 @@ def run_here(job: PointJob, setup: WorkerSetup, configs: bytes) -> Report:
         try:
             own = _OWN.own = _ThreadsOwn(setup)
         except SweepStopped as error:
-            return Report(job.name, trouble=str(error))
+            return PointReport(job.name, trouble=str(error))
     return own.run(job, configs)
 
 
@@ -59,7 +59,7 @@ class _ThreadsOwn:
         self._place: tempfile.TemporaryDirectory[str] | None = None
         self._configs = b""
 
-    def run(self, job: PointJob, configs: bytes) -> Report:
+    def run(self, job: PointJob, configs: bytes) -> PointReport:
         """Run a point; without a file system that is shared its run folder is not kept."""
         shared = job.configs.is_dir()
         if not shared:

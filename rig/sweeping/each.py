@@ -10,17 +10,17 @@ from rig.sweeping.best import KEEP_ALL, Best
 from rig.sweeping.code import code_version
 from rig.sweeping.coordinator import Coordinator, Limits
 from rig.sweeping.engine import WorkerSetup
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 from rig.sweeping.journal import Journal
 from rig.sweeping.point import PointJob
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
-from rig.sweeping.source import Source
+from rig.sweeping.source import PointSource
 
 
 def run_each(
     perform: str, cases: Sequence[tuple[str, ...]], folder: Path, workers: int
-) -> list[Finding]:
+) -> list[PointFinding]:
     """Call a function for each case, in the processes of a pool; a finished case is not run again.
 
     Parameters
@@ -37,7 +37,7 @@ def run_each(
 
     Returns
     -------
-    list of Finding
+    list of PointFinding
         In the order of the cases.
 
     Raises
@@ -61,4 +61,4 @@ def run_each(
 def _job(perform: str, case: tuple[str, ...], code: str, folder: Path) -> PointJob:
     text = json.dumps([perform, case, code])
     name = hashlib.sha256(text.encode()).hexdigest()[:32]
-    return PointJob(name, Source("", (), None, "", code), case, folder, folder / "runs" / name)
+    return PointJob(name, PointSource("", (), None, "", code), case, folder, folder / "runs" / name)

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final, NamedTuple, Protocol
 
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 from rig.sweeping.point import PointJob
 
-Perform = Callable[[PointJob], Finding]
+Perform = Callable[[PointJob], PointFinding]
 
 
 PERFORM: Final = "rig.sweeping.point:perform"
@@ -15,7 +15,7 @@ PERFORM: Final = "rig.sweeping.point:perform"
 
 
 class WorkerSetup(NamedTuple):
-    """What workers need before their first point.
+    """The needs of a worker before its first point.
 
     Parameters
     ----------
@@ -32,14 +32,14 @@ class WorkerSetup(NamedTuple):
     log: Path | None = None
 
 
-class Report(NamedTuple):
-    """What an engine says of a point.
+class PointReport(NamedTuple):
+    """A word of an engine about a point.
 
     Parameters
     ----------
     name : str
         The point's.
-    finding : Finding or None
+    finding : PointFinding or None
         What became of it.
     trouble : str
         Why no point can be run here, if it is so.
@@ -48,7 +48,7 @@ class Report(NamedTuple):
     """
 
     name: str
-    finding: Finding | None = None
+    finding: PointFinding | None = None
     trouble: str = ""
     died: bool = False
 
@@ -63,7 +63,7 @@ class Engine(Protocol):
     def submit(self, job: PointJob) -> None:
         """Take a point."""
 
-    def wait(self, timeout: float) -> list[Report]:
+    def wait(self, timeout: float) -> list[PointReport]:
         """Return what is finished, after `timeout` seconds at the latest."""
 
     def close(self) -> None:

@@ -18,8 +18,8 @@ class MetricCell(TypedDict):
     kind: str | None
 
 
-class Finding(TypedDict):
-    """What became of a point.
+class PointFinding(TypedDict):
+    """The end of a point.
 
     ``status`` is ``ok``, ``failed`` (a bound was missed), ``refused`` (it was never started),
     ``faulted``, ``aborted``, ``crashed`` or ``lost``; ``reason`` is a sentence, or empty.
@@ -31,9 +31,9 @@ class Finding(TypedDict):
     metrics: list[MetricCell]
 
 
-def refusal(point: str, error: Exception) -> Finding:
+def refusal(point: str, error: Exception) -> PointFinding:
     """Return the finding of a point that cannot be started."""
-    return Finding(point=point, status="refused", reason=one_line(str(error)), metrics=[])
+    return PointFinding(point=point, status="refused", reason=one_line(str(error)), metrics=[])
 
 
 def one_line(text: str) -> str:

@@ -10,7 +10,7 @@ from typing import BinaryIO, cast
 from rig.hal import ConfigurationError
 from rig.spare_room import SpareRoom, append_line
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 
 JOURNAL = "points.jsonl"
 _LOCK = ".lock"
@@ -62,11 +62,11 @@ class Journal:
     def __len__(self) -> int:
         return len(self._places)
 
-    def __getitem__(self, name: str) -> Finding:
+    def __getitem__(self, name: str) -> PointFinding:
         self._reader.seek(self._places[bytes.fromhex(name)])
-        return cast("Finding", json.loads(self._reader.readline()))
+        return cast("PointFinding", json.loads(self._reader.readline()))
 
-    def add(self, finding: Finding) -> None:
+    def add(self, finding: PointFinding) -> None:
         """Keep what became of a point; it is on the disk when this returns.
 
         Raises

@@ -2,12 +2,13 @@
 
 import base64
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from rig.config.formats import format_quantity
+from rig.hal import RigError
 
 if TYPE_CHECKING:
     from rig.sweeping.result import Sweep
@@ -15,6 +16,19 @@ if TYPE_CHECKING:
 PAGE: Final = "sweep.html"
 _SHOWN: Final = 20
 """Most rows of a table of the page; sweep.csv has all."""
+
+
+def draw(sweep: "Sweep", metric: str | None, title: str, say: Callable[[str], None]) -> None:
+    """Draw the figure and write the page; the table is there without them too."""
+    from rig.report.style import paper_style, save
+
+    try:
+        with paper_style():
+            figure = sweep.figure(metric)
+            save(figure, sweep.folder, "sweep", title)
+        write_page(sweep, metric, title)
+    except (RigError, OSError) as error:
+        say(f"there is no figure: {error}")
 
 
 def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
@@ -29,6 +43,7 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
     failed = [int(number) for number in data.failed.nonzero()[0]]
     unfinished = sweep.total - len(data.points)
     left = f", {unfinished} not finished" if unfinished else ""
+    missed = data.statuses.count("failed")
     path = sweep.folder / PAGE
     path.write_text(
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -36,7 +51,8 @@ def write_page(sweep: "Sweep", metric: str | None, title: str) -> Path:
         "style-src 'unsafe-inline'; img-src data:\">\n"
         f"<title>{escape(title)}</title>\n<style>\n{css}main {{ max-width: 80rem; }}\n</style>\n"
         f"</head>\n<body>\n<main>\n<header><h1>{escape(title)}</h1>"
-        f"<p>{len(failed)} failed{left}. All points stand in sweep.csv.</p></header>\n"
+        f"<p>{missed} missed a bound, {len(failed)} failed{left}. "
+        "All points stand in sweep.csv.</p></header>\n"
         f'<section><figure><img src="data:image/png;base64,{image}" alt="{escape(name)}" '
         'style="max-width: 100%"></figure></section>\n'
         + _section(f"Best in {name}", sweep, order[:_SHOWN])

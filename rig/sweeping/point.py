@@ -13,8 +13,8 @@ from rig.experiment.run import Result, run_experiment
 from rig.hal import ConfigurationError, RigError
 from rig.run_folder import RunStatus
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import Finding, MetricCell, one_line, refusal
-from rig.sweeping.source import Source, resolve
+from rig.sweeping.finding import MetricCell, PointFinding, one_line, refusal
+from rig.sweeping.source import PointSource, resolve
 
 _ADDRESS: Final = re.compile(r" at 0x[0-9a-f]{6,}")
 _DISK: Final = re.compile(
@@ -30,7 +30,7 @@ class PointJob(NamedTuple):
     ----------
     name : str
         Its name.
-    source : Source
+    source : PointSource
         What it has in common with the others.
     options : tuple of str
         What is its own.
@@ -41,13 +41,13 @@ class PointJob(NamedTuple):
     """
 
     name: str
-    source: Source
+    source: PointSource
     options: tuple[str, ...]
     configs: Path
     logs: Path
 
 
-def perform(job: PointJob) -> Finding:
+def perform(job: PointJob) -> PointFinding:
     """Run a point; return what became of it.
 
     Raises
@@ -75,7 +75,7 @@ def perform(job: PointJob) -> Finding:
         _refuse_if_outside(str(error), job)
         finding = refusal(job.name, error)
     except Exception as error:
-        finding = Finding(
+        finding = PointFinding(
             point=job.name, status=RunStatus.CRASHED.value,
             reason=_ADDRESS.sub("", one_line(f"{type(error).__name__}: {error}")), metrics=[],
         )  # fmt: skip
@@ -86,10 +86,10 @@ def perform(job: PointJob) -> Finding:
     return finding
 
 
-def _finding(name: str, result: Result) -> Finding:
+def _finding(name: str, result: Result) -> PointFinding:
     missed = ", ".join(metric.name for metric in result.metrics if metric.passed is False)
     reason = result.message or (f"missed {missed}" if missed else "")
-    return Finding(
+    return PointFinding(
         point=name, status=result.status.value, reason=one_line(reason),
         metrics=[_cell(metric) for metric in result.metrics],
     )  # fmt: skip

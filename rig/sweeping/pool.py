@@ -9,7 +9,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Final
 
-from rig.sweeping.engine import Report, WorkerSetup
+from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.point import PointJob
 from rig.sweeping.server import READY, send_setup
@@ -56,7 +56,7 @@ class Pool:
                 break
         self._busy[connection] = job.name
 
-    def wait(self, timeout: float) -> list[Report]:
+    def wait(self, timeout: float) -> list[PointReport]:
         """Return what workers say, and which of them died."""
         reports = []
         for ready in wait(list(self._busy), timeout):
@@ -66,7 +66,7 @@ class Pool:
                 reports.append(ready.recv())
                 self._idle.append(ready)
             except (EOFError, OSError):
-                reports.append(Report(name, died=True))
+                reports.append(PointReport(name, died=True))
                 self._idle.append(self._replace(ready))
         return reports
 

@@ -4,7 +4,7 @@ import contextlib
 import sys
 from time import monotonic
 
-from rig.sweeping.finding import DONE, Finding
+from rig.sweeping.finding import DONE, PointFinding
 
 _REDRAW = 0.2
 """Least time between two redraws, s."""
@@ -37,7 +37,7 @@ class SweepProgress:
         self._known += 1
         self.done += 1
 
-    def told(self, finding: Finding) -> None:
+    def told(self, finding: PointFinding) -> None:
         """Count a point, and tell of the first ones that fail."""
         self.done += 1
         if finding["status"] not in DONE:

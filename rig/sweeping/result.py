@@ -7,11 +7,11 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rig.hal import ConfigurationError, RigError
+from rig.hal import ConfigurationError
 from rig.sweeping.coordinator import Coordinator
 from rig.sweeping.data import SweepData
 from rig.sweeping.design import Design
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 from rig.sweeping.journal import Journal
 from rig.sweeping.table import (
     CSV,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class SweepEnd(StrEnum):
-    """How a sweep ended."""
+    """The end of a sweep."""
 
     DONE = "done"
     INTERRUPTED = "interrupted"
@@ -38,7 +38,7 @@ class SweepEnd(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class SweepRows:
     """The finished points of a sweep, in their order; read from the journal each time.
 
     Parameters
@@ -64,7 +64,7 @@ class Rows:
                 values = tuple(map(value_of, self.design.texts(number)))
                 yield TableRow(number, values, finding)
 
-    def _finding(self, name: str) -> Finding | None:
+    def _finding(self, name: str) -> PointFinding | None:
         if name in self.journal:
             return self.journal[name]
         return self.coordinator.lost.get(name)
@@ -129,7 +129,7 @@ class Sweep:
         return draw_sweep(self.data, metric)
 
 
-def write_sweep(folder: Path, rows: Rows, end: SweepEnd, say: Callable[[str], None]) -> Sweep:
+def write_sweep(folder: Path, rows: SweepRows, end: SweepEnd, say: Callable[[str], None]) -> Sweep:
     """Write the tables of a sweep, and return it.
 
     Raises
@@ -145,17 +145,3 @@ def write_sweep(folder: Path, rows: Rows, end: SweepEnd, say: Callable[[str], No
         say(str(error))
     data = SweepData.of(tuple(columns.settings), rows)
     return Sweep(folder, end, rows.design.count, columns, data)
-
-
-def draw(sweep: Sweep, metric: str | None, title: str, say: Callable[[str], None]) -> None:
-    """Draw the figure and write the page; the table is there without them too."""
-    from rig.report.style import paper_style, save
-    from rig.sweeping.page import write_page
-
-    try:
-        with paper_style():
-            figure = sweep.figure(metric)
-            save(figure, sweep.folder, "sweep", title)
-        write_page(sweep, metric, title)
-    except (RigError, OSError) as error:
-        say(f"there is no figure: {error}")

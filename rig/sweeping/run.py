@@ -7,27 +7,29 @@ from contextlib import closing
 from pathlib import Path
 
 from rig.assembly import Backend
-from rig.config import ProfileError
+from rig.config import Experiment, ProfileError
+from rig.config.diagnostics import nearest
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import make_plan
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import Axis
 from rig.sweeping.best import Best
-from rig.sweeping.code import code_version
+from rig.sweeping.code import CodeVersion, code_version
 from rig.sweeping.coordinator import Coordinator, Limits, Task
 from rig.sweeping.dask_cluster import DaskCluster
 from rig.sweeping.design import Design, make_design
 from rig.sweeping.engine import PERFORM, Engine, WorkerSetup
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 from rig.sweeping.journal import Journal
+from rig.sweeping.page import draw
 from rig.sweeping.point import PointJob, reason_of
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
 from rig.sweeping.request import SweepRequest
-from rig.sweeping.result import Rows, Sweep, SweepEnd, draw, write_sweep
+from rig.sweeping.result import Sweep, SweepEnd, SweepRows, write_sweep
 from rig.sweeping.serial import Serial
-from rig.sweeping.source import Source, freeze_configs, name_unresolved, resolve
+from rig.sweeping.source import PointSource, freeze_configs, name_unresolved, resolve
 
 LOGS = "runs"
 _CONFIGS = ".configs"
@@ -65,16 +67,12 @@ def run_sweep(
     with closing(Journal(request.folder)) as journal:
         code = code_version()
         configs = request.folder.resolve() / _CONFIGS
-        name = freeze_configs(request.experiment, request.configs, configs)
-        source = Source(name, request.options, request.rig, request.on, code.digest)
-        check_axes(source, design, configs)
-        if request.serial:
-            _preflight(source, design, configs)
         logs = request.folder.resolve() / LOGS
-        best = Best(request.best, request.keep, logs)
+        source = _checked_source(request, design, configs, code)
         shown = progress(design.count)
         setup = WorkerSetup(perform, code.digest, request.folder.resolve() / "workers.log")
         with closing(_engine(request, setup, configs, shown.say)) as engine:
+            best = Best(request.best, request.keep, logs)
             coordinator = Coordinator(journal, engine, shown, _limits(request), best)
             end, trouble = SweepEnd.DONE, None
             try:
@@ -88,26 +86,36 @@ def run_sweep(
                 end = SweepEnd.BUDGET
         shown.clear()
         _remove_unfinished(logs)
-        rows = Rows(design, coordinator, journal)
-        sweep = write_sweep(request.folder, rows, end, shown.say)
-        draw(
-            sweep,
-            request.best,
-            f"{name} on {request.on}, {len(sweep.data.points)} points",
-            shown.say,
-        )
-        changed = code.changed(code_version())
-        if changed:
-            more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
-            shown.say(
-                f"the source changed meanwhile ({changed[0]}{more}); all points ran as it was"
-            )
+        sweep = write_sweep(request.folder, SweepRows(design, coordinator, journal), end, shown.say)
+        title = f"{source.experiment} on {request.on}, {len(sweep.data.points)} points"
+        draw(sweep, request.best, title, shown.say)
+        _tell_of_edits(code, shown)
         if trouble is not None:
             raise trouble
         return sweep
 
 
-def check_axes(source: Source, design: Design, configs: Path) -> None:
+def _checked_source(
+    request: SweepRequest, design: Design, configs: Path, code: CodeVersion
+) -> PointSource:
+    """Copy the configurations; return where points come from, after a look at all of the axes."""
+    name = freeze_configs(request.experiment, request.configs, configs)
+    source = PointSource(name, request.options, request.rig, request.on, code.digest)
+    check_axes(source, design, configs)
+    _check_metrics(request, resolve(source, design.options(0), configs).experiment)
+    if request.serial:
+        _preflight(source, design, configs)
+    return source
+
+
+def _tell_of_edits(code: CodeVersion, shown: SweepProgress) -> None:
+    changed = code.changed(code_version())
+    if changed:
+        more = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
+        shown.say(f"the source changed meanwhile ({changed[0]}{more}); all points ran as it was")
+
+
+def check_axes(source: PointSource, design: Design, configs: Path) -> None:
     """Check each value of each axis beside the first values of the others.
 
     Raises
@@ -128,6 +136,15 @@ def check_axes(source: Source, design: Design, configs: Path) -> None:
                 ) from error
 
 
+def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:
+    """Refuse a metric that the experiment does not ask for; bounds may be of it or of ``.min``."""
+    rule = request.stop_when
+    for option, name in (("metric", request.best), ("stop when", rule and rule.metric)):
+        if name is not None and name.removesuffix(".min") not in experiment.metrics:
+            hint = nearest(name, experiment.metrics) or "it has none"
+            raise ConfigurationError(f"{option}: {experiment.name} has no metric {name!r}; {hint}")
+
+
 def _telling(axis: Axis) -> tuple[str, ...]:
     """Return the values that tell whether all can be: of many numbers the ends and some between."""
     count = len(axis.texts)
@@ -136,14 +153,14 @@ def _telling(axis: Axis) -> tuple[str, ...]:
     return tuple(axis.texts[place] for place in (0, count // 2, count - 1))
 
 
-def _tasks(source: Source, design: Design, configs: Path, logs: Path) -> Iterator[Task]:
+def _tasks(source: PointSource, design: Design, configs: Path, logs: Path) -> Iterator[Task]:
     for number in range(design.count):
         options = design.options(number)
         try:
             name = resolve(source, options, configs).name
         except ConfigurationError as error:
             name = name_unresolved(source, options)
-            yield Finding(point=name, status="refused", reason=reason_of(error), metrics=[])
+            yield PointFinding(point=name, status="refused", reason=reason_of(error), metrics=[])
         else:
             yield PointJob(name, source, options, configs, logs)
 
@@ -163,7 +180,7 @@ def _engine(
     return Pool(request.workers or os.cpu_count() or 1, setup)
 
 
-def _preflight(source: Source, design: Design, configs: Path) -> None:
+def _preflight(source: PointSource, design: Design, configs: Path) -> None:
     """Refuse a queue of runs any of which cannot be done, before the rig moves.
 
     Raises

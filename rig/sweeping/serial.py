@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-from rig.sweeping.engine import Report
+from rig.sweeping.engine import PointReport
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import DONE
 from rig.sweeping.point import PointJob, perform
@@ -32,7 +32,7 @@ class Serial:
         """Take a point."""
         self._job = job
 
-    def wait(self, timeout: float) -> list[Report]:
+    def wait(self, timeout: float) -> list[PointReport]:
         """Run the point, and return what became of it.
 
         Raises
@@ -51,7 +51,7 @@ class Serial:
             raise KeyboardInterrupt
         if finding["status"] not in DONE:
             raise SweepStopped("sweep", f"{' '.join(job.options)}: {finding['reason']}")
-        return [Report(job.name, finding)]
+        return [PointReport(job.name, finding)]
 
     def close(self) -> None:
         """Nothing is left of it."""

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rig.assembly.rows import load
 from rig.sweeping.code import code_version, import_all
-from rig.sweeping.engine import Perform, Report, WorkerSetup
+from rig.sweeping.engine import Perform, PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 
 READY = b"ready"
@@ -78,9 +78,9 @@ def _work(connection: Connection, perform: Perform) -> None:
         while True:
             job = connection.recv()
             try:
-                report = Report(job.name, finding=perform(job))
+                report = PointReport(job.name, finding=perform(job))
             except SweepStopped as error:
-                report = Report(job.name, trouble=str(error))
+                report = PointReport(job.name, trouble=str(error))
             connection.send(report)
 
 
@@ -96,7 +96,9 @@ def _end_with_parent() -> None:
 def _speak_into(log: Path | None) -> None:
     nowhere = os.open(os.devnull, os.O_RDWR)
     with contextlib.suppress(OSError):
-        where = nowhere if log is None else os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+        where = (
+            nowhere if log is None else os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+        )
         os.dup2(where, 2)
     os.dup2(nowhere, 0)
     os.dup2(nowhere, 1)

@@ -18,8 +18,8 @@ _LARGEST = 1 << 20
 """No configuration is larger, bytes."""
 
 
-class Source(NamedTuple):
-    """What all points of a sweep have in common.
+class PointSource(NamedTuple):
+    """The part that all points of a sweep have in common.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Resolved(NamedTuple):
     profile: Profile
 
 
-def resolve(source: Source, options: Sequence[str], configs: Path) -> Resolved:
+def resolve(source: PointSource, options: Sequence[str], configs: Path) -> Resolved:
     """Load a point's experiment and profile, and name it by them.
 
     Raises
@@ -82,7 +82,7 @@ def resolve(source: Source, options: Sequence[str], configs: Path) -> Resolved:
     return Resolved(hashlib.sha256(text.encode()).hexdigest()[:32], experiment, profile)
 
 
-def name_unresolved(source: Source, options: Sequence[str]) -> str:
+def name_unresolved(source: PointSource, options: Sequence[str]) -> str:
     """Return the name of a point whose settings cannot be resolved."""
     text = json.dumps([*source, *options], ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()[:32]

@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 
 _RULE: Final = re.compile(r"\s*([\w.+-]+)\s*(<=|>=|<|>)\s*(.+?)\s*")
 _POINTS: Final = re.compile(r"\s*([0-9]+)\s*points?\s*")
@@ -31,7 +31,7 @@ class StopRule(NamedTuple):
     bound: float
     unit: str
 
-    def reached(self, finding: Finding) -> bool:
+    def reached(self, finding: PointFinding) -> bool:
         """Return whether a point keeps the bound.
 
         Raises

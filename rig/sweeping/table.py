@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
 from rig.sweeping.errors import SweepStopped
-from rig.sweeping.finding import Finding
+from rig.sweeping.finding import PointFinding
 
 if TYPE_CHECKING:
     from pyarrow import DataType
 
 CSV, PARQUET = "sweep.csv", "sweep.parquet"
 _BATCH: Final = 1024
-"""Rows that are written at once."""
+"""SweepRows that are written at once."""
 
 _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _NUMBER: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
@@ -36,13 +36,13 @@ class TableRow(NamedTuple):
         Its place in the sweep.
     values : tuple
         Of the axes, numbers in SI.
-    finding : Finding
+    finding : PointFinding
         What became of it.
     """
 
     number: int
     values: tuple[Cell, ...]
-    finding: Finding
+    finding: PointFinding
 
 
 class Columns(NamedTuple):

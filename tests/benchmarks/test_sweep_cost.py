@@ -20,9 +20,9 @@ from rig.sweeping.engine import WorkerSetup
 from rig.sweeping.journal import Journal
 from rig.sweeping.pool import Pool
 from rig.sweeping.progress import SweepProgress
-from rig.sweeping.result import Rows, SweepEnd, write_sweep
+from rig.sweeping.result import SweepEnd, SweepRows, write_sweep
 from rig.sweeping.run import _tasks
-from rig.sweeping.source import Source, freeze_configs
+from rig.sweeping.source import PointSource, freeze_configs
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -67,7 +67,7 @@ def sweep_through(engine, folder, count):
     """Run points as `rig sweep` does, from loading their settings to the table; return the time."""
     configs = folder / "configs"
     experiment = freeze_configs("cylinder-sine", CONFIGS, configs)
-    source = Source(experiment, (), None, "sim", "code")
+    source = PointSource(experiment, (), None, "sim", "code")
     design = make_design([], parse_seeds(f"0:{count}"))
     journal = Journal(folder)
     try:
@@ -78,7 +78,7 @@ def sweep_through(engine, folder, count):
         coordinator.run(_tasks(source, design, configs, folder / "runs"))
         spent = time.perf_counter() - began
         found = write_sweep(
-            folder, Rows(design, coordinator, journal), SweepEnd.DONE, sys.stdout.write
+            folder, SweepRows(design, coordinator, journal), SweepEnd.DONE, sys.stdout.write
         )
         assert len(found.data.points) == count
     finally:

@@ -1,6 +1,6 @@
 """A sweep whose points cost a few milliseconds: what is tested is what stands around them.
 
-``python sweep_stub.py OUT WORKERS POINTS [DASK]`` runs it, as `rig sweep` would.
+``python sweep_stub.py OUT WORKERS POINTS [DASK|loud]`` runs it, as `rig sweep` would.
 """
 
 import os
@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(os.environ.get("SWEEP_STUB_CONFIGS", Path(__file__).parents[2] / "configs"))
 SPENT = float(os.environ.get("SWEEP_STUB_SECONDS", "0.01"))
 
 
@@ -25,7 +25,7 @@ def perform(job):
         }  # fmt: skip
     return {
         "point": job.name, "status": "ok", "reason": "",
-        "metrics": [{"name": "rms", "value": number / 7e14, "unit": "m", "bound": 0.2,
+        "metrics": [{"name": "rise_time", "value": number / 7e14, "unit": "m", "bound": 0.2,
                      "kind": "max"}],
     }  # fmt: skip
 
@@ -43,7 +43,7 @@ def fills_the_disk(job):
     raise SweepStopped("sweep", "No space left on device")
 
 
-def sweep(out, workers, count, dask=None, what="perform", **more):
+def sweep(out, workers, count, dask=None, what="perform", quiet=True, **more):
     from rig.sweeping.axis import parse_axis, parse_seeds
     from rig.sweeping.progress import SweepProgress
     from rig.sweeping.request import SweepRequest
@@ -54,10 +54,11 @@ def sweep(out, workers, count, dask=None, what="perform", **more):
         parse_seeds(f"0:{count // 2}"),
         on="sim", workers=int(workers), dask=dask, out=Path(out), configs=CONFIGS, **more,
     )  # fmt: skip
-    return run_sweep(request, lambda n: SweepProgress(n, quiet=True), f"sweep_stub:{what}")
+    return run_sweep(request, lambda n: SweepProgress(n, quiet=quiet), f"sweep_stub:{what}")
 
 
 if __name__ == "__main__":
-    out, workers, count, *dask = sys.argv[1:]
+    out, workers, count, *more = sys.argv[1:]
     sys.path.insert(0, str(Path(__file__).parent))
-    sweep(out, workers, int(count), *dask)
+    loud = more == ["loud"]
+    sweep(out, workers, int(count), *([] if loud else more), quiet=not loud)

@@ -112,6 +112,8 @@ def test_a_point_that_cannot_be_is_a_row(tmp_path):
         ((*AXES, "--budget", "5 mm"), ("budget", "mm")),
         ((*AXES, "--keep", "some"), ("keep",)),
         ((*AXES, "--stop-when", "x"), ("stop when",)),
+        ((*AXES, "--stop-when", "rise < 1 s"), ("no metric 'rise'", "did you mean rise_time")),
+        ((*AXES, "--metric", "overshot"), ("did you mean overshoot",)),
     ],
 )  # fmt: skip
 def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, arguments, words):

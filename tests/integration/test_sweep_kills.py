@@ -2,6 +2,7 @@
 
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -154,9 +155,9 @@ def test_it_ends_with_the_first_point_that_is_good_enough(tmp_path):
     from rig.sweeping.stop_rule import parse_stop_rule
 
     every = sweep_stub.sweep(tmp_path / "all", 1, POINTS).table
-    bound = sorted(row["rms"] for row in every if row["rms"] is not None)[1]
-    rule = parse_stop_rule(f"rms <= {bound!r} m")
-    first = next(k for k, row in enumerate(every) if (row["rms"] or 1.0) <= bound)
+    bound = sorted(row["rise_time"] for row in every if row["rise_time"] is not None)[1]
+    rule = parse_stop_rule(f"rise_time <= {bound!r} m")
+    first = next(k for k, row in enumerate(every) if (row["rise_time"] or 1.0) <= bound)
     for workers in (1, 3):
         found = sweep_stub.sweep(tmp_path / str(workers), workers, POINTS, stop_when=rule)
         assert found.table == every[: first + 1]
@@ -167,3 +168,34 @@ def test_a_budget_is_kept_and_the_rest_comes_later(tmp_path, whole):
     assert found.end is SweepEnd.BUDGET and len(found.table) == 7
     sweep_stub.sweep(tmp_path, 2, POINTS)
     assert files(tmp_path) == whole
+
+
+def test_a_source_that_is_edited_meanwhile_changes_nothing_and_is_said(tmp_path):
+    root = STUB.parents[2]
+    copy = tmp_path / "program"
+    for package in ("rig", "drivers", "controllers"):
+        shutil.copytree(root / package, copy / package)
+    shutil.copy(STUB, copy)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(copy),
+        "SWEEP_STUB_CONFIGS": str(root / "configs"),
+    }
+
+    def begin(out):
+        return subprocess.Popen(
+            [sys.executable, copy / STUB.name, out, "2", str(POINTS), "loud"], env=environment,
+            stderr=subprocess.PIPE, text=True, cwd=tmp_path,
+        )  # fmt: skip
+
+    whole = begin(tmp_path / "whole")
+    assert "source changed" not in whole.communicate()[1]
+    process = begin(tmp_path / "edited")
+    while finished(tmp_path / "edited") < POINTS // 3:
+        time.sleep(0.002)
+    (copy / "rig" / "spare_room.py").write_text("raise RuntimeError('edited')\n")
+    kill_one(process, "worker")
+    told = process.communicate()[1]
+    assert process.returncode == 0
+    assert "the source changed meanwhile (rig/spare_room.py)" in told
+    assert files(tmp_path / "edited") == files(tmp_path / "whole")

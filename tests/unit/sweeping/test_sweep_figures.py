@@ -1,0 +1,80 @@
+"""The figure of a sweep shows its numbers, in the form that suits what was varied."""
+
+import numpy as np
+import pytest
+
+from rig.hal import ConfigurationError
+from rig.sweeping.axis import parse_axis, parse_seeds
+from rig.sweeping.data import SweepData
+from rig.sweeping.design import make_design
+from rig.sweeping.figure import draw_sweep
+from rig.sweeping.table import TableRow, value_of
+
+
+def data_of(axes, seeds, rms):
+    """Make a sweep; `rms` (m) is a function of a point's values, None where it fails."""
+    design = make_design([parse_axis(axis) for axis in axes], parse_seeds(seeds))
+    rows = []
+    for number in range(design.count):
+        values = tuple(map(value_of, design.texts(number)))
+        value = rms(*values)
+        metrics = [{"name": "rms", "value": value, "unit": "m", "bound": 1.0, "kind": "max"}]
+        status, metrics = ("faulted", []) if value is None else ("ok", metrics)
+        finding = {"point": f"{number:032x}", "status": status, "reason": "", "metrics": metrics}
+        rows.append(TableRow(number, values, finding))
+    return SweepData.of([axis.setting for axis in design.axes], rows)
+
+
+def line(axes, label):
+    return next(found for found in axes.get_lines() if found.get_label() == label).get_data()
+
+
+def test_one_number_is_a_curve_of_medians_with_the_worst_beside():
+    data = data_of(["a.b=1..4:4"], "0:5", lambda x, seed: 1e-3 * (x + seed) if x < 4 else None)
+    axes = draw_sweep(data).axes[0]
+    x, median = line(axes, "median")
+    assert np.allclose(median[:3], x[:3] + 2.0) and np.isnan(median[3])  # mm
+    assert np.allclose(line(axes, "worst")[1][:3], x[:3] + 4.0)
+    assert list(line(axes, "failed")[0]) == [4.0] * 5
+    assert axes.get_xlabel() == "a.b" and axes.get_ylabel() == "rms (mm)"
+
+
+def test_names_are_groups():
+    data = data_of(["law=pid,cascade"], "0:3", lambda law, seed: 1e-3 * (len(law) + seed))
+    axes = draw_sweep(data).axes[0]
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["pid", "cascade"]
+    middles = [found.get_ydata()[0] for found in axes.get_lines() if found.get_marker() == "o"]
+    assert middles == pytest.approx([4.0, 8.0])
+
+
+def test_two_settings_are_a_map_of_the_median_and_of_the_worst():
+    axes = ["a.b=1..3:3", "c=10,20"]
+    data = data_of(axes, "0:3", lambda x, y, seed: 1e-3 * (x * y + seed) if x * y < 60 else None)
+    figure = draw_sweep(data)
+    median, worst = (np.ma.filled(panel.images[0].get_array(), np.nan) for panel in figure.axes[:2])
+    expected = np.array([[10, 20, 30], [20, 40, np.nan]])
+    assert np.allclose(median, expected + 1.0, equal_nan=True)
+    assert np.allclose(worst, expected + 2.0, equal_nan=True)
+
+
+def test_more_settings_are_parallel_coordinates_with_the_worst_on_top():
+    axes = ["a=sobol:0..1:16", "b=sobol:0..1:16", "c=sobol:5..6:16"]
+    data = data_of(axes, "0:1", lambda a, b, c, seed: 1e-3 * (a + b))
+    axes = draw_sweep(data).axes[0]
+    lines = axes.collections[0]
+    assert len(lines.get_segments()) == 16
+    assert list(lines.get_array()) == sorted(lines.get_array())
+    ends = [segment[-1][1] for segment in lines.get_segments()]
+    assert ends == sorted(ends) and ends[0] == 0.0 and ends[-1] == 1.0
+
+
+def test_a_metric_that_is_better_when_greater_has_its_worst_below():
+    data = data_of(["a=1,2"], "0:3", lambda x, seed: 1e-3 * (x + seed))
+    data.metrics["rms"].kind = "min"
+    assert np.allclose(line(draw_sweep(data).axes[0], "worst")[1], [1.0, 2.0])
+    assert data.points[data.order()[0]] == f"{5:032x}"
+
+
+def test_without_any_result_there_is_no_figure():
+    with pytest.raises(ConfigurationError, match="no point ran to its end"):
+        draw_sweep(data_of(["a=1,2"], "0:1", lambda x, seed: None))
