@@ -22,7 +22,7 @@ from rig.hal.frames import LoggedFrame
 _LINE: Final = re.compile(
     r"\(\s*(\d+\.\d+)\)\s+(\S+)\s+"  # time and channel
     r"([0-9A-F]{3}|[0-9A-F]{8})#(?:(R)\d?|((?:[0-9A-F]{2}\.?){0,8}))"  # frame
-    r"(?:\s+[RT])?\s*",  # direction, of newer candumps and of python-can
+    r"(?:\s+([RT]))?\s*",  # direction, of newer candumps and of python-can
     re.IGNORECASE,
 )
 
@@ -59,7 +59,7 @@ def parse_line(line: str) -> LoggedFrame:
     found = _LINE.fullmatch(line)
     if found is None:
         raise ValueError("this is no frame as candump -L writes it, (seconds) channel id#data")
-    time, channel, name, remote, data = found.groups()
+    time, channel, name, remote, data, way = found.groups()
     can_id = int(name, 16)
     if len(name) == 8 and not can_id & ERROR_FLAG:
         can_id |= EXTENDED_FLAG
@@ -67,7 +67,9 @@ def parse_line(line: str) -> LoggedFrame:
         raise ValueError(f"0x{name} is no 11-bit identifier")
     if remote:
         can_id |= REMOTE_FLAG
-    return LoggedFrame(float(time), channel, can_id, bytes.fromhex((data or "").replace(".", "")))
+    content = bytes.fromhex((data or "").replace(".", ""))
+    is_sent = None if way is None else way.upper() == "T"
+    return LoggedFrame(float(time), channel, can_id, content, is_sent)
 
 
 def parse_lines(lines: Iterable[str], name: str) -> Iterator[LoggedFrame]:

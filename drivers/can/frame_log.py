@@ -1,4 +1,4 @@
-"""Write every frame of a rig's buses to a file, as they pass.
+"""Write every frame of a rig's buses to a file, as they pass; R received, T sent, as candump -x.
 
 A frame is in the kernel's hands before the program goes on: what was recorded survives a
 program that is killed (a torn last line at most), and not a machine that loses power. All the
@@ -69,6 +69,10 @@ class FrameLog:
             self._origin = time.time() - clock.now()
         return self._origin
 
+    def facts(self, clock: Clock) -> dict[str, float]:
+        """Return what a run's manifest says of its frames; the origin is that of `origin`."""
+        return {"recorded": self.count, "lost": self.lost, "origin": self.origin(clock)}
+
     def write(self, text: str, frames: int) -> None:
         """Append whole lines. Hot path."""
         if self._fd < 0 or self._failed is not None:
@@ -137,14 +141,15 @@ class RecordedBus(FastCanBus):
         frames = self._drain(limit)
         if frames:
             head = f"({self._origin + self._now():.6f}) {self._name} "
-            self._write("".join([f"{head}{format_frame(i, d)}\n" for i, d in frames]), len(frames))
+            lines = [f"{head}{format_frame(i, d)} R\n" for i, d in frames]
+            self._write("".join(lines), len(frames))
         return frames
 
     def send_data(self, can_id: int, data: bytes) -> None:
         """Queue a frame given by identifier (with flags) and data."""
         self._send(can_id, data)
         head = f"({self._origin + self._now():.6f}) {self._name} "
-        self._write(f"{head}{format_frame(can_id, data)}\n", 1)
+        self._write(f"{head}{format_frame(can_id, data)} T\n", 1)
 
     def accept(self, can_ids: Iterable[int]) -> None:
         """Do nothing: what nobody here waits for belongs on file too."""

@@ -37,6 +37,8 @@ class RunEntry(NamedTuple):
     backend: str | None
     started: str | None
     metric: Metric | None
+    rig: str | None
+    law: str | None
 
 
 @click.command()
@@ -44,8 +46,18 @@ class RunEntry(NamedTuple):
 @out_option
 @configs_option
 @json_option
-def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) -> int:
+@click.option(
+    "--where", metavar="'NAME < VALUE UNIT'",
+    help="Only the runs of which this is true: metrics, status, rig, experiment, law, backend or "
+    "name, e.g. 'marker_rms < 0.2 mm and rig = joint'.",
+)  # fmt: skip
+def listing(
+    what: str | None, out: Path, configs: Path | None, as_json: bool, where: str | None
+) -> int:
     """List rigs, experiments and runs, the newest run first; default: all three."""
+    if where is not None and what not in (None, "runs"):
+        raise click.UsageError("--where is for runs.")
+    what = what if where is None else "runs"
     made: dict[str, Sequence[ConfigEntry] | Sequence[RunEntry]] = {}
     tables: list[Table] = []
     if what != "runs":
@@ -58,7 +70,7 @@ def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) ->
                 made[folder] = found = list_configs(folder, search)
                 tables.append(Table(folder, ("name", "description"), [c[:2] for c in found]))
     if what in (None, "runs"):
-        made["runs"] = runs = [describe_run(path) for path in list_runs(out)]
+        made["runs"] = runs = _runs(out, where)
         header = ("run", "status", "backend", "started", "metric")
         tables.append(Table("runs", header, [_run_row(run) for run in runs]))
     if as_json:
@@ -70,6 +82,27 @@ def listing(what: str | None, out: Path, configs: Path | None, as_json: bool) ->
         if not entries:
             click.echo(f"no {kind}" + (f" in {out}" if kind == "runs" else ""), err=True)
     return 0
+
+
+def _runs(out: Path, where: str | None) -> list[RunEntry]:
+    """Return the runs in a folder, or those of them that are asked for."""
+    found = [describe_run(path) for path in list_runs(out)]
+    if where is None:
+        return found
+    from rig.run_query import parse_query
+
+    terms = parse_query(where)
+    return [run for run in found if all(term.holds(run._asdict(), _values(run)) for term in terms)]
+
+
+def _values(run: RunEntry) -> dict[str, tuple[float, str]]:
+    """Return value and unit of every metric of a run that has a value."""
+    content = _read_object(Path(run.path) / "metrics.json").get("metrics")
+    return {
+        str(metric.get("name")): (float(value), str(metric.get("unit") or ""))
+        for metric in (content if isinstance(content, list) else ())
+        if isinstance(metric, dict) and isinstance(value := metric.get("value"), int | float)
+    }
 
 
 def list_configs(folder: Folder, search: Sequence[Path]) -> list[ConfigEntry]:
@@ -100,7 +133,7 @@ def describe_run(path: Path) -> RunEntry:
 
     return RunEntry(
         path.name, str(path), text("status") or "unreadable", text("experiment"), text("backend"),
-        text("started"), _headline(_read_object(path / "metrics.json")),
+        text("started"), _headline(_read_object(path / "metrics.json")), text("rig"), text("law"),
     )  # fmt: skip
 
 

@@ -22,6 +22,10 @@ DIFFERS = 1
     "--verify", "verifies", is_flag=True,
     help="Compare every command with the log, bit for bit; the default without --controller.",
 )  # fmt: skip
+@click.option(
+    "--frames", "from_frames", is_flag=True,
+    help="Have the drivers read the run's frames anew, in the place of the log's readings.",
+)  # fmt: skip
 @click.option("--explain", "explains", is_flag=True, help="Show the inputs around a difference.")
 @click.option("--controller", help="Ask another law what it would have commanded: in open loop.")
 @set_option
@@ -33,6 +37,7 @@ DIFFERS = 1
 def replay(
     run: str,
     verifies: bool,
+    from_frames: bool,
     explains: bool,
     controller: str | None,
     overrides: tuple[str, ...],
@@ -52,23 +57,29 @@ def replay(
     if controller is not None:
         options.append(f"controller={controller}")
     if not options:
-        return _verify(open_recorded(path), explains)
-    if verifies or explains:
-        raise click.UsageError("--verify and --explain are for the law of the run itself.")
+        return _verify(open_recorded(path), explains, from_frames)
+    if verifies or explains or from_frames:
+        raise click.UsageError(
+            "--verify, --explain and --frames are for the law of the run itself."
+        )
     return _ask(path, options, path / "replay" if out is None else out)
 
 
-def _verify(recorded: RecordedRun, explains: bool) -> int:
+def _verify(recorded: RecordedRun, explains: bool, from_frames: bool) -> int:
     from rig.replaying.explain import explain
+    from rig.replaying.frames import FramesRig
     from rig.replaying.verify import verify
 
-    found = verify(recorded)
+    if from_frames:
+        rig = FramesRig(recorded)
+        try:
+            found = verify(recorded, rig)
+        finally:
+            rig.close()
+    else:
+        found = verify(recorded)
     if found.unknown:
-        click.echo(
-            f"{found.unknown} cycles after a fault are not compared: the fault ended its own "
-            "cycle before it was recorded",
-            err=True,
-        )
+        click.echo(f"{found.unknown} cycles after a fault are not compared", err=True)
     if found.same:
         print_data(f"{found.cycles} cycles, every number the same")
         return 0

@@ -160,7 +160,7 @@ def run_experiment(
                 watcher.said(latched)
             counts: dict[str, Any] = {"buses": rig.statistics()}
             if frame_log is not None:
-                counts["frames"] = {"recorded": frame_log.count, "lost": frame_log.lost}
+                counts["frames"] = frame_log.facts(rig.clock)
                 _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
             metrics, ending = _finish(plan, folder, ending, stopwatch)
             if backend.is_simulated and stopwatch.facts:

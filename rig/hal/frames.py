@@ -80,12 +80,15 @@ class LoggedFrame(NamedTuple):
         With SocketCAN's flags for extended, remote and error frames.
     data : bytes
         0 … 8 bytes.
+    is_sent : bool, optional
+        By this program, or received; None: the file does not say.
     """
 
     time: float
     channel: str
     can_id: int
     data: bytes
+    is_sent: bool | None = None
 
 
 class Found(NamedTuple):

@@ -1,6 +1,7 @@
 """A run's loop without its rig: what the code at hand makes of the readings of a log."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from rig.assembly.build import make_unconnected
 from rig.experiment.plan import Plan
@@ -9,6 +10,9 @@ from rig.replaying.recorded import Logged
 from rig.runtime.cycle import RUN_COLUMNS
 from rig.runtime.phases import Phase, Phases, Timings
 from rig.runtime.states import RigState, StateMachine
+
+if TYPE_CHECKING:
+    from rig.replaying.frames import FramesRig
 
 
 class Retrace:
@@ -25,6 +29,8 @@ class Retrace:
     judged : bool
         Watch the readings for faults, as the loop does. Where another law is asked, the readings
         are not what its commands have led to, and would look broken.
+    frames : FramesRig, optional
+        Has the drivers read anew what the buses carried; else the log says what they read.
 
     Attributes
     ----------
@@ -32,10 +38,14 @@ class Retrace:
         What `step` returns.
     """
 
-    def __init__(self, plan: Plan, *, judged: bool = True) -> None:
+    def __init__(
+        self, plan: Plan, *, judged: bool = True, frames: "FramesRig | None" = None
+    ) -> None:
         self._judged = judged
-        mechanism, _ = make_unconnected(plan.profile)
-        self._mechanism = mechanism
+        self._frames = frames
+        mechanism = self._mechanism = (
+            make_unconnected(plan.profile)[0] if frames is None else frames.mechanism
+        )
         mechanism.attach(plan.controller, plan.motion)
         states = StateMachine()
         for state in (RigState.IDLE, RigState.RUNNING):
@@ -64,7 +74,7 @@ class Retrace:
         run.missed = logged.cycle - run.cycles
         run.cycles += 1
         run.t = logged.t
-        state = mechanism.recall(values)
+        state = self._sense(values, clock, fault)
         if fault:
             reference, applied = mechanism.reference_of(state), mechanism.released_command()
             command = applied
@@ -75,7 +85,20 @@ class Retrace:
             reference, command = run.step(logged.t, state, stops)
             applied = mechanism.limit(command)
             mechanism.write(applied)
+            if self._frames is not None:
+                self._frames.transmit(clock)
         row = mechanism.row(state, reference, command, applied)
         told = (values["phase"], values["reference.time"])
         phase, at = told if fault else (float(run.phase), run.reference_time)
         return (phase, clock, fault, at, *row)
+
+    def _sense(self, values: dict[str, float], clock: float, fault: float) -> object:
+        """Return the cycle's state: from the log, or read from the buses anew."""
+        frames = self._frames
+        if frames is None:
+            return self._mechanism.recall(values)
+        frames.receive(clock)
+        state = self._mechanism.read(clock)
+        if not fault:
+            frames.check(clock)
+        return state

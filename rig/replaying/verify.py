@@ -2,11 +2,14 @@
 
 import struct
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rig.hal import RigError
 from rig.replaying.recorded import Logged, RecordedRun
 from rig.replaying.retrace import Retrace
+
+if TYPE_CHECKING:
+    from rig.replaying.frames import FramesRig
 
 _bits = struct.Struct("<d").pack
 
@@ -79,9 +82,17 @@ def same_bits(one: float, other: float) -> bool:
     return _bits(one) == _bits(other)
 
 
-def verify(run: RecordedRun) -> Verification:
-    """Feed a log's readings to the code at hand, and compare every number of every cycle."""
-    trace = Retrace(run.plan)
+def verify(run: RecordedRun, frames: "FramesRig | None" = None) -> Verification:
+    """Feed a log's readings to the code at hand, and compare every number of every cycle.
+
+    Parameters
+    ----------
+    run : RecordedRun
+        What was recorded.
+    frames : FramesRig, optional
+        Has the drivers read anew what the buses carried, up to the cycle that saw a fault.
+    """
+    trace = Retrace(run.plan, frames=frames)
     columns = [(column.name, column.unit) for column in trace.columns]
     logged_names = {column.name for column in run.log.columns}
     lacking = [name for name, _ in columns if name not in logged_names]
@@ -91,7 +102,8 @@ def verify(run: RecordedRun) -> Verification:
     known = False
     for row, logged in enumerate(run.cycles()):
         fault = logged.values["fault"]
-        if fault == 2.0 and not known:  # the cycle that saw the fault could not be recorded
+        # The cycle that saw the fault could not be recorded; or what followed took other calls.
+        if fault == 2.0 and (not known or frames is not None):
             return Verification(done, len(run.log.cycle) - done, None, None)
         known = known or fault == 1.0
         try:

@@ -17,6 +17,7 @@ from rig.runtime.log import read_log
 
 ROOT = Path(__file__).parents[2]
 SHORT = ("--set", "approach=0.2 s", "--set", "loop.rate=250 Hz", "--set", "reference.dwell=0.2 s")
+BEND = ("--set", "approach=0.2 s", "--set", "reference.repeats=1", "--set", "reference.time=1 s")
 
 
 @pytest.fixture(scope="module")
@@ -99,6 +100,77 @@ def test_without_seeds_beside_it_chance_is_unknown(runs, capsys, tmp_path):
         shutil.copytree(runs / name, tmp_path / name)
     assert invoke(["diff", *names(runs)[:2], "--runs", str(tmp_path)]) == 1
     assert "spread over seeds unknown" in capsys.readouterr().out
+
+
+# Frames -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def framed(tmp_path_factory):
+    out = tmp_path_factory.mktemp("framed")
+    made = {}
+    for experiment, options in {
+        "cylinder-step": SHORT,
+        "arm-wrist-hit": ("--set", "approach=0.5 s"),
+    }.items():
+        assert invoke(["run", experiment, "--frames", "--out", str(out), "--no-report",
+                       *options]) in (0, 1)  # fmt: skip
+        (made[experiment],) = set(out.iterdir()) - set(made.values())
+    return made
+
+
+@pytest.mark.parametrize("experiment", ["cylinder-step", "arm-wrist-hit"])
+def test_the_drivers_read_from_the_frames_what_they_read_then(experiment, framed, capsys):
+    folder = framed[experiment]
+    assert invoke(["replay", str(folder), "--frames"]) == 0
+    cycles = len(read_log(folder / "log.mcap").cycle)
+    assert capsys.readouterr().out == f"{cycles} cycles, every number the same\n"
+
+
+def test_one_bit_of_one_frame_is_seen(framed, tmp_path, capsys):
+    """In a reading of its cycle: a frame of an encoder, drawn among those of the run."""
+    folder = tmp_path / "run"
+    shutil.copytree(framed["cylinder-step"], folder)
+    lines = (folder / "frames.log").read_text().splitlines()
+    samples = [k for k, line in enumerate(lines) if " 1A0#" in line and line.endswith(" R")]
+    k = random.Random(2).choice(samples[len(samples) // 4 :])
+    head, data = lines[k].split("#")
+    lines[k] = f"{head}#{int(data[:2], 16) ^ 1:02X}{data[2:]}"
+    (folder / "frames.log").write_text("\n".join(lines) + "\n")
+    assert invoke(["replay", str(folder), "--frames"]) == 1
+    out = capsys.readouterr().out
+    assert "the log says" in out and "the same for 0 cycles" not in out
+
+
+def test_a_driver_that_sends_something_else_is_seen(framed, capsys, monkeypatch):
+    from drivers.canopen.bus import CanopenBus
+
+    plain = CanopenBus.transmit
+
+    def transmit(self, now):
+        for frame in self._cyclic:
+            frame.data = bytes([255] * len(frame.data))
+        plain(self, now)
+
+    monkeypatch.setattr(CanopenBus, "transmit", transmit)
+    assert invoke(["replay", str(framed["cylinder-step"]), "--frames"]) in (1, 3, 4)
+    told = capsys.readouterr()
+    assert "the drivers at hand send" in told.out + told.err
+
+
+@pytest.mark.parametrize(
+    ("experiment", "on", "options", "words"),
+    [
+        ("cylinder-step", "sim", SHORT, "virtual"),
+        ("legs-squat", "virtual", BEND, "hangs on no CAN bus"),
+    ],
+)
+def test_frames_that_are_not_there_are_a_sentence(experiment, on, options, words, tmp_path, capsys):
+    assert invoke(["run", experiment, "--on", on, "--out", str(tmp_path), "--no-report",
+                   *options]) in (0, 1)  # fmt: skip
+    (folder,) = tmp_path.iterdir()
+    assert invoke(["replay", str(folder), "--frames"]) == 2
+    assert words in capsys.readouterr().err
 
 
 # Again ------------------------------------------------------------------------------------------

@@ -23,10 +23,10 @@ LINES = [
         "(1.000000) can0 20000004#0010000000000000",
         LoggedFrame(1.0, "can0", 4 | ERROR_FLAG, b"\x00\x10" + bytes(6)),
     ),
-    ("(1.000000) can0 123#ab T", LoggedFrame(1.0, "can0", 0x123, b"\xab")),
+    ("(1.000000) can0 123#ab T", LoggedFrame(1.0, "can0", 0x123, b"\xab", True)),
     (
         "(0000000001.250000)  leg-1  123#AB R\r\n",
-        LoggedFrame(1.25, "leg-1", 0x123, b"\xab"),
+        LoggedFrame(1.25, "leg-1", 0x123, b"\xab", False),
     ),
 ]
 
@@ -65,7 +65,7 @@ def test_other_lines_are_refused(line):
 )
 def test_what_is_written_is_read_back(can_id, data):
     read = parse_line(f"(12.345678) can0 {format_frame(can_id, data)}")
-    assert read == (12.345678, "can0", can_id, b"" if can_id & REMOTE_FLAG else data)
+    assert read == (12.345678, "can0", can_id, b"" if can_id & REMOTE_FLAG else data, None)
 
 
 def test_a_torn_last_line_is_left_out_and_a_broken_one_is_named():
