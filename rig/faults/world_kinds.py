@@ -26,7 +26,7 @@ from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
 _PLANT = "plant"
-_ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension"})
+_ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension", "end stop hit"})
 """What a wire that lets go does before anybody can act: the mechanical stop bears it."""
 _ALONE = frozenset({*_ON_A_WIRE, "pressure"})
 """What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
