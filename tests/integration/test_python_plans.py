@@ -5,6 +5,7 @@ import os
 import random
 import signal
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -231,10 +232,13 @@ def interrupted(out, delay, twice):
 def test_an_interrupt_leaves_the_rig_safe_and_the_folder_closed(out, count):
     drawn = random.Random(20)
     follow(wanders, out)  # everything is imported and compiled
+    began = time.perf_counter()
+    follow(wanders, out)
+    takes = time.perf_counter() - began
     hit = 0
     for _ in range(count):
         try:
-            error, folders = interrupted(out, drawn.uniform(0.0, 0.9), drawn.random() < 0.3)
+            error, folders = interrupted(out, drawn.uniform(0.0, takes), drawn.random() < 0.3)
         except KeyboardInterrupt:
             continue  # it came while nothing ran
         for folder in folders:
@@ -246,4 +250,4 @@ def test_an_interrupt_leaves_the_rig_safe_and_the_folder_closed(out, count):
             hit += 1
             assert isinstance(error, rig.RigError)
             assert np.max(np.abs(error.run.data["truth.position"])) < 20e-3
-    assert hit > count / 4
+    assert hit > count / 10  # the others came while it was planned, or after its end
