@@ -113,13 +113,13 @@ def test_whatever_comes_between_two_steps_is_written_down(tmp_path, monkeypatch,
 
 
 def test_a_request_while_the_folder_is_made_waits_until_it_is_whole(tmp_path, monkeypatch):
-    create = run_module._create_folder
+    create = run_module.create_folder
 
     def interrupted(*arguments):
         os.kill(os.getpid(), signal.SIGTERM)
         return create(*arguments)
 
-    monkeypatch.setattr(run_module, "_create_folder", interrupted)
+    monkeypatch.setattr(run_module, "create_folder", interrupted)
     plan = load_plan("cylinder-sine", SHORT, configs=CONFIGS)
     with pytest.raises(KeyboardInterrupt):
         run_experiment(plan, Backend.VIRTUAL, tmp_path, report=False)

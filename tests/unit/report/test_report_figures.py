@@ -1,5 +1,6 @@
 """Figures: drawn from the folder alone, not empty, and honest about peaks."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -18,6 +19,7 @@ from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
 from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_folder import RunFolderError, RunStatus
+from rig.runtime.recorder import LogRecorder
 
 MakeRun = Callable[..., Path]
 
@@ -151,12 +153,12 @@ def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
     pid, cascade, killed = rows[0]["values"]
     assert pid > 3 * cascade and killed is None
     assert (rows[0]["unit"], rows[0]["bound"], rows[0]["bound_kind"]) == ("m", 1.5e-4, "max")
-    log = (paths[1] / "log.mcap").read_bytes()
-    size = 59 + 8 * len(load_run(paths[1]).log.columns)
-    offset = log.index(b"\x05" + (size - 9).to_bytes(8, "little"))
-    torn = log[: offset + 3000 * size - 8 * len(load_run(paths[1]).log.columns)]
-    nan = np.full(len(load_run(paths[1]).log.columns), np.nan).tobytes()
-    (paths[1] / "log.mcap").write_bytes(torn + nan)
+    log = load_run(paths[1]).log
+    (paths[1] / "log.mcap").unlink()
+    with LogRecorder(paths[1] / "log.mcap", log.columns) as recorder:
+        for k, row in enumerate(log.values[:3000].tolist()):
+            recorder.write(k, float(log.t[k]), row)
+        recorder.write(3000, float(log.t[3000]), [math.nan] * len(log.columns))
     assert np.isnan(load_run(paths[1]).error[-1])
     draw_comparison(paths, labels, tmp_path / "compared")  # a broken sensor's run too
     with pytest.raises(ConfigurationError, match="3 runs and 1 labels"):
