@@ -31,7 +31,8 @@ LAWS = {
        for law in ("inverse", "servo-halt", "esc-paper", "esc")},
     "arm dls": "arm-dls-circle", "arm look-ahead": "arm-look-ahead-near-miss",
     **{f"legs {law}": f"legs-{law}-squat"
-       for law in ("inverse", "sc", "sc-trapezoid", "min-jerk", "clamp", "dls")},
+       for law in ("inverse", "sc", "min-jerk", "clamp", "dls")},
+    "legs sc-trapezoid": "legs-walk",
 }  # fmt: skip
 
 BITS = {"legs dls": 1 << 12}
