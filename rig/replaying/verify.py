@@ -1,8 +1,8 @@
 """Whether the code at hand commands what a run's log says, bit for bit."""
 
 import struct
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from rig.hal import RigError
 from rig.replaying.recorded import Logged, RecordedRun
@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from rig.replaying.frames import FramesRig
 
 _bits = struct.Struct("<d").pack
+
+Agree: TypeAlias = Callable[[float, float], bool]
 
 
 class Difference(NamedTuple):
@@ -82,7 +84,9 @@ def same_bits(one: float, other: float) -> bool:
     return _bits(one) == _bits(other)
 
 
-def verify(run: RecordedRun, frames: "FramesRig | None" = None) -> Verification:
+def verify(
+    run: RecordedRun, frames: "FramesRig | None" = None, agree: Agree = same_bits
+) -> Verification:
     """Feed a log's readings to the code at hand, and compare every number of every cycle.
 
     Parameters
@@ -91,6 +95,9 @@ def verify(run: RecordedRun, frames: "FramesRig | None" = None) -> Verification:
         What was recorded.
     frames : FramesRig, optional
         Has the drivers read anew what the buses carried, up to the cycle that saw a fault.
+    agree : callable
+        Whether two numbers are the same: bit for bit, unless they were made on another processor
+        or with other libraries.
     """
     trace = Retrace(run.plan, frames=frames)
     columns = [(column.name, column.unit) for column in trace.columns]
@@ -110,7 +117,7 @@ def verify(run: RecordedRun, frames: "FramesRig | None" = None) -> Verification:
             values = trace.step(logged)
         except RigError as error:
             return Verification(done, 0, None, f"cycle {logged.cycle} ({logged.t:.4f} s): {error}")
-        difference = _compare(row, logged, columns, values)
+        difference = _compare(row, logged, columns, values, agree)
         if difference is not None:
             return Verification(done, 0, difference, None)
         done += 1
@@ -118,12 +125,16 @@ def verify(run: RecordedRun, frames: "FramesRig | None" = None) -> Verification:
 
 
 def _compare(
-    row: int, logged: Logged, columns: Sequence[tuple[str, str]], values: Iterable[float]
+    row: int,
+    logged: Logged,
+    columns: Sequence[tuple[str, str]],
+    values: Iterable[float],
+    agree: Agree = same_bits,
 ) -> Difference | None:
     differing = [
         (name, unit, value)
         for (name, unit), value in zip(columns, values, strict=True)
-        if not same_bits(logged.values[name], value)
+        if not agree(logged.values[name], value)
     ]
     if not differing:
         return None

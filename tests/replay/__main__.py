@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from replay.arithmetic import keep
 from replay.corpus_files import CORPUS, MANIFEST, SUFFIX, pack
 from replay.recording import record
 from replay.recordings import RECORDINGS
@@ -28,6 +29,7 @@ def main() -> None:
     if unknown:
         parser.error(f"no recording is called {', '.join(sorted(unknown))}")
     CORPUS.mkdir(parents=True, exist_ok=True)
+    keep()
     kept = json.loads(MANIFEST.read_text()) if MANIFEST.exists() else {}
     for name in chosen.names or RECORDINGS:
         recording = RECORDINGS[name]
