@@ -31,11 +31,6 @@ class Design:
         return tuple(axis for block in self.blocks for axis in block)
 
     @property
-    def drawn(self) -> bool:
-        """Whether some axes vary together."""
-        return any(len(block) > 1 for block in self.blocks)
-
-    @property
     def count(self) -> int:
         """How many points there are."""
         return math.prod(len(block[0].texts) for block in self.blocks)

@@ -62,7 +62,7 @@ class SweepRows:
             finding = self._finding(names[16 * number : 16 * number + 16].hex())
             if finding is not None:
                 values = tuple(map(value_of, self.design.texts(number)))
-                yield TableRow(number, values, finding)
+                yield TableRow(values, finding)
 
     def _finding(self, name: str) -> PointFinding | None:
         if name in self.journal:

@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 from rig.assembly.rows import load
+from rig.faults.branch import die_with_parent
 from rig.sweeping.code import code_version, import_all
 from rig.sweeping.engine import Perform, PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
@@ -85,8 +86,6 @@ def _work(connection: Connection, perform: Perform) -> None:
 
 
 def _end_with_parent() -> None:
-    from rig.faults.branch import die_with_parent
-
     parent = os.getppid()
     die_with_parent()
     if os.getppid() != parent:  # it had ended before

@@ -32,15 +32,12 @@ class TableRow(NamedTuple):
 
     Parameters
     ----------
-    number : int
-        Its place in the sweep.
     values : tuple
         Of the axes, numbers in SI.
     finding : PointFinding
         What became of it.
     """
 
-    number: int
     values: tuple[Cell, ...]
     finding: PointFinding
 

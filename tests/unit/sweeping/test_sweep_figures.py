@@ -21,7 +21,7 @@ def data_of(axes, seeds, rms):
         metrics = [{"name": "rms", "value": value, "unit": "m", "bound": 1.0, "kind": "max"}]
         status, metrics = ("faulted", []) if value is None else ("ok", metrics)
         finding = {"point": f"{number:032x}", "status": status, "reason": "", "metrics": metrics}
-        rows.append(TableRow(number, values, finding))
+        rows.append(TableRow(values, finding))
     return SweepData.of([axis.setting for axis in design.axes], rows)
 
 
