@@ -26,7 +26,7 @@ def test_a_full_campaign_is_large_enough():
     assert {case.rig for case in cases} == set(RIGS)
 
 
-@pytest.mark.skipif(not os.environ.get("SLOW"), reason="half an hour of two cores: SLOW=1")
+@pytest.mark.lengthy
 def test_nobody_is_hurt_by_ten_thousand_faults(tmp_path):
     each = -(-CASES // len(RIGS))
     command = ["run", "--random", str(each), "--seed", str(SEED), "--out", str(tmp_path)]

@@ -106,6 +106,7 @@ def test_killed_at_drawn_moments_it_writes_the_same(tmp_path, whole):
 
 
 @pytest.mark.slow
+@pytest.mark.lengthy
 @pytest.mark.parametrize("seed", range(10))
 def test_killed_fifty_times_it_writes_the_same(tmp_path, whole, seed):
     sweep_with_kills(tmp_path, 1 + seed % 3, seed, kills=5)

@@ -23,9 +23,12 @@ from rig.replaying.recorded import Logged, open_recorded
 from rig.replaying.verify import _compare, same_bits, verify
 from rig.runtime.log import LogError, LogFile, read_log
 
-pytestmark = pytest.mark.skipif(
-    not is_as_recorded(), reason="the corpus was recorded where numbers are rounded otherwise"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not is_as_recorded(), reason="the corpus was recorded where numbers are rounded otherwise"
+    ),
+]
 
 LAWS = {
     **{f"cylinder {law}": f"cylinder-{law}-step"
