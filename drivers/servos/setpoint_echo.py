@@ -65,7 +65,9 @@ class SetpointEcho:
         before, self._echo = self._echo, demand
         if len(sent) < _TRANSIT + 1:
             return
-        self._outside = 0 if self._is_among(demand) else self._outside + 1
+        # A demand from before the reset is none of these, and may come as late as any other.
+        is_judged = len(sent) == sent.maxlen
+        self._outside = 0 if not is_judged or self._is_among(demand) else self._outside + 1
         stands = before is not None and abs(demand - before) <= slack
         if stands and abs(sent[-_TRANSIT] - sent[-_TRANSIT - 1]) > 2.0 * slack:
             self.lost += 1
