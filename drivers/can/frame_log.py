@@ -1,8 +1,11 @@
-"""Write every frame of a rig's buses to a file, as they pass; R received, T sent, as candump -x.
+"""Write every frame of a rig's buses to a file, as they pass.
 
 A frame is in the kernel's hands before the program goes on: what was recorded survives a
 program that is killed (a torn last line at most), and not a machine that loses power. All the
 frames that one look at a bus brings are one write, and so is each frame that is sent.
+
+Who sent a frame stands in a file beside it, a letter for each line: R received, T sent. Wireshark
+reads candump's lines only without that letter.
 """
 
 import contextlib
@@ -10,9 +13,15 @@ import os
 import time
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Final
 
 from drivers.can.candump import format_frame
 from rig.hal import Clock, ConfigurationError, FastCanBus
+
+WAYS: Final = ".ways"
+"""Ending of the file that says who sent each frame."""
+RECEIVED, SENT = b"R", b"T"
+_NEW: Final = os.O_WRONLY | os.O_CREAT | os.O_EXCL
 
 
 class FrameLog:
@@ -31,7 +40,7 @@ class FrameLog:
     def __init__(self) -> None:
         self.count = 0
         self.lost = 0
-        self._fd = -1
+        self._fd = self._ways = -1
         self._end = 0
         self._failed: OSError | None = None
         self._origin: float | None = None
@@ -45,7 +54,8 @@ class FrameLog:
             It cannot be made.
         """
         try:
-            self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+            self._fd = os.open(path, _NEW, 0o644)
+            self._ways = os.open(path.with_suffix(WAYS), _NEW, 0o644)
         except OSError as error:
             raise ConfigurationError(f"cannot record frames in {path}: {error.strerror}") from error
 
@@ -73,8 +83,8 @@ class FrameLog:
         """Return what a run's manifest says of its frames; the origin is that of `origin`."""
         return {"recorded": self.count, "lost": self.lost, "origin": self.origin(clock)}
 
-    def write(self, text: str, frames: int) -> None:
-        """Append whole lines. Hot path."""
+    def write(self, text: str, frames: int, way: bytes) -> None:
+        """Append whole lines of frames that went one way. Hot path."""
         if self._fd < 0 or self._failed is not None:
             self.lost += frames
             return
@@ -91,12 +101,15 @@ class FrameLog:
             return
         self._end += len(data)
         self.count += frames
+        with contextlib.suppress(OSError):  # a replay will say what is missing
+            os.write(self._ways, way * frames)
 
     def close(self) -> str | None:
         """Release the file; return what was wrong with it, if something was. Idempotent."""
-        descriptor, self._fd = self._fd, -1
-        if descriptor >= 0:
-            os.close(descriptor)
+        for descriptor in (self._fd, self._ways):
+            if descriptor >= 0:
+                os.close(descriptor)
+        self._fd = self._ways = -1
         if self._failed is None:
             return None
         return (
@@ -141,15 +154,15 @@ class RecordedBus(FastCanBus):
         frames = self._drain(limit)
         if frames:
             head = f"({self._origin + self._now():.6f}) {self._name} "
-            lines = [f"{head}{format_frame(i, d)} R\n" for i, d in frames]
-            self._write("".join(lines), len(frames))
+            lines = [f"{head}{format_frame(i, d)}\n" for i, d in frames]
+            self._write("".join(lines), len(frames), RECEIVED)
         return frames
 
     def send_data(self, can_id: int, data: bytes) -> None:
         """Queue a frame given by identifier (with flags) and data."""
         self._send(can_id, data)
         head = f"({self._origin + self._now():.6f}) {self._name} "
-        self._write(f"{head}{format_frame(can_id, data)} T\n", 1)
+        self._write(f"{head}{format_frame(can_id, data)}\n", 1, SENT)
 
     def accept(self, can_ids: Iterable[int]) -> None:
         """Do nothing: what nobody here waits for belongs on file too."""

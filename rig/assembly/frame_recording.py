@@ -58,6 +58,7 @@ def convert_frames(path: Path, kind: str, profile: Profile) -> Path:
 
     from drivers.can.candump import parse_lines
     from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
+    from drivers.can.frame_log import WAYS
 
     buses = (bus for bus, entry in profile.buses.items() if is_can(entry))
     channels = {bus: number for number, bus in enumerate(buses)}
@@ -78,4 +79,5 @@ def convert_frames(path: Path, kind: str, profile: Profile) -> Path:
                 )
             )
     path.unlink()
+    path.with_suffix(WAYS).unlink(missing_ok=True)
     return target

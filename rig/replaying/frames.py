@@ -6,6 +6,7 @@ from functools import partial
 from rig.assembly import Backend
 from rig.assembly.buses import is_can, make_bus
 from rig.assembly.frame_reading import frames_of_run, read_frames
+from rig.assembly.frame_recording import FRAMES
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.rig import Rig
 from rig.config import Profile
@@ -96,6 +97,20 @@ class ReplayedBus(FastCanBus):
         """Release nothing: there is no interface."""
 
 
+def _with_ways(run: RecordedRun, frames: list[LoggedFrame]) -> list[LoggedFrame]:
+    """Return frames with who sent them, which stands in a file of its own."""
+    from drivers.can.frame_log import SENT, WAYS
+
+    path = run.folder.path / f"{FRAMES}{WAYS}"
+    ways = path.read_bytes() if path.is_file() else b""
+    if len(ways) != len(frames):
+        raise ConfigurationError(
+            f"{run.folder.path}: {path.name} says of {len(ways)} frames who sent them, and there "
+            f"are {len(frames)}; it is written by --frames in this version"
+        )
+    return [frame._replace(is_sent=way == SENT[0]) for frame, way in zip(frames, ways, strict=True)]
+
+
 class FramesRig:
     """The rig of a recorded run, connected to its frames.
 
@@ -122,12 +137,7 @@ class FramesRig:
                 f"{run.folder.path}: only frames of a run on virtual can be replayed: on the "
                 "wall's clock nobody has written down when the drivers looked at their buses"
             )
-        told = list(read_frames(frames_of_run(run.folder.path), profile))
-        if any(frame.is_sent is None for frame in told):
-            raise ConfigurationError(
-                f"{run.folder.path}: the frames do not say who sent them, which takes candump's "
-                "format (--frames=log) of this version"
-            )
+        told = _with_ways(run, list(read_frames(frames_of_run(run.folder.path), profile)))
         self.clock = ReplayClock()
         self._interfaces = {
             name: ReplayedBus(

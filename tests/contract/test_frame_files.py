@@ -61,7 +61,9 @@ def test_every_cycle_is_on_file(folder, frames):
     assert len(frames) >= (
         manifest["buses"]["can0"]["frames_in"] + manifest["buses"]["can0"]["frames_out"]
     )
-    assert manifest["frames"] == {"recorded": len(frames), "lost": 0}
+    assert manifest["frames"] == {
+        "recorded": len(frames), "lost": 0, "origin": manifest["frames"]["origin"],
+    }  # fmt: skip
     times = [frame.time for frame in frames]
     assert times == sorted(times)
     assert {frame.channel for frame in frames} == {"can0"}

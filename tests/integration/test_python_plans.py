@@ -228,7 +228,9 @@ def interrupted(out, delay, twice):
     return None, set(out.iterdir()) - before
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(500, marks=[pytest.mark.slow, pytest.mark.lengthy])], ids=["8", "500"])
+@pytest.mark.parametrize(
+    "count", [8, pytest.param(500, marks=[pytest.mark.slow, pytest.mark.lengthy])], ids=["8", "500"]
+)
 def test_an_interrupt_leaves_the_rig_safe_and_the_folder_closed(out, count):
     drawn = random.Random(20)
     follow(wanders, out)  # everything is imported and compiled

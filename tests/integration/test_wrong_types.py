@@ -181,7 +181,9 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("drawn", [1, pytest.param(6, marks=[pytest.mark.slow, pytest.mark.lengthy])])
+@pytest.mark.parametrize(
+    "drawn", [1, pytest.param(6, marks=[pytest.mark.slow, pytest.mark.lengthy])]
+)
 @pytest.mark.parametrize("case", CASES)
 def test_a_wrong_type_is_no_bug_of_ours(plug_in, case, drawn):
     (group, name), code, command = CASES[case]
