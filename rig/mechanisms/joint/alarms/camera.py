@@ -122,15 +122,11 @@ class MarkerWatch:
 
     def _at(self, t: float) -> Vector | None:
         """Return where the encoders put the marker at a time, m; None if it is not known."""
-        history = self._history
-        if not history or t < history[0][0]:
-            return None
-        later, after = history[-1]
-        if t >= later:
-            return after
-        for k in range(len(history) - 2, -1, -1):
-            earlier, before = history[k]
+        later, after = math.inf, None
+        for earlier, before in reversed(self._history):
             if earlier <= t:
+                if after is None:
+                    return before
                 share = (t - earlier) / (later - earlier)
                 return (
                     before[0] + share * (after[0] - before[0]),
