@@ -83,8 +83,6 @@ class MarkerWatch:
         if distance <= self._limit or self._alike_at is None:
             # The first sample counts as seen alike, so that a wrong one gets its grace as well.
             self._alike_at = sample.t
-            if distance <= self._limit:
-                return
         if sample.t - self._alike_at > self._grace:
             raise SafetyError(
                 f"{self._device}: {self._explain(then, sample.marker)} [the marker is "
@@ -111,8 +109,6 @@ class MarkerWatch:
         settings = self._twist
         if abs(twist) <= settings.limit or self._straight_at is None:
             self._straight_at = t
-            if abs(twist) <= settings.limit:
-                return
         if t - self._straight_at > settings.time:
             raise SafetyError(
                 f"{self._device}: the ring is twisted, or the marker is mounted so [twist "
