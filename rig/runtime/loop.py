@@ -262,8 +262,7 @@ class Loop(Generic[State, Reference, Command]):
                 raise (pace.stall or pace.blame(error)) from error
             reference, command, applied = cycle.decide(t, state, stop.count)
             cycle.act(now, applied)
-            if run.notes:
-                run.hand_over(events)
+            run.hand_over(events)
             try:
                 cycle.note(pace.tick, t, state, reference, command, applied)
             finally:

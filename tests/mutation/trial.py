@@ -63,7 +63,8 @@ def forked(work: Callable[[], int], seconds: float) -> int:
         code = KILLED
         try:
             signal.setitimer(signal.ITIMER_PROF, seconds)
-            signal.alarm(60)  # for those that wait for ever
+            # For those that wait for ever; what only computes may be slow on a busy machine.
+            signal.alarm(60 + 2 * int(seconds))
             size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
             resource.setrlimit(resource.RLIMIT_AS, (size + _MEMORY, size + _MEMORY))
             code = work()

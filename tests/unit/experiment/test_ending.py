@@ -15,6 +15,7 @@ from rig.experiment.ending import (
 from rig.hal import (
     ConfigurationError,
     ConnectionFailed,
+    ContractBroken,
     DeviceError,
     EmergencyStop,
     LoopStalled,
@@ -72,7 +73,30 @@ def test_a_fault_of_the_loop(fault, t, status, code, message):
 
 def test_a_bug_of_another_package_is_the_users_to_mend(monkeypatch):
     monkeypatch.setattr(module, "whose_bug", lambda error: "stranger")
-    assert bug_of(ValueError("x")).code == 2
+    error = ValueError("x")
+    assert bug_of(error) == (RunStatus.CRASHED, 2, "stranger: ValueError: x", error)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt("x"), SystemExit("x")])
+def test_another_package_does_not_end_the_program(monkeypatch, error):
+    monkeypatch.setattr(module, "whose_bug", lambda error: "stranger")
+    try:
+        raise error
+    except BaseException as raised:
+        traceback = raised.__traceback__
+    status, code, message, bug = ending_of(error)
+    assert (status, code) == (RunStatus.CRASHED, 2)
+    assert message == f"stranger: {type(error).__name__}: x"
+    assert str(bug) == f"stranger wants to end the program: {type(error).__name__}: x"
+    assert isinstance(bug, ContractBroken)
+    assert bug.__traceback__ is traceback
+
+
+def test_a_broken_contract_of_the_loop_is_the_users_to_mend():
+    status, code, message, bug = fault_of(ContractBroken("no number"), 1.5)
+    assert (status, code, message) == (RunStatus.CRASHED, 2, "no number")
+    assert isinstance(bug, ContractBroken)
+    assert str(bug) == "no number"
 
 
 @pytest.mark.parametrize("status", list(RunStatus))

@@ -38,10 +38,10 @@ def test_the_marker_may_be_off_by_the_limit_for_ever():
 
 def test_a_marker_further_off_has_its_grace_and_not_more():
     watch = new_watch()
-    for t in (0.0, 0.5 * GRACE, GRACE):
+    for t in (1.0, 1.0 + 0.5 * GRACE, 1.0 + GRACE):
         see(watch, t, TOP, beside(LIMIT + TINY))  # the first one counts as seen alike
     with pytest.raises(SafetyError) as caught:
-        see(watch, GRACE + TINY, TOP, beside(LIMIT + TINY))
+        see(watch, 1.0 + GRACE + TINY, TOP, beside(LIMIT + TINY))
     assert str(caught.value) == (
         "camera: it is not where the joint is calibrated to be before anything has moved: another "
         "rig's calibration, a moved camera or another marker [the marker is 3.9 mm from where the "

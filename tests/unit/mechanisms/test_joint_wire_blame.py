@@ -153,6 +153,16 @@ def test_a_rod_that_stands_under_pressure_pulls_on_something_again(way):
     assert settle(0.0, BASE).endswith("by 2.00 mm; it is taut again")
 
 
+def test_a_pose_of_three_rods_is_looked_for_sixty_times_at_most(monkeypatch):
+    """The fourth is so far off that its opposite one could be put right after 300 rounds only."""
+    watch = WireBench().watch
+    solve, tried = watch._diagnosis.update, []
+    monkeypatch.setattr(watch._diagnosis, "update", lambda rods: tried.append(rods) or solve(rods))
+    left, _ = watch._without(off(rods_at(0.79, 0.5 * math.pi), 1, 14e-3), 1)
+    assert len(tried) == 60
+    assert 5e-3 < left < 9e-3
+
+
 def test_after_a_single_check_no_speed_is_known():
     wrong = off(TILTED, 1, 2e-3)
     assert blame(wrong).startswith("the anchor of ch1 has slipped")

@@ -1,6 +1,7 @@
 """What is read of axes on servo drives, and what of it is a fault, on either side of each bound."""
 
 import math
+import random
 
 import pytest
 from pneumatic_fakes import FakeStop
@@ -13,13 +14,15 @@ from servo_fakes import (
     TINY,
     UPPER,
     BareAxes,
+    Command,
     FakeServo,
+    Reference,
     ServoBench,
 )
 
 from rig.hal import ConfigurationError, EmergencyStop, LimitExceeded, SafetyError, StaleReading
 from rig.hal.mechanism import Margin
-from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes
+from rig.mechanisms.servo.axes import AxisLimits, Kinds, ServoAxes, servo_columns
 from rig.mechanisms.servo.settings import ServoLimits, ServoSettings
 
 
@@ -39,6 +42,28 @@ def test_readings_are_put_into_the_mechanisms_order():
     bench.place(a=0.25, b=-0.5, c=1.0)
     bench.turn(a=1.0, b=2.0, c=3.0)
     assert bench.cycle(7.0) == (7.0, (0.25, -0.5, 1.0), (1.0, 2.0, 3.0))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_state_is_recalled_from_its_row_to_the_bit(seed):
+    chance = random.Random(seed)
+    now = chance.uniform(0.0, 1e3)
+    written = ServoBench()
+    written.place(*[chance.uniform(low, high) for low, high in zip(LOWER, UPPER, strict=True)])
+    written.turn(*[chance.gauss(0.0, 1.0) for _ in NAMES])
+    written.left.t, written.right.t = now, now - chance.uniform(0.0, AGE)
+    state = written.axes.read(now)
+    command = Command(state.positions, state.velocities)
+    row = written.axes.joint_row(state, Reference(*command, False), command, command)
+    columns = [column.name for column in servo_columns(NAMES)]
+
+    replayed = ServoBench()
+    replayed.stop.pressed = True
+    logged = dict(zip(columns, row, strict=True)) | {"clock": now}
+    assert replayed.axes.recall(logged) == state
+    replayed.axes.check(state, now)  # no row tells of the contact
+    assert replayed.axes.stop_input() is None
+    assert replayed.axes.joint_row(state, Reference(*command, False), command, command) == row
 
 
 def test_readings_may_be_as_old_as_their_limit():

@@ -48,3 +48,12 @@ def test_a_rig_without_a_contact_is_not_judged_by_one():
     contact = StopContact(None, OLDEST)
     contact.check(1e9)
     assert contact.device is None
+
+
+def test_a_contact_that_a_log_does_not_have_is_not_asked():
+    stop = LatchedStop()
+    stop.pressed = stop.latched = True
+    contact = StopContact(stop, OLDEST)
+    contact.ignore()
+    contact.check(1e9)
+    assert contact.device is None

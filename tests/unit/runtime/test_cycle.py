@@ -175,13 +175,14 @@ def test_buses_are_drained_while_the_rig_is_made_safe():
     assert bench.bus.calls[outcome.cycles * 3 :] == ["receive", "transmit"] * SAFE_CYCLES
 
 
-def test_a_loop_has_no_time_before_its_first_cycle():
+def test_a_loop_has_neither_time_nor_phases_before_its_first_cycle():
     bench = Bench()
     loop = Loop(
         clock=bench.clock, period=PERIOD, buses=[], devices=[], mechanism=bench.mechanism,
         controller=bench.controller, states=bench.states,
     )  # fmt: skip
     assert loop.t is None
+    assert loop.phases is None
 
 
 def test_progress_is_told_every_cycle_if_that_is_asked_for():

@@ -64,6 +64,15 @@ def test_what_a_run_says_before_it_begins():
     assert Timings() == (1.0, 2.0, 0.5, 0.25, 0.25)
 
 
+def test_a_run_keeps_what_its_code_was_last_asked_with():
+    run = Run()
+    assert (run.state, run.reference, run.command, run.answer) == (None,) * 4
+    wanted = [reference for reference, _ in run.go(12)]
+    assert run.state == 11.0
+    assert run.reference == wanted[-1]
+    assert run.answer == run.controller.update(run.state, run.reference)
+
+
 def test_a_run_cycle_by_cycle():
     run = Run()
     gone = run.go(26)

@@ -3,6 +3,7 @@
 import math
 import os
 import signal
+import threading
 
 import pytest
 from hypothesis import given
@@ -54,6 +55,21 @@ def test_requests_count_in_the_loop_interrupt_outside_and_are_put_back():
         os.kill(os.getpid(), signal.SIGINT)
         assert stop.count == 3
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_loop_in_another_thread_leaves_the_signals_to_the_main_one():
+    before = signal.getsignal(signal.SIGINT)
+    found = []
+
+    def run():
+        with StopRequests() as stop:
+            stop.request()
+            found.append((stop.count, signal.getsignal(signal.SIGINT)))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    assert found == [(1, before)]
 
 
 def test_a_request_while_nothing_may_be_interrupted_interrupts_as_soon_as_it_may():

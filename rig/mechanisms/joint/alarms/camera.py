@@ -83,8 +83,6 @@ class MarkerWatch:
         if distance <= self._limit or self._alike_at is None:
             # The first sample counts as seen alike, so that a wrong one gets its grace as well.
             self._alike_at = sample.t
-            if distance <= self._limit:
-                return
         if sample.t - self._alike_at > self._grace:
             raise SafetyError(
                 f"{self._device}: {self._explain(then, sample.marker)} [the marker is "
@@ -111,8 +109,6 @@ class MarkerWatch:
         settings = self._twist
         if abs(twist) <= settings.limit or self._straight_at is None:
             self._straight_at = t
-            if abs(twist) <= settings.limit:
-                return
         if t - self._straight_at > settings.time:
             raise SafetyError(
                 f"{self._device}: the ring is twisted, or the marker is mounted so [twist "
@@ -122,15 +118,11 @@ class MarkerWatch:
 
     def _at(self, t: float) -> Vector | None:
         """Return where the encoders put the marker at a time, m; None if it is not known."""
-        history = self._history
-        if not history or t < history[0][0]:
-            return None
-        later, after = history[-1]
-        if t >= later:
-            return after
-        for k in range(len(history) - 2, -1, -1):
-            earlier, before = history[k]
+        later, after = math.inf, None
+        for earlier, before in reversed(self._history):
             if earlier <= t:
+                if after is None:
+                    return before
                 share = (t - earlier) / (later - earlier)
                 return (
                     before[0] + share * (after[0] - before[0]),
