@@ -10,7 +10,7 @@ from rig.faults.branch import die_with_parent
 
 Task = TypeVar("Task")
 
-Tell = Callable[[Any], None]
+Tell = Callable[[object], None]
 
 
 def share_out(
@@ -47,7 +47,7 @@ def share_out(
             yield told
 
 
-def _work(work: Callable[[Any, Tell], None], task: object, sender: Connection) -> None:
+def _work(work: Callable[[Task, Tell], None], task: Task, sender: Connection) -> None:
     """Do one task in this process, silently."""
     die_with_parent()
     quiet = os.open(os.devnull, os.O_WRONLY)
