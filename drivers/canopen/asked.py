@@ -2,20 +2,13 @@
 
 import struct
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Final
 
 _UPLOAD: Final = 0x40
 _UPLOADED: Final = 0x42  # expedited: at most four bytes, which follow
 _SIZE: Final = 8
 
 Answered = Callable[[bytes, float], None]
-
-
-class SendingBus(Protocol):
-    """A bus that sends a frame now."""
-
-    def send(self, can_id: int, data: bytes) -> None:
-        """Send it."""
 
 
 class AskedObjects:
@@ -26,14 +19,14 @@ class AskedObjects:
 
     Parameters
     ----------
-    bus : SendingBus
-        The bus that the node hangs on.
+    send : callable
+        Sends a frame now on the bus that the node hangs on; raises ConnectionFailed.
     node : int
         Its number.
     """
 
-    def __init__(self, bus: SendingBus, node: int) -> None:
-        self._bus = bus
+    def __init__(self, send: Callable[[int, bytes], None], node: int) -> None:
+        self._send = send
         self._request_id = 0x600 + node
         self._answered: dict[bytes, Answered] = {}
 
@@ -41,7 +34,7 @@ class AskedObjects:
         """Ask for an object; ``answered(data, now)`` is called when, and if, its bytes come."""
         request = struct.pack("<BHB4x", _UPLOAD, index, sub)
         self._answered[request[1:4]] = answered
-        self._bus.send(self._request_id, request)
+        self._send(self._request_id, request)
 
     def take(self, data: bytes, now: float) -> bool:
         """Take an SDO answer; return whether it is one of these."""

@@ -30,7 +30,6 @@ _ABSENT: Final = (0x0602_0000, 0x0609_0011)  # abort codes: no such object, no s
 _RECEIVE, _TRANSMIT = 0x1400, 0x1800
 _MAPPING_OFFSET: Final = 0x200
 
-
 Result = TypeVar("Result")
 
 
@@ -57,7 +56,7 @@ class CanopenNode:
         self._armed = False
         bus.subscribe(0x700 + node, self.heartbeat.receive)
         bus.subscribe(0x080 + node, self.emergency.receive)
-        self.asked = AskedObjects(bus, node)
+        self.asked = AskedObjects(self._send, node)
         bus.subscribe(0x580 + node, self._take_answer)
 
     # Life cycle -----------------------------------------------------------------------
@@ -254,8 +253,7 @@ class CanopenNode:
         self._transfer("written", index, sub, lambda: self._sdo.download(index, sub, data))
         kept = self.read(index, sub, type)
         expected = struct.unpack("<" + STRUCT_CODES[type], data)[0]
-        same = kept == expected if mask is None else int(kept) & mask == int(expected) & mask
-        if not same:
+        if not (kept == expected if mask is None else int(kept) & mask == int(expected) & mask):
             raise self._failed(
                 "it took a setting but reads back another; it must not be used like this",
                 object=f"0x{index:04X}:{sub:02X}",
@@ -274,8 +272,7 @@ class CanopenNode:
         watch = self.heartbeat
         boots = watch.boots
         self._command(_RESET_NODE)
-        booted = self._bus.wait_until(lambda: watch.boots != boots, self._bus.settings.boot_timeout)
-        if not booted:
+        if not self._bus.wait_until(lambda: watch.boots != boots, self._bus.settings.boot_timeout):
             # Its boot-up may have been lost; whoever answers is there.
             self._command(_PRE_OPERATIONAL)
         self.emergency.clear()
@@ -347,8 +344,11 @@ class CanopenNode:
             self.write(communication, 1, "u32", int(can_id) | _INVALID, mask=_INVALID)
 
     def _command(self, command: int) -> None:
+        self._send(0x000, bytes((command, self.node)))
+
+    def _send(self, can_id: int, data: bytes) -> None:
         try:
-            self._bus.send(0x000, bytes((command, self.node)))
+            self._bus.send(can_id, data)
         except Exception as error:
             raise self._failed(f"the interface refused a frame: {error}") from error
 

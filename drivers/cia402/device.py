@@ -60,6 +60,7 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
         self._watched_first = sorted(self.drives, key=lambda drive: drive.contact is None)
         self._watched = self._watched_first[0]
         self._contact = self._watched.contact
+        self._is_spoken_to = False
 
     def connect(self) -> None:
         """Find, identify and configure every drive; leave them without torque.
@@ -74,7 +75,9 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
             self._contact.forget()
         for drive in self._watched_first:
             own = drive.settings.serial
+            self._is_spoken_to = drive is self._watched
             drive.connect(self._serial if own is None else own)
+            self._is_spoken_to = False
             self.look()
 
     def emergency_stop(self) -> Reading[bool]:
@@ -86,8 +89,8 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
         return self._contact is None or self._contact.was_pressed
 
     def look(self) -> None:
-        """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
-        if self._contact is not None:
+        """Ask for the contact by SDO, unless its drive is being configured by SDO itself."""
+        if self._contact is not None and not self._is_spoken_to:
             inputs = DIGITAL_INPUTS
             self._watched.node.asked.ask(inputs.object, inputs.sub, self._contact.take_look)
 

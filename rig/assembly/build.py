@@ -11,6 +11,7 @@ from rig.assembly.on_interfaces import Interfaces, parse_interfaces
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
+from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
 from rig.hal import Column, ConfigurationError, Device, DeviceError, Mechanism, MonotonicClock
 
@@ -91,8 +92,9 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
     if on is None and backend is Backend.VCAN:
         on = backend.value
     others = parse_interfaces(on, profile) if on is not None else {}
+    waits = WatchfulClock(clock)
     buses = {
-        name: make_bus(name, bus, clock, profile.loop.period, others.get(name), frames=frames)
+        name: make_bus(name, bus, waits, profile.loop.period, others.get(name), frames=frames)
         for name, bus in profile.buses.items()
     }
     locks = InterfaceLocks()
@@ -101,7 +103,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         from rig.assembly.simulation_process import reach_devices
 
         links = reach_devices(profile, others)
-    devices = make_devices(profile, buses, clock, links)
+    devices = make_devices(profile, buses, waits, links)
     return Rig(
         profile,
         backend,
@@ -111,6 +113,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         mechanism=make_mechanism(profile, devices),
         take=partial(_take_interfaces, profile, others, locks),
         release=locks.give_back,
+        waits=waits,
     )
 
 

@@ -6,8 +6,9 @@ from enum import StrEnum
 from math import inf
 from typing import Any
 
+from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
-from rig.hal import Clock, Column, CyclicBus, Device, EmergencyStop, Mechanism
+from rig.hal import Clock, Column, CyclicBus, Device, EmergencyStop, EmergencyStopInput, Mechanism
 
 LISTEN = 0.12
 """How long another master is listened for, s: two heartbeats of one with a shipped profile."""
@@ -49,6 +50,8 @@ class Rig:
         In simulation: what `truth` returns.
     truth : callable
         In simulation: the plant's true values.
+    waits : WatchfulClock, optional
+        The clock by which buses and devices wait, if they take any time to be connected.
     """
 
     def __init__(
@@ -64,6 +67,7 @@ class Rig:
         truth: Callable[[], tuple[float, ...]] = tuple,
         take: Callable[[], None] = lambda: None,
         release: Callable[[], None] = lambda: None,
+        waits: WatchfulClock | None = None,
     ) -> None:
         self.profile = profile
         self.backend = backend
@@ -76,16 +80,19 @@ class Rig:
         self._take = take
         self._release = release
         self._stop = mechanism.stop_input()
+        self._waits = waits or WatchfulClock(clock)
 
     def __enter__(self) -> "Rig":
         try:
             self._open()
-            watched = False
             for name, device in self.devices.items():
+                stop = self._stop if self._reads_stop(name) else None
+                if stop is not None and stop.looks_alone:
+                    self._watch_stop(stop, name)
                 device.connect()
-                watched = watched or self._reads_stop(name)
-                if watched and self._stop is not None:
-                    self._stop.look()
+                if stop is not None:
+                    self._watch_stop(stop, name)
+                self._waits.look()
         except BaseException:
             self.close()
             raise
@@ -122,6 +129,7 @@ class Rig:
             bus.transmit(now)
         if self.buses:
             self.clock.sleep_until(now + self.profile.loop.period)
+        self._waits.rest()
         self._check_stop()
 
     @contextmanager
@@ -162,6 +170,17 @@ class Rig:
         if not self.backend.is_simulated:  # nobody else can be on an emulated bus
             for bus in self.buses.values():
                 bus.expect_alone(LISTEN)
+
+    def _watch_stop(self, stop: EmergencyStopInput, name: str) -> None:
+        """Look at the contact whenever anything is waited for, until the loop does."""
+        bus = self.buses.get(self.profile.devices[name].bus or "")
+
+        def look() -> None:
+            if bus is not None:  # while another bus is waited on, nobody else takes the answers
+                bus.receive(self.clock.now())
+            stop.look()
+
+        self._waits.watch(look)
 
     def _reads_stop(self, name: str) -> bool:
         device: object = self.devices[name]

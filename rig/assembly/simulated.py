@@ -12,6 +12,7 @@ from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.assembly.rows import load
+from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError, Plant
 from rig.hal.columns import Column
@@ -234,12 +235,12 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
             cameras=tuple(links.values()),
         )
     clock = SimClock(world)
-    period = profile.loop.period
+    waits, period = WatchfulClock(clock), profile.loop.period
     buses = {
-        name: make_bus(name, bus, clock, period, None, ports[name], frames)
+        name: make_bus(name, bus, waits, period, None, ports[name], frames)
         for name, bus in profile.buses.items()
     }
-    devices = make_devices(profile, buses, clock, links)
+    devices = make_devices(profile, buses, waits, links)
 
     return Rig(
         profile,
@@ -250,6 +251,7 @@ def build_virtual(profile: Profile, frames: Any = None) -> Rig:
         mechanism=make_mechanism(profile, devices),
         truth_columns=_truth_columns(plant),
         truth=plant.truth,
+        waits=waits,
     )
 
 

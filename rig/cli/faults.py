@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rig.faults.campaign import Job
+    from rig.faults.subject import Subject
     from rig.faults.verdict import Verdict
 
 CAMPAIGNS = Path("faults")
@@ -80,6 +81,13 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
     help="This fault alone, or two as in a+b; `rig faults list` has the names.",
 )
 @click.option(
+    "--quiet",
+    "hours",
+    type=click.FloatRange(0.0, min_open=True),
+    metavar="HOURS",
+    help="Break nothing for so many simulated hours: whatever stops a rig then is a false trip.",
+)
+@click.option(
     "--experiment",
     "experiments",
     multiple=True,
@@ -114,6 +122,7 @@ def run(
     full: bool,
     count: int | None,
     only: str | None,
+    hours: float | None,
     experiments: tuple[str, ...],
     seed: int,
     workers: int,
@@ -125,6 +134,7 @@ def run(
 
     Without a name all rigs that ship are broken, every fault once on each. Each case that goes
     wrong leaves a run folder with what was true after the fault, and the line that repeats it.
+    With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
     from rig.faults.campaign import run_cases
     from rig.faults.progress import CampaignProgress
@@ -132,14 +142,18 @@ def run(
 
     if sum((full, count is not None and only is None)) > 1:
         raise click.UsageError("--full and --random say two things about how many cases there are")
+    breaks = full or count is not None or only is not None
+    if hours is not None and breaks:
+        raise click.UsageError("--quiet breaks nothing; --full, --random and --only do")
     for name in filter(_is_file, rigs):
-        if full or count is not None or only is not None or experiments:
+        if breaks or hours is not None or experiments:
             raise click.UsageError(f"{name} says itself what breaks, once, and in what")
     folder = out / f"seed-{seed}"
     make_folder(folder)
+    if hours is not None:
+        return _be_quiet(rigs or RIGS, hours, experiments, seed, workers, folder, configs, as_json)
     jobs: list[Job] = []
     for name in rigs or RIGS:
-        click.echo(f"{name}: looking at what it has …", err=True)
         if _is_file(name):
             jobs.append(_scenario_job(Path(name), configs))
         else:
@@ -180,6 +194,45 @@ def make_folder(folder: Path) -> None:
         ) from error
 
 
+def _be_quiet(
+    rigs: tuple[str, ...],
+    hours: float,
+    experiments: tuple[str, ...],
+    seed: int,
+    workers: int,
+    folder: Path,
+    configs: Path | None,
+    as_json: bool,
+) -> int:
+    """Run rigs for hours without a fault; see `rig.faults.quiet`."""
+    from rig.faults.progress import QuietProgress
+    from rig.faults.quiet import HOUR, draw_quiet, run_quietly
+
+    subjects = [_survey(rig, experiments, configs) for rig in rigs]
+    runs = draw_quiet(subjects, hours, seed, configs)
+    with QuietProgress(len(runs)) as progress:
+        endings = run_quietly(runs, folder, workers, progress.told)
+    if as_json:
+        print_data(json.dumps([ending.as_json() for ending in endings], indent=2))
+    else:
+        rows = []
+        for name in (*rigs, "all"):
+            own = [ending for ending in endings if name in (ending.run.rig, "all")]
+            spent = sum(ending.duration for ending in own) / HOUR
+            trips = sum(ending.is_trip for ending in own)
+            rows.append((name, str(len(own)), f"{spent:.3g}", str(trips)))
+        print_tables([Table("quiet", ("rig", "runs", "hours", "false trips"), rows)])
+    return 1 if any(ending.is_trip for ending in endings) else 0
+
+
+def _survey(rig: str, experiments: tuple[str, ...], configs: Path | None) -> Subject:
+    from rig.faults.survey import experiments_of, survey
+
+    click.echo(f"{rig}: looking at what it has …", err=True)
+    among = experiments or experiments_of(rig, configs)
+    return survey(rig, among, configs, chosen=bool(experiments))
+
+
 def _jobs(
     rig: str,
     full: bool,
@@ -190,10 +243,8 @@ def _jobs(
     configs: Path | None,
 ) -> list[Job]:
     from rig.faults.campaign import draw_each, draw_once, draw_random
-    from rig.faults.survey import experiments_of, survey
 
-    among = experiments or experiments_of(rig, configs)
-    subject = survey(rig, among, configs, chosen=bool(experiments))
+    subject = _survey(rig, experiments, configs)
     if only is not None:
         cases = draw_once(subject, tuple(only.split("+")), seed, count or 1)
     elif count is not None:

@@ -1,19 +1,17 @@
 """Many cases: drawn, and performed unit by unit, as many units at once as there are workers."""
 
 import difflib
-import multiprocessing
 import random
 from collections.abc import Callable, Sequence
 from itertools import groupby
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
-from rig.faults.branch import die_with_parent
 from rig.faults.case import UNIT, Case, draw_case
 from rig.faults.catalogue import KINDS, kinds_for
 from rig.faults.subject import Subject
 from rig.faults.unit import no_verdict, perform_unit
 from rig.faults.verdict import Verdict
+from rig.faults.workers import Tell, share_out
 from rig.hal import ConfigurationError
 
 DOUBLES = 0.15
@@ -97,27 +95,15 @@ def run_cases(
     progress : callable
         Told each verdict as it comes.
     """
-    context = multiprocessing.get_context("fork")  # what is imported and compiled is there
     out = out.resolve()
     verdicts: list[Verdict] = []
-    waiting = _units(jobs)[::-1]
-    running: list[Connection] = []
-    while waiting or running:
-        while waiting and len(running) < workers:
-            receiver, sender = context.Pipe(duplex=False)
-            context.Process(
-                target=_work, args=(waiting.pop(), out, configs, sender), daemon=True
-            ).start()
-            sender.close()
-            running.append(receiver)
-        for receiver in _ready(running):
-            try:
-                verdict: Verdict = receiver.recv()
-            except EOFError:
-                running.remove(receiver)
-                continue
-            verdicts.append(verdict)
-            progress(verdict)
+
+    def perform(unit: Sequence[Job], tell: Tell) -> None:
+        perform_unit([case for case, _ in unit], unit[0][1], out, configs, tell)
+
+    for verdict in share_out(_units(jobs), perform, workers):
+        verdicts.append(verdict)
+        progress(verdict)
     order = {case: number for number, (case, _) in enumerate(jobs)}
     told = {verdict.case for verdict in verdicts}
     for case, subject in jobs:  # a worker that died is no pass
@@ -125,11 +111,6 @@ def run_cases(
             verdicts.append(no_verdict(case, subject, "its worker ended without a word"))
             progress(verdicts[-1])
     return sorted(verdicts, key=lambda verdict: order[verdict.case])
-
-
-def _ready(running: Sequence[Connection]) -> list[Connection]:
-    ready = wait(running)
-    return [receiver for receiver in running if receiver in ready]
 
 
 def _units(jobs: Sequence[Job]) -> list[list[Job]]:
@@ -140,14 +121,3 @@ def _units(jobs: Sequence[Job]) -> list[list[Job]]:
         return case.rig, case.stretch, case.experiment, case.seed, drawn
 
     return [list(group) for _, group in groupby(sorted(jobs, key=key), key)]
-
-
-def _work(jobs: Sequence[Job], out: Path, configs: Path | None, sender: Connection) -> None:
-    """Perform one unit in this process, silently."""
-    import os
-
-    die_with_parent()
-    quiet = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, 1)
-    os.dup2(quiet, 2)
-    perform_unit([case for case, _ in jobs], jobs[0][1], out, configs, sender.send)

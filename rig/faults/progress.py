@@ -1,22 +1,28 @@
 """The progress of a campaign: a line on a terminal, a few lines in a pipe, failures in both."""
 
 import sys
+from collections.abc import Sequence
 from types import TracebackType
+from typing import Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from rig.faults.quiet import QuietEnding
 from rig.faults.verdict import Verdict
 
 
-class CampaignProgress:
-    """Shows how many cases are done, and each that went wrong.
+class _Progress:
+    """Shows how many are done, and each that went wrong.
 
     Parameters
     ----------
     total : int
-        Cases of the campaign.
+        How many there are.
     """
+
+    things = ""
+    """What is counted."""
 
     def __init__(self, total: int) -> None:
         self._console = Console(file=sys.stderr, highlight=False, soft_wrap=True)
@@ -27,7 +33,7 @@ class CampaignProgress:
         self._task = self._bar.add_task("faults", total=total)
         self._total, self._done, self._failed = total, 0, 0
 
-    def __enter__(self) -> "CampaignProgress":
+    def __enter__(self) -> Self:
         self._bar.start()
         return self
 
@@ -38,19 +44,40 @@ class CampaignProgress:
         trace: TracebackType | None,
     ) -> None:
         self._bar.stop()
-        self._say(f"{self._done} of {self._total} cases, {self._failed} went wrong")
+        self._say(f"{self._done} of {self._total} {self.things}, {self._failed} went wrong")
 
-    def told(self, verdict: Verdict) -> None:
-        """Take a verdict."""
+    def _take(self, wrongs: Sequence[str], command: str) -> None:
+        """Count one that is done, with what is wrong about it and the line that repeats it."""
         self._done += 1
         self._bar.advance(self._task)
-        if verdict.failed:
+        if wrongs:
             self._failed += 1
-            for wrong in verdict.wrongs():
+            for wrong in wrongs:
                 self._say(f"  {wrong}")
-            self._say(f"    {verdict.case.command}")
+            self._say(f"    {command}")
         if not sys.stderr.isatty() and self._done % 50 == 0:
-            self._say(f"{self._done} of {self._total} cases")
+            self._say(f"{self._done} of {self._total} {self.things}")
 
     def _say(self, text: str) -> None:
         self._console.print(text, markup=False)
+
+
+class CampaignProgress(_Progress):
+    """Shows the cases of a campaign."""
+
+    things = "cases"
+
+    def told(self, verdict: Verdict) -> None:
+        """Take a verdict."""
+        self._take(list(verdict.wrongs()), verdict.case.command)
+
+
+class QuietProgress(_Progress):
+    """Shows the runs of quiet hours."""
+
+    things = "runs"
+
+    def told(self, ending: QuietEnding) -> None:
+        """Take an ending."""
+        wrong = [f"false trip: {ending.message}"] if ending.is_trip else []
+        self._take(wrong, ending.run.command)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
+from math import inf
 
 from rig.faults.case import Case, Moment
 from rig.faults.kind import Must
@@ -56,6 +57,8 @@ class Verdict:
         As run.
     must : Must
         What had to come of it.
+    wanted : float
+        How soon it had to be seen, if it had to, s.
     hazard, unseen, misnamed, false_trip, late, crashed : bool
         What is wrong; all False if nothing is. A case that gave no verdict of its own crashed.
     folder : str
@@ -65,6 +68,7 @@ class Verdict:
     case: Case
     ending: CaseEnding
     must: Must
+    wanted: float
     hazard: bool = False
     unseen: bool = False
     misnamed: bool = False
@@ -97,8 +101,7 @@ class Verdict:
             yield f"misnamed: {self.ending.message}"
         if self.late:
             reaction = self.ending.reaction or 0.0
-            wanted = self.case.first.row.within
-            yield f"late: seen after {1e3 * reaction:.0f} ms, {1e3 * wanted:.0f} ms wanted"
+            yield f"late: seen after {1e3 * reaction:.0f} ms, {1e3 * self.wanted:.0f} ms wanted"
 
     def as_json(self) -> dict[str, object]:
         """Return it as plain data, with what is wrong in words."""
@@ -113,7 +116,7 @@ class Verdict:
 
 def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     """Compare what came of a case with what had to."""
-    must = what_must_come(case, subject)
+    must, wanted = what_must_come(case, subject), how_soon(case, subject)
     tripped = ending.code in (REFUSED, FAULTED, OURS)
     seen = tripped or ending.code is None
     happened = ending.broke_at is not None
@@ -124,12 +127,13 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
         must is Must.SAFE
         and reaction is not None
         and case.moment in _CONTROLLED
-        and reaction > case.first.row.within
+        and reaction > wanted
     )
     return Verdict(
         case,
         ending,
         must,
+        wanted,
         hazard=bool(ending.violations),
         unseen=happened and must is Must.SAFE and not seen,
         misnamed=tripped and must is not Must.RIDE and not stopping and not named,
@@ -148,6 +152,22 @@ def what_must_come(case: Case, subject: Subject) -> Must:
         # While it connects or is made safe anyway, what breaks need not be told apart.
         return Must.SAFE if case.moment in _CONTROLLED else Must.EITHER
     return Must.EITHER if Must.EITHER in musts else Must.RIDE
+
+
+def how_soon(case: Case, subject: Subject) -> float:
+    """Return how long after the first fault the rig must be made safe at the latest, s.
+
+    Each of two faults that must be seen has its own time, which begins with it.
+    """
+    begins = (0.0, case.then_after)
+    return min(
+        (
+            begin + item.row.within
+            for begin, item in zip(begins, case.breaks, strict=False)
+            if item.row.must(item.sizes, subject) is Must.SAFE
+        ),
+        default=inf,
+    )
 
 
 def _is_named(case: Case, ending: CaseEnding, subject: Subject) -> bool:

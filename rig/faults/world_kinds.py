@@ -179,6 +179,9 @@ def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
     )  # fmt: skip
 
 
+_UNTIL_MOVED = 2.0
+"""s: a setpoint that rests tells nothing, and moves in the orderly stop at the latest, which a
+case asks for after a second."""
 _MOMENT = Magnitudes(1e-3, 1.0, "s")
 _CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
@@ -188,8 +191,9 @@ PNEUMATIC = (
     _of_device("regulator_stuck_at", "A regulator goes to some pressure and stays there.", either,
                1.0, fault="regulator_stuck", magnitude=Magnitudes(5e3, 450e3, "Pa"),
                why="at a pressure near that which is wanted nothing is amiss"),
-    _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5), 1.0,
-               magnitude=Magnitudes(1.2, 6.0, "1"), why="a little slower tracks a little worse"),
+    _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5),
+               _UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
+               why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
     _of_device("monitor_offset", "A pressure monitor is off.", _is_felt(60e3), 1.0, ("monitor",),
                magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; the pressure is judged, not controlled"),

@@ -70,6 +70,40 @@ def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_n
     assert truth["t"][-1] >= min(case["ending"]["broke_at"] for case in failed) + 1.4
 
 
+def quiet(configs, out, *more):
+    """Return the exit code and the runs of some seconds in which nothing is broken."""
+    words = ("--quiet", 2e-3, "--workers", 1, "--configs", configs, "--out", out, "--json", *more)
+    result = run("run", "cylinder-slow", *words)
+    return result.return_value, json.loads(result.stdout)
+
+
+@pytest.mark.parametrize("seed", [5, 6])
+def test_quiet_hours_are_drawn_counted_and_not_tripped_in(tmp_path, slow_to_notice, seed):
+    code, runs = quiet(slow_to_notice, tmp_path / "out", "--seed", seed)
+    assert code == 0
+    assert not [one for one in runs if one["trip"]]
+    assert sum(one["duration"] for one in runs) >= 2e-3 * 3600.0
+    options = {option for one in runs for option in one["run"]["options"]}
+    assert len(options) == 2 * len(runs), "every run has a seed and a unit of its own"
+    assert list((tmp_path / "out" / f"seed-{seed}").iterdir()) == []
+
+
+@pytest.mark.parametrize("at", np.random.default_rng(24).uniform(2.0, 6.0, 2).round(2).tolist())
+def test_a_stop_in_quiet_hours_is_a_false_trip(tmp_path, slow_to_notice, at):
+    """What the profile itself has break is nothing that the campaign knows of."""
+    profile = slow_to_notice / "rigs" / "cylinder-slow.yaml"
+    fault = f"{{at: {at}, device: encoder-agonist, fault: alarm}}"
+    profile.write_text(
+        profile.read_text().replace("simulation:", f"simulation:\n  faults: [{fault}]")
+    )
+    code, runs = quiet(slow_to_notice, tmp_path / "out")
+    assert code == 1
+    assert {(one["trip"], one["code"]) for one in runs} == {(True, 4)}
+    assert all("encoder-agonist" in one["message"] for one in runs)
+    assert all(one["again"].startswith("rig run sine-slow --rig cylinder-slow") for one in runs)
+    assert len(list((tmp_path / "out" / "seed-0").iterdir())) == len(runs)
+
+
 def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
     monkeypatch.setattr("rig.faults.campaign.perform_unit", lambda *rest: None)
     result = run("run", "cylinder", "--only", "nothing", "--out", tmp_path)
@@ -148,6 +182,8 @@ def test_a_file_is_repeated_by_its_name_and_a_chosen_experiment_is_named(tmp_pat
     [
         (("cylinder", "--full", "--random", "3"), "two things"),
         (("{file}", "--only", "silent"), "says itself"),
+        (("{file}", "--quiet", "1"), "says itself"),
+        (("cylinder", "--quiet", "1", "--random", "3"), "breaks nothing"),
         (("cylinder", "--out", "/dev/null/x"), "choose another place with --out"),
     ],
 )

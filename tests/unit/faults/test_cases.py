@@ -1,6 +1,8 @@
 """Drawn cases: the same from the same seed, possible on the rig, and as a file says."""
 
+import random
 from dataclasses import replace
+from math import inf
 
 import pytest
 
@@ -11,6 +13,7 @@ from rig.faults.catalogue import KINDS, kinds_for
 from rig.faults.kind import Must, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
+from rig.faults.verdict import FAULTED, CaseEnding, give_verdict
 from rig.hal import ConfigurationError
 from rig.hal.world import Frames
 
@@ -184,3 +187,48 @@ def test_what_a_plant_of_others_can_suffer_is_offered_and_repeated_with_its_fold
     assert case.first.where == "plant"
     assert case.first.row.must(case.first.sizes, foreign) is Must.EITHER
     assert case.command.endswith("--only jammed --seed 3 --configs 'my configs'")
+
+
+DRAWN = [case for case in draw_random(SUBJECT, 21, 900) if case.then is not None]
+RUNNING = [replace(case, moment=Moment.RUN) for case in DRAWN if case.moment is not Moment.RUN]
+
+
+def deadlines(case):
+    """Return when each fault that must be seen has to be, from the first one on."""
+    faults = ((case.first, 0.0), (case.then, case.then_after))
+    return [
+        begins + item.row.within
+        for item, begins in faults
+        if item.row.must(item.sizes, SUBJECT) is Must.SAFE
+    ]
+
+
+def verdict_after(case, reaction):
+    broke = random.Random(case.drawn_with).uniform(0.1, 3.0)
+    return give_verdict(case, CaseEnding(FAULTED, "", broke, broke + reaction), SUBJECT)
+
+
+@pytest.mark.parametrize("seen", ["first", "then", "both"])
+def test_each_of_two_faults_has_its_own_time(seen):
+    """What must be seen counts from its own beginning, whatever came before and may stay."""
+    chosen = [case for case in RUNNING if which_must(case) == seen]
+    assert len(chosen) > 5
+    for case in chosen:
+        wanted = min(deadlines(case))
+        assert verdict_after(case, wanted - 1e-3).late is False
+        late = verdict_after(case, wanted + 1e-3)
+        assert late.late is True
+        assert f"{1e3 * wanted:.0f} ms wanted" in "".join(late.wrongs())
+
+
+def test_what_need_not_be_seen_is_never_late():
+    harmless = [case for case in RUNNING if not deadlines(case)]
+    assert len(harmless) > 5
+    for case in harmless:
+        verdict = verdict_after(case, 60.0)
+        assert (verdict.late, verdict.wanted) == (False, inf)
+
+
+def which_must(case):
+    must = tuple(item.row.must(item.sizes, SUBJECT) is Must.SAFE for item in case.breaks)
+    return {(True, False): "first", (False, True): "then", (True, True): "both"}.get(must)
