@@ -67,7 +67,7 @@ def test_every_cycle_is_on_file(folder, frames):
     times = [frame.time for frame in frames]
     assert times == sorted(times)
     assert {frame.channel for frame in frames} == {"can0"}
-    assert manifest["command"][0].endswith("--frames=log")
+    assert "--frames=log" in manifest["command"]
 
 
 def test_what_the_monitor_shows_is_what_the_run_recorded(folder, capfd):
