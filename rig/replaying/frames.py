@@ -9,6 +9,7 @@ from rig.assembly.frame_reading import frames_of_run, read_frames
 from rig.assembly.frame_recording import FRAMES
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.rig import Rig
+from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
 from rig.hal import ConfigurationError, FastCanBus, SafetyError
 from rig.hal.frames import LoggedFrame
@@ -147,18 +148,18 @@ class FramesRig:
             )
             for name in profile.buses
         }
-        period = profile.loop.period
+        waits, period = WatchfulClock(self.clock), profile.loop.period
         self.buses = {
             name: make_bus(
-                name, entry, self.clock, period, opened=partial(self._interfaces.__getitem__, name)
+                name, entry, waits, period, opened=partial(self._interfaces.__getitem__, name)
             )
             for name, entry in profile.buses.items()
         }
-        self.devices = make_devices(profile, self.buses, self.clock)
+        self.devices = make_devices(profile, self.buses, waits)
         self.mechanism = make_mechanism(profile, self.devices)
         self._rig = Rig(
             profile, Backend.VIRTUAL, clock=self.clock, buses=self.buses, devices=self.devices,
-            mechanism=self.mechanism,
+            mechanism=self.mechanism, waits=waits,
         )  # fmt: skip
         run.plan.motion.attach(self.devices)
         self._rig.__enter__()
