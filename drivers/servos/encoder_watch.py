@@ -8,6 +8,10 @@ _LEAST: Final = 5e-3  # rad of motion, below which nothing is said
 _COUNTS: Final = 6.0  # of motion as well: a coarse encoder shows less of it
 _SAMPLES: Final = 4  # of a window at least: a gap between two of them says nothing
 _AGAINST: Final = 0.5  # of the motion
+_LONG: Final = 0.5  # s, over which a zero that wanders shows
+_APART: Final = 0.02  # rad in that time; on the shipped rigs it is 0.002 at most
+_EVERY: Final = 0.01  # s between the samples that are kept for so long
+_LAG: Final = 10  # of them: what freezes or goes backwards is named by then
 
 
 class EncoderWatch:
@@ -16,8 +20,8 @@ class EncoderWatch:
     A drive takes its velocity from the motor, or at least from another filter. In sound motion of
     the shipped rigs the two differ by less than half of the way, beside every singularity, and a
     position never stands still while the velocity says more than two counts. A drive that derives
-    its velocity from the encoder's counts alone shows neither fault: then its joint does not
-    follow, which is seen later.
+    its velocity from the encoder's counts alone shows none of these faults: then its joint does
+    not follow, which is seen later. Nor does a zero show that wanders by less than 0.04 rad/s.
 
     Parameters
     ----------
@@ -25,17 +29,19 @@ class EncoderWatch:
         Of the position, rad.
     """
 
-    __slots__ = ("_least", "_still", "_trail", "_velocity", "_way")
+    __slots__ = ("_least", "_still", "_trail", "_velocity", "_way", "_wide")
 
     def __init__(self, step: float) -> None:
         self._least = max(_LEAST, _COUNTS * abs(step))
         self._still = 1.5 * abs(step)
         self._trail: deque[tuple[float, float, float]] = deque()
+        self._wide: deque[tuple[float, float, float]] = deque()
         self._way = self._velocity = 0.0
 
     def reset(self) -> None:
         """Forget what was seen."""
         self._trail.clear()
+        self._wide.clear()
 
     def look(self, t: float, position: float, velocity: float) -> str | None:
         """Take a sample, and say what is wrong with the encoder, if anything.
@@ -57,6 +63,11 @@ class EncoderWatch:
         trail.append((t, position, self._way))
         while t - trail[0][0] > _SPAN:
             trail.popleft()
+        return self._look_near(position) or self._look_far(t, position)
+
+    def _look_near(self, position: float) -> str | None:
+        """Say whether the position goes along with the motor."""
+        trail = self._trail
         way = self._way - trail[0][2]
         if len(trail) < _SAMPLES or -self._least < way < self._least:
             return None
@@ -67,3 +78,19 @@ class EncoderWatch:
         if max(positions) - min(positions) <= self._still:
             return "its encoder is frozen: the position does not change while the motor turns"
         return None
+
+    def _look_far(self, t: float, position: float) -> str | None:
+        """Say whether the position leaves the motor's, little by little."""
+        wide = self._wide
+        if not wide or t - wide[-1][0] >= _EVERY:
+            wide.append((t, position, self._way))
+            while t - wide[0][0] > _LONG:
+                wide.popleft()
+        if len(wide) <= _LAG:
+            return None
+        (_, start, before), (_, end, since) = wide[0], wide[-_LAG]
+        shown = end - start
+        apart = shown - (since - before)
+        if abs(apart) <= _APART + _AGAINST * abs(shown):
+            return None
+        return f"its encoder wanders: the position left the motor's by {apart:+.3g} rad"

@@ -42,8 +42,8 @@ def faults() -> None:
 @configs_option
 @json_option
 def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
-    """Say what can break on RIG, where, how much, and why it may go unseen."""
-    from rig.faults.catalogue import kinds_for
+    """Say what can break on RIG, where, how much, and why it may go unseen; and what cannot."""
+    from rig.faults.catalogue import kind_named, kinds_for, refused_for
     from rig.faults.survey import experiments_of, survey
 
     subject = survey(rig, experiments_of(rig, configs)[:1], configs)
@@ -61,7 +61,11 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
     if as_json:
         print_data(json.dumps([dict(zip(header, row, strict=True)) for row in rows], indent=2))
     else:
-        print_tables([Table(f"faults of {rig}", header, rows)])
+        refused = [
+            (name, kind_named(name).what, needs) for name, needs in refused_for(subject).items()
+        ]
+        lacking = Table(f"refused on {rig}", ("fault", "what", "it would need"), refused)
+        print_tables([Table(f"faults of {rig}", header, rows), lacking])
     return 0
 
 

@@ -21,6 +21,27 @@ KINDS = {
 }
 
 
+_NEEDS = (
+    (world_kinds.PNEUMATIC, "a simulated chamber, wire, regulator or supply"),
+    (world_kinds.EMERGENCY_STOPS, "a device that reads the contact"),
+    (world_kinds.SENSORS, "a linear encoder that knows it"),
+    (world_kinds.CAMERAS, "a camera"),
+    (world_kinds.NODES, "a device that knows it: what its protocol has no word for, it cannot do"),
+    (world_kinds.SERVOS, "a drive that knows it: what its protocol has no word for, it cannot do"),
+    (world_kinds.SURROUNDINGS, "a robot that stands, or has a hand"),
+    (world_kinds.INTERFACES, "an interface of that kind"),
+    (frame_kinds.KINDS, "cyclic CAN frames"),
+)
+
+
+def refused_for(subject: Subject) -> dict[str, str]:
+    """Return what a rig cannot suffer, and what it lacks for that."""
+    possible = kinds_for(subject)
+    return {
+        kind.name: needs for kinds, needs in _NEEDS for kind in kinds if kind.name not in possible
+    }
+
+
 def kind_named(name: str) -> FaultKind:
     """Return a kind; a name that is not ours is what somebody's plant calls a fault of its own."""
     return KINDS.get(name) or FaultKind(

@@ -61,6 +61,32 @@ def test_it_is_named_within_50_ms_of_motion_and_its_loop_opened(kind, how, seed)
     assert rig.plant.angles[axis] == pytest.approx(held, abs=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", RIGS)
+def test_a_zero_that_wanders_is_seen_before_the_joint_has_gone_far(kind, seed):
+    """At rest, where the loop moves the joint along and the position stays, as a frozen one."""
+    rig, axis, _, _, target = moving(kind, seed)
+    chance = random.Random(f"drift {kind} {seed}")
+    rate = chance.choice((-1.0, 1.0)) * chance.uniform(0.07, 0.2)
+    for _ in range(40):
+        rig.cycle(lambda: rig.driver.command_positions(tuple(target)))
+    before = rig.plant.angles[axis]
+    lie(rig, kind, axis, "drift", rate)
+    with pytest.raises(DeviceFault, match=rf"q{axis + 1}.*encoder (wanders|is frozen)"):
+        for _ in range(int(0.6 / PERIOD)):
+            rig.cycle(lambda: rig.driver.command_positions(tuple(target)))
+    assert abs(rig.plant.angles[axis] - before) <= 0.08
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", RIGS)
+def test_a_sound_encoder_is_not_blamed(kind, seed):
+    rig, _, _, go, target = moving(kind, seed)
+    go(int(0.5 / PERIOD))
+    for _ in range(int(1.0 / PERIOD)):
+        rig.cycle(lambda: rig.driver.command_positions(tuple(target)))
+
+
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("kind", ["cia402", "dynamixel"])
 def test_a_joint_whose_encoder_jumps_hardly_moves(kind, seed):

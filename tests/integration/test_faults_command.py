@@ -128,6 +128,13 @@ def test_every_fault_of_a_rig_is_listed():
     assert all(entry["what"] and entry["where"] for entry in listed)
 
 
+def test_what_a_rig_cannot_suffer_is_listed_as_refused():
+    _, refused = run("list", "cylinder").output.split("# refused on cylinder")
+    names = {line.split()[0] for line in refused.splitlines()[2:] if line.strip()}
+    assert {"drive_fault", "camera_blind", "push", "unplugged"} <= names
+    assert not {"wire_cut", "bus_off", "emergency_stop"} & names
+
+
 @pytest.fixture
 def slow_to_notice(tmp_path):
     """A cylinder whose nodes notice only after 150 ms that nobody commands them any more."""

@@ -9,7 +9,7 @@ import pytest
 from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Moment
-from rig.faults.catalogue import KINDS, kinds_for
+from rig.faults.catalogue import KINDS, kinds_for, refused_for
 from rig.faults.kind import Must, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
@@ -51,6 +51,14 @@ def test_a_rig_suffers_only_what_it_has():
     assert where["regulator_slow"] == ["plant agonist", "plant antagonist"]
     assert where["setpoints_lost"] == ["regulators"]  # an encoder takes none
     assert where["bus_off"] == ["can0"]
+
+
+def test_every_kind_is_either_possible_or_refused_with_what_it_needs():
+    possible, refused = set(kinds_for(SUBJECT)), refused_for(SUBJECT)
+    assert possible | set(refused) == set(KINDS)
+    assert not possible & set(refused)
+    assert {"drive_fault", "unplugged", "blocked", "encoder_drift"} <= set(refused)
+    assert all(refused.values())
 
 
 def test_the_same_seed_draws_the_same_cases_and_another_others():
