@@ -10,6 +10,7 @@ _SAMPLES: Final = 4  # of a window at least: a gap between two of them says noth
 _AGAINST: Final = 0.5  # of the motion
 _LONG: Final = 0.5  # s, over which a zero that wanders shows
 _APART: Final = 0.02  # rad in that time; on the shipped rigs it is 0.002 at most
+_RESTING: Final = 0.03  # rad: only of a joint that hardly moves in that time
 _EVERY: Final = 0.01  # s between the samples that are kept for so long
 _LAG: Final = 10  # of them: what freezes or goes backwards is named by then
 
@@ -21,7 +22,8 @@ class EncoderWatch:
     the shipped rigs the two differ by less than half of the way, beside every singularity, and a
     position never stands still while the velocity says more than two counts. A drive that derives
     its velocity from the encoder's counts alone shows none of these faults: then its joint does
-    not follow, which is seen later. Nor does a zero show that wanders by less than 0.04 rad/s.
+    not follow, which is seen later. Nor does a zero show that wanders by less than 0.04 rad/s, or
+    while the joint is to move.
 
     Parameters
     ----------
@@ -89,8 +91,11 @@ class EncoderWatch:
         if len(wide) <= _LAG:
             return None
         (_, start, before), (_, end, since) = wide[0], wide[-_LAG]
-        shown = end - start
-        apart = shown - (since - before)
-        if abs(apart) <= _APART + _AGAINST * abs(shown):
+        shown, way = end - start, since - before
+        # A drive that tells no velocity has a motor that never moves: that says nothing.
+        if abs(way) <= abs(shown) or abs(way - shown) <= _APART + _AGAINST * abs(shown):
             return None
-        return f"its encoder wanders: the position left the motor's by {apart:+.3g} rad"
+        shows = [sample[1] for sample in wide]
+        if max(shows) - min(shows) > _RESTING:  # a velocity may be coarse where it changes fast
+            return None
+        return f"its encoder wanders: the motor left the position by {way - shown:+.3g} rad"

@@ -294,7 +294,7 @@ SERVOS = (
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
     _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
-               why="slower than 0.04 rad/s, the motor's own velocity does not show it"),
+               why="slower than 0.04 rad/s, or in motion, the motor's velocity does not show it"),
     _of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
                1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
                why="the loop follows it: nothing in the drive says where the joint is"),

@@ -1,0 +1,42 @@
+"""The watch of a servo's encoder: blind to what a drive does not tell, and calm in sound motion."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drivers.servos.encoder_watch import EncoderWatch
+
+PERIOD = 5e-3
+STEP = 2e-4
+DRAWN = np.random.default_rng(44).uniform(size=(8, 3)).tolist()
+
+
+def looks(angle, speed, duration=2.0):
+    """Return what the watch says of a position and a velocity over time, once each."""
+    watch = EncoderWatch(STEP)
+    times = np.arange(0.0, duration, PERIOD)
+    return {watch.look(t, round(angle(t) / STEP) * STEP, speed(t)) for t in times} - {None}
+
+
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_a_drive_that_tells_no_velocity_is_not_blamed(drawn):
+    size, rate = 0.05 + drawn[0], 1.0 + 4.0 * drawn[1]
+    assert not looks(lambda t: size * math.sin(rate * t), lambda t: 0.0)
+
+
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_a_sound_sine_is_not_blamed_though_the_velocity_is_a_third_too_great(drawn):
+    size, rate, scale = 0.05 + drawn[0], 1.0 + 4.0 * drawn[1], 1.0 + drawn[2] / 3.0
+    said = looks(
+        lambda t: size * math.sin(rate * t), lambda t: scale * size * rate * math.cos(rate * t)
+    )
+    assert not said
+
+
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_a_motor_that_runs_from_under_a_resting_position_is_found(drawn):
+    wander = math.copysign(0.06 + 0.09 * drawn[0], drawn[1] - 0.5)
+    said = looks(lambda t: 0.3, lambda t: wander)
+    assert said
+    assert all("encoder wanders" in sentence for sentence in said)
