@@ -153,7 +153,7 @@ def test_a_fault_is_an_exception_with_its_run(out):
         ({"plan": 3}, "no function of the rig"),
         ({"plan": lambda r: None, "reference": object()}, "not both"),
         ({"measures": {"m": "text"}}, "measure m"),
-        ({"on": "hardware"}, "yes='cylinder'"),
+        ({"on": "hardware", "set": {"cylinder.limits.stop_energy": "1 J"}}, "yes='cylinder'"),
     ],
 )
 def test_what_is_wrong_is_a_sentence_before_anything_moves(out, wrong, said):

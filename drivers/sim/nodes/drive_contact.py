@@ -3,7 +3,6 @@
 from drivers.cia402.contact_settings import ContactSettings
 from drivers.sim.nodes.base import EmulatedNode
 from drivers.sim.nodes.faults import whole_number
-from drivers.sim.nodes.object_dictionary import UNSIGNED32, Variable
 
 
 def wire_contact(drive: EmulatedNode, contact: ContactSettings) -> None:
@@ -12,7 +11,7 @@ def wire_contact(drive: EmulatedNode, contact: ContactSettings) -> None:
     Its value is 1, pressed, or 0, released; 1 if there is none.
     """
     mask = 1 << contact.bit
-    inputs = drive.dictionary.add(0x60FD, 0, Variable(UNSIGNED32, 0, "ro", mapping="t"))
+    inputs = drive.dictionary.find(0x60FD, 0)
 
     def press(value: float | None) -> None:
         pressed = whole_number(drive.name, "emergency_stop", value, 1, 1)

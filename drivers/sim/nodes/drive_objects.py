@@ -110,6 +110,7 @@ class DriveObjects:
             0x60C2, [Variable(UNSIGNED8, 1, low=1), Variable(INTEGER8, -3, low=-6, high=0)]
         )
         self.following_error = measured(0x60F4, INTEGER32)
+        measured(0x60FD, UNSIGNED32)  # inputs, to which something may be wired
         self.target_velocity = commanded(0x60FF, INTEGER32)
         supported = sum(1 << mode - 1 for mode in modes)
         add(0x6502, 0, Variable(UNSIGNED32, supported, "ro"))

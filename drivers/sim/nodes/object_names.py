@@ -95,6 +95,7 @@ DRIVE: Final[Names] = {
     0x60B1: "Velocity offset",
     0x60C2: ("Interpolation time period", "Period value", "Time index"),
     0x60F4: "Following error actual value",
+    0x60FD: "Digital inputs",
     0x60FF: "Target velocity",
     0x6502: "Supported drive modes",
 }
