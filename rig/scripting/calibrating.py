@@ -74,6 +74,8 @@ def calibrate(
     ConfigurationError, DeviceError
         As for `rig.run`.
     """
+    if not (isinstance(valid_for, int) and valid_for > 0):
+        raise ConfigurationError(f"valid_for is {valid_for!r}, and must be whole days, 1 at least")
     search = find_configs(None if configs is None else Path(configs))
     profile = load_profile(rig, REGISTRY, as_options(set), search)
     (chosen,) = pick(profile, (procedure,))

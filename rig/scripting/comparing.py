@@ -23,6 +23,9 @@ class Compared:
     """
 
     def __init__(self, runs: Mapping[str, Run]) -> None:
+        strangers = [run for run in runs.values() if not isinstance(run, Run)]
+        if strangers:
+            raise ConfigurationError(f"{strangers[0]!r} is no run: rig.load(path) makes one")
         if len(runs) < 2:
             raise ConfigurationError("a comparison takes two runs at least")
         self.runs = dict(runs)

@@ -1,6 +1,7 @@
 """Python objects in the place of what an experiment names: for trying things."""
 
 import inspect
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, is_dataclass, replace
 from typing import TypeAlias, cast
@@ -107,6 +108,8 @@ class Given:
 def _played(
     play: PlanFunction, plan: Plan, controller: object, most: float, *, rehearsing: bool
 ) -> PlayedPlan:
+    if not (isinstance(most, int | float) and 0.0 < most < math.inf):
+        raise ConfigurationError(f"most is {most!r}, and must be a time above 0, s")
     if not callable(play):
         raise ConfigurationError(f"the plan is {play!r}, which is no function of the rig")
     view = REGISTRY.load("mechanism", plan.profile.mechanism)

@@ -15,6 +15,8 @@ from rig.scripting.steps import PlanFailed, PlanStep, Steps
 PlanFunction: TypeAlias = Callable[[Steps], Generator[PlanStep, bool, None]]
 """``def plan(rig): yield rig.move(…)``."""
 
+_WHENCE = "as its argument's move(…) and the like return"
+
 
 class PlanRefused(SafetyError):
     """A plan cannot go on: the rig is made safe. It names the plan, the line and the reason."""
@@ -164,7 +166,7 @@ class PlayedPlan(Motion[object]):
     def _begin(self) -> Generator[PlanStep, bool, None]:
         playing = self._play(self._steps)
         if not isinstance(playing, GeneratorType):
-            raise PlanFailed(f"it returns {playing!r}; a plan yields steps: yield rig.move(…)")
+            raise PlanFailed(f"it returns {playing!r}; a plan yields steps, {_WHENCE}")
         return playing
 
     def _go_on(self, t: float, here: object) -> None:
@@ -181,11 +183,13 @@ class PlayedPlan(Motion[object]):
         try:
             step = next(self._playing) if answer is None else self._playing.send(answer)
         except StopIteration:
+            if self._now.step is self._start:
+                raise PlanFailed("it has no step") from None
             self._ended = True
             self._now = self._now._replace(end=t)
             return
         if not isinstance(step, PlanStep):
-            raise PlanFailed(f"it yields {step!r}, which is no step: yield rig.move(…)")
+            raise PlanFailed(f"it yields {step!r}, which is no step, {_WHENCE}")
         self._next = (step, step.instants())
         self._check(t)
 

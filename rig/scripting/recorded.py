@@ -90,6 +90,8 @@ class Run:
     """
 
     def __init__(self, path: str | Path) -> None:
+        if not isinstance(path, str | Path):
+            raise ConfigurationError(f"{path!r} is no path of a run folder")
         self._folder = RunFolder.open(path)
 
     @property

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
+import numpy as np
+
 from rig.assembly import Backend, backend_of
 from rig.experiment.plan import Plan, load_plan
 from rig.experiment.run import run_experiment
@@ -92,6 +94,10 @@ def run(
     DeviceError
         Hardware was refused before there was a run.
     """
+    if not isinstance(experiment, str | Path) or not isinstance(on, str):
+        raise ConfigurationError(
+            f"experiment and on are {experiment!r} and {on!r}: names, or the path of a file"
+        )
     options = as_options(set)
     if isinstance(controller, str):
         options.append(f"controller={controller}")
@@ -151,13 +157,23 @@ def runs(out: str | Path = "runs", where: Callable[[Run], bool] | None = None) -
 
 
 def as_options(settings: Settings | None) -> list[str]:
-    """Return settings as the options of the command line."""
+    """Return settings as the options of the command line.
+
+    Raises
+    ------
+    ConfigurationError
+        They are no mapping of dotted names.
+    """
+    if settings is not None and not isinstance(settings, Mapping):
+        raise ConfigurationError(f"set is {settings!r}, and no mapping of settings to values")
     return [f"{key}={_as_text(value)}" for key, value in (settings or {}).items()]
 
 
 def _as_text(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, np.generic | np.ndarray):
+        return _as_text(value.tolist())
     if isinstance(value, float):
         return repr(value)
     if isinstance(value, list | tuple):

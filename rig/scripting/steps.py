@@ -213,7 +213,7 @@ class Steps:
 
 def _positive(value: float, what: str) -> float:
     if not (isinstance(value, int | float) and 0.0 < value < float("inf")):
-        raise PlanFailed(f"{what} is {value!r}, and must be above 0")
+        raise PlanFailed(f"{what} is {value!r}, and must be a time or distance above 0")
     return float(value)
 
 
