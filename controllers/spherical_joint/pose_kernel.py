@@ -11,7 +11,7 @@ from controllers.spherical_joint.exact_wire import WireConstants
 from controllers.spherical_joint.forward import SearchConstants, search, step_ahead
 from controllers.spherical_joint.geometry import Pair, Quadruple
 from controllers.spherical_joint.poses import Rotation, Vector, move_axis, natural_rotation
-from controllers.spherical_joint.taut import kept_taut, lifted, pair_forces
+from controllers.spherical_joint.taut import kept_taut, kept_within, lifted, pair_forces
 from controllers.spherical_joint.tension import pose_shares, pose_tensions, without_tilt
 from controllers.spherical_joint.wires import natural_motion
 
@@ -190,12 +190,10 @@ def after(numbers: PoseNumbers, first: float, second: float, shake: float) -> Qu
     settings = numbers.settings
     # What holds the ring goes out early, past the laws: it has to be there in time.
     start = four(numbers.start)
-    tensions = kept_taut(
-        four(numbers.first),
-        four(numbers.second),
-        spread(_sum(four(numbers.hold_ahead), start), (first, second)),
-        settings.least,
-    )
+    ones, others = four(numbers.first), four(numbers.second)
+    wanted = spread(_sum(four(numbers.hold_ahead), start), (first, second))
+    taut = kept_taut(ones, others, wanted, settings.least)
+    tensions = kept_within(ones, others, taut, settings.least, settings.most)
     put_four(numbers.start, _scaled(settings.decay, start))
     return setpoints(settings, _sum(tensions, _scaled(shake, four(numbers.shares))))
 

@@ -1,5 +1,6 @@
 """Tensions that keep every wire taut and turn the ring no more than they should."""
 
+import math
 from typing import NamedTuple
 
 from controllers.compiled import inlined
@@ -8,6 +9,10 @@ from controllers.spherical_joint.geometry import Pair, Quadruple
 _MOST_LIFTS = 25
 _LIFTED = 1e-3
 """How often the lowest tension is lifted, which may lower another a little, and by what more, N."""
+
+_WORTH = 0.5
+"""What a newton of the other pair's mean must take from a wire at its greatest tension, N. Below 35
+degrees of tilt it takes less, and a swing would empty and fill the other pair for little."""
 
 
 class SlackWire(ValueError):
@@ -120,3 +125,75 @@ def kept_taut(first: Quadruple, second: Quadruple, tensions: Quadruple, least: f
             a -= lift * along
             c += lift * along
     return a, b, c, d
+
+
+@inlined
+def kept_within(
+    first: Quadruple, second: Quadruple, tensions: Quadruple, least: float, most: float
+) -> Quadruple:
+    """Return tensions (N) that tilt the ring as much, the highest at most `most` if it can be.
+
+    A wire that is cut off at its greatest tension would lack the rest in its pair's force, while
+    at great tilts the other pair's wires together pull against it. So they give way, or help;
+    its own opposite wire keeps its tension, which is the least one where this is needed.
+
+    Parameters
+    ----------
+    first, second : tuple of float
+        See `PoseTensions`.
+    tensions : tuple of float
+        Of the four wires, N; taut (see `kept_taut`).
+    least, most : float
+        N.
+    """
+    a, b, c, d = tensions
+    highest = max(a, b, c, d)
+    if highest <= most:
+        return tensions
+    half, along = 0.5 * (first[0] + first[2]), 0.5 * (second[0] + second[2])
+    other_half, other_along = 0.5 * (second[3] + second[1]), 0.5 * (first[3] + first[1])
+    if highest == a:
+        a, d, b = _relieved(a, d, b, -half, along, -other_along, other_half, least, most)
+    elif highest == c:
+        c, d, b = _relieved(c, d, b, half, along, other_along, other_half, least, most)
+    elif highest == d:
+        d, a, c = _relieved(d, a, c, -other_half, other_along, -along, half, least, most)
+    else:
+        b, a, c = _relieved(b, a, c, other_half, other_along, along, half, least, most)
+    return a, b, c, d
+
+
+@inlined
+def _relieved(
+    high: float,
+    one: float,
+    other: float,
+    half: float,
+    along: float,
+    cross: float,
+    other_half: float,
+    least: float,
+    most: float,
+) -> tuple[float, float, float]:
+    """Return the highest tension relieved by the other pair's two, and these."""
+    share = cross / (1.0 - half)  # of the own pair's mean that keeps its opposite wire's tension
+    relief = share * (1.0 + half) + cross
+    if abs(relief) < _WORTH:
+        return high, one, other
+    sign = -1.0 if relief > 0.0 else 1.0
+    rate = sign * (1.0 - other_half - share * along)
+    other_rate = sign * (1.0 + other_half + share * along)
+    way = min(
+        (high - most) / abs(relief),
+        _room(one, rate, least, most),
+        _room(other, other_rate, least, most),
+    )
+    return high - way * abs(relief), one + way * rate, other + way * other_rate
+
+
+@inlined
+def _room(tension: float, rate: float, least: float, most: float) -> float:
+    """Return how far a tension may go on at a rate before it is at a bound."""
+    if rate == 0.0:
+        return math.inf
+    return max(((most if rate > 0.0 else least) - tension) / rate, 0.0)

@@ -17,7 +17,13 @@ from controllers.spherical_joint.poses import (
     paper_rotation,
     rotate,
 )
-from controllers.spherical_joint.taut import SlackWire, pair_forces, raised
+from controllers.spherical_joint.taut import (
+    SlackWire,
+    kept_taut,
+    kept_within,
+    pair_forces,
+    raised,
+)
 from controllers.spherical_joint.tension import TensionDistribution
 
 GEOMETRY = SphericalJointGeometry()
@@ -179,6 +185,56 @@ def test_tensions_are_kept_taut_without_tilting_the_ring(axis, forces):
     else:
         # Never more than it takes with only the pair's own two wires.
         assert sum(taut) < sum(tensions) + 8.0 * (10.0 - min(tensions)) + 0.05
+
+
+def drawn_overload(rng, least, most):
+    """Return a pose at 45 to 65 degrees, and tensions that one of its wires cannot bear."""
+    while True:
+        axis = axis_from_tilt(math.radians(rng.uniform(45.0, 65.0)), rng.uniform(-3.2, 3.2))
+        pose = TENSIONS.at(natural_rotation(axis))
+        hold = raised(tuple(145.0 * share for share in pose.shares), pose.shares, least)
+        first, second = rng.uniform(-50.0, 50.0, 2)
+        wanted = (hold[0] + first, hold[1] - second, hold[2] - first, hold[3] + second)
+        taut = kept_taut(pose.first, pose.second, wanted, least)
+        if max(taut) > most:
+            return pose, taut
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_wire_at_its_greatest_tension_is_relieved_by_the_other_pair(seed):
+    """As far as linear programming can, if its opposite wire keeps what it has."""
+    from scipy.optimize import linprog
+
+    least, most = 11.0, 85.0
+    pose, taut = drawn_overload(np.random.default_rng(seed), least, most)
+    forces = pair_forces(pose.first, pose.second, taut)
+    found = kept_within(pose.first, pose.second, taut, least, most)
+    assert pair_forces(pose.first, pose.second, found) == pytest.approx(forces, abs=1e-9)
+    assert min(found) > least - 1e-9
+    high = taut.index(max(taut))
+    bounds = [(least, max(most, tension)) for tension in taut]
+    bounds[high], bounds[(high + 2) % 4] = (0.0, None), (taut[(high + 2) % 4],) * 2
+    goal = [float(k == high) for k in range(4)]
+    best = linprog(goal, A_eq=[pose.first, pose.second], b_eq=forces, bounds=bounds)
+    assert best.status == 0
+    other = [(high + 1) % 4, (high + 3) % 4]
+    gained = taut[high] - best.fun
+    if gained < 0.5 * abs(0.5 * sum(best.x[k] - taut[k] for k in other)):
+        assert found == taut  # the other pair would give way for little
+    else:
+        assert found[high] == pytest.approx(max(best.fun, most), abs=1e-6)
+
+
+def test_near_home_the_other_pair_is_left_alone():
+    pose = TENSIONS.at(natural_rotation(axis_from_tilt(math.radians(30.0), 2.5)))
+    over = (12.0, 30.0, 95.0, 50.0)
+    assert kept_within(pose.first, pose.second, over, 11.0, 85.0) == over
+
+
+def test_tensions_that_the_wires_bear_stay_as_they_are():
+    pose = TENSIONS.at(natural_rotation(axis_from_tilt(math.radians(60.0), 2.5)))
+    borne = (12.0, 30.0, 85.0, 50.0)
+    assert kept_within(pose.first, pose.second, borne, 11.0, 85.0) == borne
 
 
 def test_keeping_a_wire_taut_at_a_great_tilt_takes_a_newton_for_a_newton():
