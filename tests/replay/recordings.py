@@ -5,7 +5,7 @@ from replay.recording import Recording
 _STOP = (1.4, "stop")
 """In the run: it begins 1.2 s after the loop did."""
 _SHORT = ("approach=0.2 s",)
-_SLOW = (*_SHORT, "loop.rate=250 Hz")
+_SLOW = (*_SHORT, "loop.rate=250 Hz", "devices.regulators.setpoint_deadline=20 ms")
 """Pneumatic rigs at a quarter of their rate: a quarter of the cycles."""
 _BEND = (*_SHORT, "reference.repeats=1", "reference.time=1 s")
 """One quick knee bend, whose plan is soon made."""
