@@ -82,6 +82,7 @@ class AntagonisticPairPlant(PneumaticPlant):
         self.pair_parameters = np.zeros(1, PAIR_PARAMETERS)
         self.pair_parameters[0] = (
             settings.regulator.supply_time,
+            settings.regulator.supply_volume,
             settings.home,
             settings.carriage.mass,
             seat,
@@ -110,5 +111,11 @@ class AntagonisticPairPlant(PneumaticPlant):
 
     def _integrate(self, steps: int) -> None:
         advance_pair(
-            self.channels, self.parameters, self.pair, self.pair_parameters, steps, self._dt
+            self.channels,
+            self.parameters,
+            self.queues,
+            self.pair,
+            self.pair_parameters,
+            steps,
+            self._dt,
         )

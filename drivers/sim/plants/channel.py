@@ -14,8 +14,26 @@ import numpy as np
 
 from drivers.sim.plants.compiled import inlined
 from drivers.sim.plants.friction import bristle_damping, step_bristle, stribeck_force
-from drivers.sim.plants.pneumatics import ATMOSPHERE, mass_flow, step_pressure
-from drivers.sim.plants.regulator import bow, follow_with_play, step_opening, step_pilot
+from drivers.sim.plants.pneumatics import (
+    ATMOSPHERE,
+    COMPRESSION,
+    EXHAUSTING,
+    FILLING,
+    GAS_CONSTANT,
+    TEMPERATURE,
+    mass_flow,
+    step_pressure,
+)
+from drivers.sim.plants.regulator import (
+    bow,
+    delay_setpoint,
+    draw_at_reversal,
+    follow_with_play,
+    step_opening,
+    step_pilot,
+    step_switched_pilot,
+)
+from drivers.sim.plants.tube import SEGMENTS, step_tube
 
 REGULATING = 0.0
 STUCK = 1.0
@@ -40,6 +58,23 @@ STATE = np.dtype(
         ("bristle", float),  # of the seals, m
         ("friction", float),  # of the seals, N, against the extension's speed
         ("tension", float),  # of the wire, N
+        ("drawn", float),  # out of the supply line, kg/s
+        ("sampled", float),  # setpoint that the regulator has taken, Pa gauge
+        ("until_sample", float),  # s
+        ("place", float),  # where the setpoint's queue begins
+        ("side", float),  # on which the play was taken up last
+        ("draw", float),  # the last number drawn
+        ("error", float),  # of this approach, Pa
+        ("seen", float),  # outlet's pressure as the switched pilot sees it, Pa gauge
+        ("phase", float),  # what remains of the switched pilot's period, s
+        ("duty", float),  # of its feed valve; negative: of its exhaust valve
+        ("outlet", float),  # between regulator and tube, Pa absolute
+        ("flow_in", float),  # through the three segments of the tube, kg/s
+        ("flow", float),
+        ("flow_out", float),
+        ("tube_first", float),  # between them, Pa absolute
+        ("tube_second", float),
+        ("monitor", float),  # behind the monitor's filter, Pa gauge
     ]
 )
 """State and inputs of a channel."""
@@ -75,6 +110,18 @@ PARAMETERS = np.dtype(
             "stop_damping",
             "wire_stiffness",
             "wire_damping",
+            "dead_steps",  # dead time in steps of the plant
+            "sampling",
+            "repeatability",  # Pa
+            "least",  # Pa gauge
+            "switched",  # 1: two switched pilot valves, 0: a linear pilot stage
+            "pilot_period",
+            "pilot_filter",
+            "monitor_time",
+            "tube_length",
+            "tube_bore",
+            "tube_volume",
+            "outlet_volume",
         )
     ]
 )
@@ -106,50 +153,80 @@ def wire_tension(stretch: float, rate: float, stiffness: float, damping: float) 
 
 
 @inlined
-def step_regulator(state: Record, p: Record, supply: float, dt: float) -> None:
+def step_regulator(state: Record, p: Record, queue: Record, supply: float, dt: float) -> None:
     """Step everything from the setpoint to the main valve's opening.
 
     The pilot stage is fed by the same supply, so it cannot rise above it: without supply the
     pilot pressure falls and the main valve exhausts the chamber.
     """
-    state.play = follow_with_play(state.play, state.setpoint, 0.5 * p.hysteresis)
+    setpoint = delay_setpoint(state, p, queue, dt)
+    error = draw_at_reversal(state, p, setpoint) if p.repeatability > 0.0 else 0.0
+    state.play = follow_with_play(state.play, setpoint, 0.5 * p.hysteresis)
     if state.mode == STUCK:
         state.pilot_rate = 0.0
     else:
-        target = min(bow(state.play, p.full_scale, p.bow), supply - ATMOSPHERE)
-        state.pilot, state.pilot_rate = step_pilot(
-            state.pilot, state.pilot_rate, target, p.bandwidth, p.damping, p.pilot_rate, dt
-        )
+        wanted = max(bow(state.play, p.full_scale, p.bow) + error, p.least)
+        target = min(wanted, supply - ATMOSPHERE)
+        if p.switched:
+            step_switched_pilot(state, p, target, supply, dt)
+        else:
+            state.pilot, state.pilot_rate = step_pilot(
+                state.pilot, state.pilot_rate, target, p.bandwidth, p.damping, p.pilot_rate, dt
+            )
     state.pilot = max(min(state.pilot, supply - ATMOSPHERE), 0.0)
     if state.mode == STUCK_OPEN:
         state.opening = 1.0
     elif state.mode == STUCK_CLOSED:
         state.opening = 0.0
     else:
-        error = state.pilot - (state.pressure - ATMOSPHERE)
-        state.opening = step_opening(state.opening, error, p.dead_band, p.band, p.valve_time, dt)
+        off = state.pilot - (state.outlet - ATMOSPHERE)
+        state.opening = step_opening(state.opening, off, p.dead_band, p.band, p.valve_time, dt)
+
+
+@inlined
+def step_supply(line: Record, q: Record, drawn: float, dt: float) -> None:
+    """Step the supply line's pressure: it follows its source, and sags as air is drawn, kg/s."""
+    line.supply += (line.supply_target - line.supply) * dt / (q.supply_time + dt)
+    if q.supply_volume > 0.0:
+        line.supply -= dt * GAS_CONSTANT * TEMPERATURE / q.supply_volume * drawn
+        line.supply = max(line.supply, ATMOSPHERE)
+
+
+@inlined
+def valve_flows(state: Record, p: Record, downstream: float, supply: float) -> tuple[float, float]:
+    """Return the mass flows (kg/s) through the main valve, into and out of what follows it."""
+    if state.opening > 0.0:
+        conductance = state.opening * p.conductance_in
+        inflow = mass_flow(conductance, p.critical_ratio, supply, downstream)
+        # A valve that stands open lets the chamber empty into a supply that was vented.
+        back = mass_flow(conductance, p.critical_ratio, downstream, supply)
+        state.drawn = inflow - back
+        return inflow, back
+    state.drawn = 0.0
+    conductance = -state.opening * p.conductance_out
+    return 0.0, mass_flow(conductance, p.critical_ratio, downstream, ATMOSPHERE)
 
 
 @inlined
 def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
-    """Step the chamber's pressure over the piston's motion of this step."""
+    """Step the chamber's pressure over the piston's motion of this step, and the tube's."""
     volume = p.dead_volume + p.area * (p.stroke - state.extension)
-    new_volume = volume - p.area * state.speed * dt
-    inflow = 0.0
     outflow = mass_flow(state.leak, p.critical_ratio, state.pressure, ATMOSPHERE)
-    if state.opening > 0.0:
-        inflow = mass_flow(
-            state.opening * p.conductance_in, p.critical_ratio, supply, state.pressure
-        )
-        # A valve that stands open lets the chamber empty into a supply that was vented.
-        outflow += mass_flow(
-            state.opening * p.conductance_in, p.critical_ratio, state.pressure, supply
-        )
+    if p.tube_length > 0.0:
+        fed, exhausted = valve_flows(state, p, state.outlet, supply)
+        step_tube(state, p, dt)
+        gained = FILLING * fed - EXHAUSTING * exhausted - COMPRESSION * state.flow_in
+        end = p.tube_volume / (2.0 * SEGMENTS)  # half a segment belongs to what it ends in
+        state.outlet += dt * GAS_CONSTANT * TEMPERATURE / (p.outlet_volume + end) * gained
+        volume += end
+        inflow = max(state.flow_out, 0.0)
+        outflow += max(-state.flow_out, 0.0)
     else:
-        outflow += mass_flow(
-            -state.opening * p.conductance_out, p.critical_ratio, state.pressure, ATMOSPHERE
-        )
+        inflow, exhausted = valve_flows(state, p, state.pressure, supply)
+        outflow += exhausted
+    new_volume = volume - p.area * state.speed * dt
     state.pressure = step_pressure(state.pressure, volume, new_volume, inflow, outflow, dt)
+    state.monitor += (state.outlet - ATMOSPHERE - state.monitor) * dt / (p.monitor_time + dt)
 
 
 @inlined
@@ -181,7 +258,13 @@ def seal_friction(state: Record, p: Record, dt: float) -> float:
 
 @inlined
 def step_channel(
-    state: Record, p: Record, supply: float, stretch: float, rate: float, dt: float
+    state: Record,
+    p: Record,
+    queue: Record,
+    supply: float,
+    stretch: float,
+    rate: float,
+    dt: float,
 ) -> None:
     """Step one channel: forces at the old position, then speed, air and position.
 
@@ -189,6 +272,8 @@ def step_channel(
     ----------
     state, p : record
         `STATE`, changed in place, and `PARAMETERS`.
+    queue : ndarray
+        Setpoints on their way to the pilot stage, one per step of the dead time.
     supply : float
         Supply pressure, Pa absolute.
     stretch, rate : float
@@ -196,7 +281,9 @@ def step_channel(
     dt : float
         s.
     """
-    step_regulator(state, p, supply, dt)
+    if p.tube_length <= 0.0:
+        state.outlet = state.pressure
+    step_regulator(state, p, queue, supply, dt)
     state.tension = wire_tension(stretch, rate, p.wire_stiffness, p.wire_damping)
     state.friction = seal_friction(state, p, dt)
     force = (

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.sim.plants.channel import Record, step_channel
+from drivers.sim.plants.channel import Record, step_channel, step_supply
 from drivers.sim.plants.compiled import cached_kernel, inlined
 from drivers.sim.plants.friction import limit_bristle, step_bristle
 
@@ -30,6 +30,7 @@ PAIR_PARAMETERS = np.dtype(
         (name, float)
         for name in (
             "supply_time",
+            "supply_volume",
             "home",
             "mass",
             "seat",
@@ -77,6 +78,7 @@ def _build(sources: int) -> Callable[..., None]:
     def advance_pair(
         channels: Record,
         parameters: Record,
+        queues: Record,
         pairs: Record,
         pair_parameters: Record,
         steps: int,
@@ -86,13 +88,13 @@ def _build(sources: int) -> Callable[..., None]:
         agonist, antagonist = channels[0], channels[1]
         pair, q = pairs[0], pair_parameters[0]
         for _ in range(steps):
-            pair.supply += (pair.supply_target - pair.supply) * dt / (q.supply_time + dt)
+            step_supply(pair, q, agonist.drawn + antagonist.drawn, dt)
             stretch_a = q.home - agonist.extension - pair.position
             stretch_b = q.home - antagonist.extension + pair.position
             rate_a = -agonist.speed - pair.speed
             rate_b = -antagonist.speed + pair.speed
-            step_channel(agonist, parameters[0], pair.supply, stretch_a, rate_a, dt)
-            step_channel(antagonist, parameters[1], pair.supply, stretch_b, rate_b, dt)
+            step_channel(agonist, parameters[0], queues[0], pair.supply, stretch_a, rate_a, dt)
+            step_channel(antagonist, parameters[1], queues[1], pair.supply, stretch_b, rate_b, dt)
             pair.friction = seat_friction(pair, q, agonist.tension + antagonist.tension, dt)
             force = agonist.tension - antagonist.tension - pair.friction
             force += carriage_stop(pair.position, pair.speed, q)
@@ -109,6 +111,8 @@ Parameters
 ----------
 channels, parameters : ndarray, shape (2,)
     `STATE`, changed in place, and `PARAMETERS` of agonist and antagonist.
+queues : ndarray, shape (2, k)
+    Setpoints on their way to the pilot stages, changed in place.
 pairs, pair_parameters : ndarray, shape (1,)
     `PAIR_STATE`, changed in place, and `PAIR_PARAMETERS`.
 steps : int

@@ -5,10 +5,10 @@ import math
 import numpy as np
 
 from drivers.sim.plants.channel import PARAMETERS
+from drivers.sim.plants.regulator_settings import RegulatorSettings, TubeSettings
 from drivers.sim.plants.settings import (
     SEALS,
     ActuatorSettings,
-    RegulatorSettings,
     SealFriction,
     WireSettings,
 )
@@ -21,7 +21,9 @@ def draw_channel(
     cylinder: ActuatorSettings,
     wire: WireSettings,
     seals: SealFriction,
+    tube: TubeSettings,
     friction_spread: float,
+    dead_steps: float,
 ) -> tuple[float, ...]:
     """Return one channel's `PARAMETERS`: the settings and this unit's deviations.
 
@@ -32,10 +34,12 @@ def draw_channel(
     ----------
     rng : numpy.random.Generator
         Source of the deviations.
-    regulator, cylinder, wire, seals
+    regulator, cylinder, wire, seals, tube
         The nominal unit.
     friction_spread : float
         Bound of the relative deviation of the seals' friction.
+    dead_steps : float
+        This unit's dead time in steps of the plant.
     """
     linearity, bandwidth, friction = rng.uniform(-1.0, 1.0, 3)
     full_scale = regulator.full_scale
@@ -68,6 +72,18 @@ def draw_channel(
         "stop_damping": cylinder.stop_damping,
         "wire_stiffness": wire.stiffness,
         "wire_damping": wire.damping,
+        "dead_steps": dead_steps,
+        "sampling": regulator.sampling,
+        "repeatability": regulator.repeatability * full_scale,
+        "least": regulator.least,
+        "switched": float(regulator.pilot == "switched"),
+        "pilot_period": regulator.pilot_period,
+        "pilot_filter": regulator.pilot_filter,
+        "monitor_time": regulator.monitor_time,
+        "tube_length": tube.length,
+        "tube_bore": tube.bore,
+        "tube_volume": math.pi / 4.0 * tube.bore**2 * tube.length,
+        "outlet_volume": tube.outlet,
     }
     return tuple(values[name] for name in PARAMETERS.names or ())
 

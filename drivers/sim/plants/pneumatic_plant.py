@@ -39,7 +39,9 @@ EXTENSION, SPEED, PRESSURE, TENSION = (
     list(STATE.names or ()).index(name) for name in ("extension", "speed", "pressure", "tension")
 )
 """Columns of a channel's values."""
-_SETPOINT, _PILOT = (list(STATE.names or ()).index(name) for name in ("setpoint", "pilot"))
+_SETPOINT, _PILOT, _MONITOR = (
+    list(STATE.names or ()).index(name) for name in ("setpoint", "pilot", "monitor")
+)
 WIDTH = len(STATE.names or ())
 """How many there are."""
 
@@ -97,20 +99,36 @@ class PneumaticPlant(ABC):
         self.known_faults: tuple[str, ...] = (*self.own_faults, *of_channels)
         """What `inject` understands."""
         count = len(self.channel_names)
+        # A stream of its own: what is real of a rig must not change what else is drawn for it.
+        reality, noise = units.spawn(2)
+        regulator = settings.regulator
+        dead_steps = np.rint(
+            regulator.dead_time
+            * (1.0 + regulator.dead_time_spread * reality.uniform(-1.0, 1.0, count))
+            / self._dt
+        )
+        self.queues = np.zeros((count, max(1, int(dead_steps.max()))))
+        """Setpoints that have not got to the pilot stages yet, Pa gauge, shape (n, k)."""
         self.parameters = np.zeros(count, PARAMETERS)
         for channel in range(count):
             self.parameters[channel] = draw_channel(
                 units,
-                regulator=settings.regulator,
+                regulator=regulator,
                 cylinder=settings.cylinder,
                 wire=settings.wire,
                 seals=seals,
+                tube=settings.tube,
                 friction_spread=settings.friction_spread,
+                dead_steps=dead_steps[channel],
             )
         self._bandwidths = self.parameters["bandwidth"].copy()
         self.channels = np.zeros(count, STATE)
-        self.channels["pressure"] = ATMOSPHERE
+        for pressure in ("pressure", "outlet", "tube_first", "tube_second"):
+            self.channels[pressure] = ATMOSPHERE
         self.channels["extension"] = settings.home
+        self.channels["draw"] = reality.integers(1, 2**31 - 1, count)
+        self.channels["until_sample"] = reality.uniform(0.0, regulator.sampling, count)
+        self.channels["phase"] = reality.uniform(0.0, regulator.pilot_period, count)
         # Single numbers are read and written twice as fast so as through the array.
         self._cells = self.channels.view(np.uint8).data.cast("d")
 
@@ -123,10 +141,16 @@ class PneumaticPlant(ABC):
         self._leaks = (0.0,) * count
         self._monitor_offsets = [0.0] * count
         self._monitor_frozen: list[float | None] = [None] * count
-        self._shown = [(WIDTH * k + PRESSURE, ATMOSPHERE) for k in range(count)]
+        filtered = regulator.monitor_time > 0.0 or settings.tube.length > 0.0
+        self._monitor = (_MONITOR, 0.0) if filtered else (PRESSURE, ATMOSPHERE)
+        self._shown = [(WIDTH * k + self._monitor[0], self._monitor[1]) for k in range(count)]
+        gains, zeros = regulator.monitor_error * reality.uniform(-1.0, 1.0, (2, count))
+        self._monitor_gains: list[float] = (1.0 + gains).tolist()
+        self._monitor_zeros: list[float] = (self._full_scale * zeros).tolist()
 
-        self._monitors = monitors
+        self._monitors, self._encoders = monitors, noise
         self._noise: list[list[float]] = []
+        self._rod_noise: list[list[float]] = []
         self._sample = _NOISE_BLOCK
         self._next_noise()
 
@@ -167,7 +191,7 @@ class PneumaticPlant(ABC):
 
     def _moving(self) -> tuple[Array, ...]:
         """Return the arrays that change as the plant moves."""
-        return self.channels, self._line
+        return self.channels, self.queues, self._line
 
     @abstractmethod
     def _integrate(self, steps: int) -> None:
@@ -195,7 +219,8 @@ class PneumaticPlant(ABC):
         """Shut or open the valve between a regulator and its chamber."""
         self._locked[channel] = locked
         first = WIDTH * channel
-        self._shown[channel] = (first + _PILOT, 0.0) if locked else (first + PRESSURE, ATMOSPHERE)
+        cell, zero = (_PILOT, 0.0) if locked else self._monitor
+        self._shown[channel] = (first + cell, zero)
         self._set_mode(channel, self._modes[channel])
 
     def pressure(self, channel: int) -> float:
@@ -208,12 +233,13 @@ class PneumaticPlant(ABC):
         if frozen is not None:
             return frozen
         cell, zero = self._shown[channel]
-        noise = self._noise_now[channel]
-        return self._cells[cell] - zero + noise + self._monitor_offsets[channel]
+        noise = self._noise_now[channel] + self._monitor_zeros[channel]
+        shown = self._monitor_gains[channel] * (self._cells[cell] - zero)
+        return shown + noise + self._monitor_offsets[channel]
 
     def position(self, channel: int) -> float:
-        """Return the true extension of a rod, m."""
-        return self._cells[WIDTH * channel + EXTENSION]
+        """Return what the encoder of a rod sees of its extension, m: with its noise."""
+        return self._cells[WIDTH * channel + EXTENSION] + self._rod_noise_now[channel]
 
     def speed(self, channel: int) -> float:
         """Return the true speed of a rod's extension, m/s."""
@@ -319,5 +345,8 @@ class PneumaticPlant(ABC):
             rms = self._common.regulator.monitor_noise * self._full_scale
             shape = (_NOISE_BLOCK, len(self.channel_names))
             self._noise = (rms * self._monitors.standard_normal(shape)).tolist()
+            rods = self._common.encoder_noise * self._encoders.standard_normal(shape)
+            self._rod_noise = rods.tolist()
             self._sample = 0
         self._noise_now = self._noise[self._sample]
+        self._rod_noise_now = self._rod_noise[self._sample]

@@ -7,7 +7,14 @@ knowledge; E, an estimate. Pressures are gauge where a catalogue gives gauge, an
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, Self
 
-from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
+from annotated_types import Ge, Gt, Le, Lt, Unit
+
+from drivers.sim.plants.regulator_settings import (
+    RealRegulatorSettings,
+    RealTubeSettings,
+    RegulatorSettings,
+    TubeSettings,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,67 +55,6 @@ SEALS = {
 
 
 @dataclass(frozen=True, slots=True)
-class RegulatorSettings:
-    """One electro-pneumatic regulator, SMC ITV1030 size.
-
-    Parameters
-    ----------
-    full_scale : float
-        Greatest set pressure, Pa gauge. C.
-    dac_bits : int
-        Resolution of the converter that drives it, bits. E.
-    hysteresis : float
-        Width of the hysteresis loop over full scale. C.
-    linearity : float
-        Bound of the bow of its static characteristic over full scale; drawn per unit. C.
-    bandwidth : float
-        Natural frequency of the pilot stage, rad/s: 97 ms to 90 %. C: about 0.1 s.
-    bandwidth_spread : float
-        Bound of the relative deviation of a unit's bandwidth. E.
-    damping : float
-        Damping ratio of the pilot stage. E.
-    pilot_rate : float
-        Greatest rate of the pilot pressure, Pa/s. E.
-    dead_band : float
-        Half width of the main valve's overlap over full scale. V: 0.1 % (Festo VPPE), the
-        catalogue's sensitivity of 0.2 % in all (C).
-    proportional_band : float
-        Pressure error that opens the main valve fully, over full scale. E.
-    valve_time : float
-        Time constant of the main valve, s. E.
-    conductance_in, conductance_out : float
-        Sonic conductance from the supply and to the atmosphere, m³/(s Pa). 0.30 dm³/(s bar)
-        gives the 200 L/min ANR of the catalogue (V) at its 1.0 MPa supply.
-    critical_ratio : float
-        Critical pressure ratio b of both. E.
-    supply_pressure : float
-        Pa gauge. C.
-    supply_time : float
-        Time constant with which the supply line fills and empties, s. E.
-    monitor_noise : float
-        Noise of the pressure monitor, rms over full scale. E.
-    """
-
-    full_scale: Annotated[float, Unit("Pa"), Gt(0)] = 0.5e6
-    dac_bits: Annotated[int, Interval(ge=4, le=24)] = 12
-    hysteresis: Annotated[float, Ge(0), Lt(0.1)] = 0.005
-    linearity: Annotated[float, Ge(0), Lt(0.1)] = 0.01
-    bandwidth: Annotated[float, Unit("rad/s"), Gt(0), Le(500)] = 40.0
-    bandwidth_spread: Annotated[float, Ge(0), Lt(0.5)] = 0.05
-    damping: Annotated[float, Gt(0), Le(3)] = 1.0
-    pilot_rate: Annotated[float, Unit("Pa/s"), Gt(0)] = 7e6
-    dead_band: Annotated[float, Ge(0), Lt(0.1)] = 0.001
-    proportional_band: Annotated[float, Gt(0), Le(1)] = 0.04
-    valve_time: Annotated[float, Unit("s"), Ge(5e-4)] = 3e-3
-    conductance_in: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 3.0e-9
-    conductance_out: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 2.0e-9
-    critical_ratio: Annotated[float, Ge(0), Lt(1)] = 0.3
-    supply_pressure: Annotated[float, Unit("Pa"), Ge(0)] = 0.7e6
-    supply_time: Annotated[float, Unit("s"), Gt(0)] = 0.02
-    monitor_noise: Annotated[float, Ge(0), Lt(0.1)] = 0.0005
-
-
-@dataclass(frozen=True, slots=True)
 class ActuatorSettings:
     """One cylinder whose rod side pulls a wire; the cap side is open.
 
@@ -117,7 +63,8 @@ class ActuatorSettings:
     bore, rod, stroke : float
         Bore, rod diameter and stroke, m. C: CJ2B16, 181.5 mm² on the rod side.
     dead_volume : float
-        Of the chamber at full extension and of its tube, m³: 1 cm³ and 1 m of 2.5 mm. E.
+        Of the chamber at full extension, m³, and of its tube where the plant has none: 1 cm³ and
+        1 m of 2.5 mm. E.
     mass : float
         Piston, rod and clamp, kg. E.
     bristle_stiffness, bristle_damping : float
@@ -139,6 +86,13 @@ class ActuatorSettings:
     def __post_init__(self) -> None:
         if not self.rod < self.bore:
             raise ValueError(f"rod ({self.rod:g} m) does not fit into bore ({self.bore:g} m).")
+
+
+@dataclass(frozen=True, slots=True)
+class TubedActuatorSettings(ActuatorSettings):
+    """A cylinder whose dead volume does not count the tube."""
+
+    dead_volume: Annotated[float, Unit("m^3"), Gt(0)] = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,6 +142,8 @@ class PneumaticPlantSettings:
         ``standard`` or ``low-speed``.
     friction_scale : float
         Factor on all friction: of seals and seats, and of wires that slide.
+    stribeck_scale : float
+        Factor on the seals' Stribeck velocity.
     friction_spread : float
         Bound of the relative deviation of a unit's friction; drawn per unit. E.
     home : float
@@ -196,17 +152,22 @@ class PneumaticPlantSettings:
         Sonic conductance of the fault ``leak``, m³/(s Pa). E: the tube is off.
     substep : float
         Step of the integration, s.
-    regulator, cylinder, wire
+    encoder_noise : float
+        Of what a rod's encoder sees, before it rounds, rms, m.
+    regulator, tube, cylinder, wire
         Parameters of the parts, the same for every channel.
     """
 
     seals: Literal["standard", "low-speed"] = "standard"
     friction_scale: Annotated[float, Ge(0), Le(5)] = 1.0
+    stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
     friction_spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     home: Annotated[float, Unit("m"), Gt(0)] = 30e-3
     leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
     substep: Annotated[float, Unit("s"), Ge(1e-6), Le(1e-4)] = 50e-6
+    encoder_noise: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 0.0
     regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
+    tube: TubeSettings = field(default_factory=TubeSettings)
     cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
     wire: WireSettings = field(default_factory=WireSettings)
 
@@ -225,6 +186,7 @@ class PneumaticPlantSettings:
         return replace(
             self,
             friction_scale=self.friction_scale * (1.0 + friction),
+            stribeck_scale=self.stribeck_scale * (1.0 + stribeck),
             home=self.home + wire_offset,
         )
 
@@ -235,19 +197,18 @@ class PlantSettings(PneumaticPlantSettings):
 
     Parameters
     ----------
-    stribeck_scale : float
-        Factor on the seals' Stribeck velocity.
     carriage : CarriageSettings
         What the pair moves.
     """
 
-    stribeck_scale: Annotated[float, Gt(0), Le(5)] = 1.0
     carriage: CarriageSettings = field(default_factory=CarriageSettings)
 
-    def perturbed(self, *, friction: float, stribeck: float, wire_offset: float) -> Self:
-        """Return the settings of a pair that differs from its profile."""
-        # A dataclass with slots is a new class, which a bare super() would not find.
-        changed = PneumaticPlantSettings.perturbed(
-            self, friction=friction, stribeck=stribeck, wire_offset=wire_offset
-        )
-        return replace(changed, stribeck_scale=self.stribeck_scale * (1.0 + stribeck))
+
+@dataclass(frozen=True, slots=True)
+class RealPairSettings(PlantSettings):
+    """One antagonistic pair with regulators, tubes and encoders as catalogues leave them."""
+
+    encoder_noise: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 1e-6
+    regulator: RealRegulatorSettings = field(default_factory=RealRegulatorSettings)
+    tube: RealTubeSettings = field(default_factory=RealTubeSettings)
+    cylinder: TubedActuatorSettings = field(default_factory=TubedActuatorSettings)

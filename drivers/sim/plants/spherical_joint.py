@@ -67,7 +67,10 @@ class SphericalJointPlant(PneumaticPlant):
         self.joint = np.zeros(1, JOINT_STATE)
         self.joint["qw"] = 1.0
         seals = scale_seals(
-            settings.seals, settings.friction_scale, load_scale=settings.seal_load_scale
+            settings.seals,
+            settings.friction_scale,
+            settings.stribeck_scale,
+            settings.seal_load_scale,
         )
         super().__init__(settings, seals, units=units, monitors=monitors, line=self.joint)
         self.wire_parameters = draw_wires(shapes, settings, geometry)
@@ -117,6 +120,7 @@ class SphericalJointPlant(PneumaticPlant):
         advance_joint(
             self.channels,
             self.parameters,
+            self.queues,
             self.wires,
             self.wire_parameters,
             self.joint,

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.sim.plants.channel import Record, step_channel
+from drivers.sim.plants.channel import Record, step_channel, step_supply
 from drivers.sim.plants.compiled import cached_kernel, inlined
 from drivers.sim.plants.spherical_joint_friction import capstan_tension, step_seat
 from drivers.sim.plants.spherical_joint_truth import tell_truth
@@ -39,6 +39,7 @@ JOINT_PARAMETERS = np.dtype(
         (name, float)
         for name in (
             "supply_time",
+            "supply_volume",
             "ball_radius",
             "inertia_tilt",
             "inertia_spin",
@@ -141,6 +142,7 @@ def _build(sources: int) -> Callable[..., None]:
     def advance_joint(
         channels: Record,
         parameters: Record,
+        queues: Record,
         wires: Record,
         wire_parameters: Record,
         joints: Record,
@@ -152,7 +154,10 @@ def _build(sources: int) -> Callable[..., None]:
         digest = sources  # noqa: F841 - makes the sources part of the cache key
         joint, q = joints[0], joint_parameters[0]
         for _ in range(steps):
-            joint.supply += (joint.supply_target - joint.supply) * dt / (q.supply_time + dt)
+            drawn = 0.0
+            for k in range(channels.shape[0]):
+                drawn += channels[k].drawn
+            step_supply(joint, q, drawn, dt)
             w, x, y, z = joint.qw, joint.qx, joint.qy, joint.qz
             wx, wy, wz = joint.rate_x, joint.rate_y, joint.rate_z
             xx, xy, xz = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
@@ -178,9 +183,8 @@ def _build(sources: int) -> Callable[..., None]:
                 )
                 inwards = rx * wx + ry * wy + rz * wz
                 stretch = length - p.free - channel.extension
-                step_channel(
-                    channel, parameters[k], joint.supply, stretch, -inwards - channel.speed, dt
-                )
+                rate = -inwards - channel.speed
+                step_channel(channel, parameters[k], queues[k], joint.supply, stretch, rate, dt)
                 tension, wire.bristle = capstan_tension(
                     channel.tension,
                     wire.bristle,
@@ -225,6 +229,8 @@ Parameters
 ----------
 channels, parameters : ndarray, shape (n,)
     `STATE`, changed in place, and `PARAMETERS` of each channel.
+queues : ndarray, shape (n, k)
+    Setpoints on their way to the pilot stages, changed in place.
 wires, wire_parameters : ndarray, shape (n,)
     `WIRE_STATE`, changed in place, and `WIRE_PARAMETERS` of each channel's wire.
 joints, joint_parameters : ndarray, shape (1,)

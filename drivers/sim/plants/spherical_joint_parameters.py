@@ -113,12 +113,13 @@ def draw_joint(
     The wires pull the ring onto its seat with their sum; the cone of the contact, which leans
     by the angle of the ring from the pole, turns that into more normal force.
     """
-    ring, ball = settings.ring, geometry.ball_radius
+    ring, ball = settings.ring.loaded(), geometry.ball_radius
     lean = math.tan(math.asin(geometry.ring_radius / ball))
     spread = 1.0 + settings.friction_spread * rng.uniform(-1.0, 1.0)
     x, y, z = (settings.tolerance * rng.uniform(-1.0, 1.0, 3)).tolist()
     values = {
         "supply_time": settings.regulator.supply_time,
+        "supply_volume": settings.regulator.supply_volume,
         "ball_radius": ball,
         "inertia_tilt": ring.inertia_tilt,
         "inertia_spin": ring.inertia_spin,

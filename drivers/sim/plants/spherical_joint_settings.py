@@ -5,13 +5,14 @@ knowledge; E, an estimate. The joint's own dimensions are the profile's geometry
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
-from drivers.sim.plants.settings import PneumaticPlantSettings
+from drivers.sim.plants.regulator_settings import RealRegulatorSettings, RealTubeSettings
+from drivers.sim.plants.settings import PneumaticPlantSettings, TubedActuatorSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,8 @@ class RingSettings:
         Mean lever of the seat's friction over the ball's radius. E.
     contact_stiffness, contact_damping : float
         Of what sticks to the ball before it slips (Dahl), ring and wires, N/m and N s/m. E.
+    payload, payload_height : float
+        Mass that the ring carries on its axis, kg, and its height above the ball's centre, m.
     tilt_stop : float
         Tilt at which the ring meets its mount, rad.
     stop_stiffness, stop_damping : float
@@ -65,9 +68,23 @@ class RingSettings:
     seat_lever: Annotated[float, Gt(0), Le(1)] = 0.75
     contact_stiffness: Annotated[float, Unit("N/m"), Gt(0), Le(5e5)] = 1.5e5
     contact_damping: Annotated[float, Unit("N s/m"), Ge(0), Le(100)] = 40.0
+    payload: Annotated[float, Unit("kg"), Ge(0), Le(5)] = 0.0
+    payload_height: Annotated[float, Unit("m"), Ge(0), Le(0.5)] = 0.052
     tilt_stop: Annotated[float, Unit("rad"), Gt(0), Lt(math.pi)] = math.radians(95.0)
     stop_stiffness: Annotated[float, Unit("N m/rad"), Gt(0), Le(500)] = 100.0
     stop_damping: Annotated[float, Unit("N m s/rad"), Ge(0), Le(0.2)] = 0.05
+
+    def loaded(self) -> "RingSettings":
+        """Return the ring with its payload as one body."""
+        mass = self.mass + self.payload
+        moment = self.mass * self.centre_height + self.payload * self.payload_height
+        return replace(
+            self,
+            mass=mass,
+            centre_height=moment / mass if self.payload else self.centre_height,
+            inertia_tilt=self.inertia_tilt + self.payload * self.payload_height**2,
+            payload=0.0,
+        )
 
     def __post_init__(self) -> None:
         if not self.inertia_spin <= 2.0 * self.inertia_tilt:
@@ -112,3 +129,13 @@ class SphericalJointPlantSettings(PneumaticPlantSettings):
     slack: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 10e-3
     ring: RingSettings = field(default_factory=RingSettings)
     camera: CameraSimulationSettings = field(default_factory=CameraSimulationSettings)
+
+
+@dataclass(frozen=True, slots=True)
+class RealJointSettings(SphericalJointPlantSettings):
+    """A spherical joint with regulators, tubes and encoders as catalogues leave them."""
+
+    encoder_noise: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 1e-6
+    regulator: RealRegulatorSettings = field(default_factory=RealRegulatorSettings)
+    tube: RealTubeSettings = field(default_factory=RealTubeSettings)
+    cylinder: TubedActuatorSettings = field(default_factory=TubedActuatorSettings)

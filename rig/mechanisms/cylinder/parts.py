@@ -22,11 +22,15 @@ PARTS = MechanismParts(
         "ramp": f"{_HERE}.references:Ramp",
     },
     plants={
-        "antagonistic-pair": PlantModel(
-            "drivers.sim.plants.settings:PlantSettings",
+        name: PlantModel(
+            f"drivers.sim.plants.settings:{settings}",
             "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
             "drivers.sim.hazards:pair_hazards",
             is_restorable=True,
+        )
+        for name, settings in (
+            ("antagonistic-pair", "PlantSettings"),
+            ("antagonistic-pair-real", "RealPairSettings"),
         )
     },
     measures=(f"{_HERE}.measures:PAIR_MEASURES",),

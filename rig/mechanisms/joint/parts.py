@@ -23,11 +23,15 @@ PARTS = MechanismParts(
         "joint-stiffness": f"{_HERE}.references.sweeps:JointStiffness",
     },
     plants={
-        "spherical-joint": PlantModel(
-            f"{_PLANTS}.spherical_joint_settings:SphericalJointPlantSettings",
+        name: PlantModel(
+            f"{_PLANTS}.spherical_joint_settings:{settings}",
             f"{_PLANTS}.spherical_joint:SphericalJointPlant",
             "drivers.sim.hazards:joint_hazards",
             is_restorable=True,
+        )
+        for name, settings in (
+            ("spherical-joint", "SphericalJointPlantSettings"),
+            ("spherical-joint-real", "RealJointSettings"),
         )
     },
     measures=(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from drivers.sim.plants.pneumatics import ATMOSPHERE
-from drivers.sim.plants.settings import RegulatorSettings
+from drivers.sim.plants.regulator_settings import RegulatorSettings
 from drivers.sim.plants.spherical_joint import SphericalJointPlant
 from drivers.sim.plants.spherical_joint_settings import SphericalJointPlantSettings
 

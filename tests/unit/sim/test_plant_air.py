@@ -12,7 +12,7 @@ from drivers.sim.plants.pneumatics import (
     mass_flow,
     step_pressure,
 )
-from drivers.sim.plants.settings import RegulatorSettings
+from drivers.sim.plants.regulator_settings import RegulatorSettings
 
 BAR = 1e5
 

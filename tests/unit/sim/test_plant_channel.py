@@ -11,7 +11,8 @@ from drivers.sim.plants.channel import STATE, seal_friction
 from drivers.sim.plants.friction import bristle_damping
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.regulator import step_opening
-from drivers.sim.plants.settings import PlantSettings, RegulatorSettings
+from drivers.sim.plants.regulator_settings import RegulatorSettings
+from drivers.sim.plants.settings import PlantSettings
 
 DT = 50e-6
 

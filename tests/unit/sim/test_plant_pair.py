@@ -9,11 +9,11 @@ import pytest
 from drivers.sim.hazards import pair_hazards
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.regulator_settings import RegulatorSettings
 from drivers.sim.plants.settings import (
     ActuatorSettings,
     CarriageSettings,
     PlantSettings,
-    RegulatorSettings,
     WireSettings,
 )
 

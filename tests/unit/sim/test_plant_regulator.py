@@ -8,7 +8,8 @@ import pytest
 
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
 from drivers.sim.plants.pneumatics import ATMOSPHERE
-from drivers.sim.plants.settings import PlantSettings, RegulatorSettings
+from drivers.sim.plants.regulator_settings import RegulatorSettings
+from drivers.sim.plants.settings import PlantSettings
 
 FULL_SCALE = 0.5e6
 NOMINAL = PlantSettings(regulator=RegulatorSettings(linearity=0.0, bandwidth_spread=0.0))
