@@ -8,11 +8,9 @@ The main valve's overlap and its flow's shape make the regulator's small-signal 
 in the real one: filling is faster than exhausting at low pressure.
 """
 
-from typing import Any
-
 import numpy as np
 
-from drivers.sim.plants.compiled import inlined
+from drivers.sim.plants.compiled import Record, inlined
 from drivers.sim.plants.friction import bristle_damping, step_bristle, stribeck_force
 from drivers.sim.plants.pneumatics import (
     ATMOSPHERE,
@@ -127,9 +125,6 @@ PARAMETERS = np.dtype(
 )
 """Parameters of a channel in SI units; `hysteresis`, `dead_band` and `band` in Pa."""
 
-Record = Any
-"""A record of a structured array; numpy has no static type for one."""
-
 _LEAST_FRICTION = 1e-6
 """Keeps the bristle equation defined without friction, N."""
 
@@ -219,8 +214,9 @@ def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
         end = p.tube_volume / (2.0 * SEGMENTS)  # half a segment belongs to what it ends in
         state.outlet += dt * GAS_CONSTANT * TEMPERATURE / (p.outlet_volume + end) * gained
         volume += end
-        inflow = max(state.flow_out, 0.0)
-        outflow += max(-state.flow_out, 0.0)
+        # What goes to and fro in a tube gains and loses nothing: both ways the same exponent.
+        inflow = COMPRESSION / FILLING * max(state.flow_out, 0.0)
+        outflow += COMPRESSION / EXHAUSTING * max(-state.flow_out, 0.0)
     else:
         inflow, exhausted = valve_flows(state, p, state.pressure, supply)
         outflow += exhausted

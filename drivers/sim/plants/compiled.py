@@ -9,11 +9,14 @@ values that a function closes over are part of numba's cache key.
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
 Function = TypeVar("Function", bound=Callable[..., object])
+
+Record = Any
+"""A record of a structured array; numpy has no static type for one."""
 
 
 def inlined(function: Function) -> Function:

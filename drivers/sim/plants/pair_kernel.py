@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.sim.plants.channel import Record, step_channel, step_supply
-from drivers.sim.plants.compiled import cached_kernel, inlined
+from drivers.sim.plants.channel import step_channel, step_supply
+from drivers.sim.plants.compiled import Record, cached_kernel, inlined
 from drivers.sim.plants.friction import limit_bristle, step_bristle
 
 PAIR_STATE = np.dtype(

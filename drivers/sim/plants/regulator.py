@@ -7,9 +7,8 @@ All pressures gauge, Pa.
 """
 
 import math
-from typing import Any
 
-from drivers.sim.plants.compiled import inlined
+from drivers.sim.plants.compiled import Record, inlined
 from drivers.sim.plants.pneumatics import ATMOSPHERE, flow_function
 
 _DRAW_FACTOR, _DRAW_MODULUS = 16807.0, 2147483647.0
@@ -35,7 +34,7 @@ def follow_with_play(follower: float, leader: float, half_width: float) -> float
 
 
 @inlined
-def delay_setpoint(state: Any, p: Any, queue: Any, dt: float) -> float:
+def delay_setpoint(state: Record, p: Record, queue: Record, dt: float) -> float:
     """Return the setpoint (Pa) that gets to the pilot stage in this step.
 
     The input is sampled with a period of its own; what was sampled waits for the dead time in
@@ -58,7 +57,7 @@ def delay_setpoint(state: Any, p: Any, queue: Any, dt: float) -> float:
 
 
 @inlined
-def draw_at_reversal(state: Any, p: Any, leader: float) -> float:
+def draw_at_reversal(state: Record, p: Record, leader: float) -> float:
     """Return the error of this approach, Pa: drawn anew when play is taken up on the other side."""
     pushed = leader - state.play
     side = 1.0 if pushed > 0.5 * p.hysteresis else -1.0 if pushed < -0.5 * p.hysteresis else 0.0
@@ -104,7 +103,7 @@ def step_pilot(
 
 
 @inlined
-def step_switched_pilot(state: Any, p: Any, target: float, supply: float, dt: float) -> None:
+def step_switched_pilot(state: Record, p: Record, target: float, supply: float, dt: float) -> None:
     """Step a pilot chamber between a feed and an exhaust valve that are open or shut.
 
     At the start of each period the error of the outlet's pressure decides which of the two opens

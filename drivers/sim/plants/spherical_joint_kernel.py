@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from drivers.sim.plants.channel import Record, step_channel, step_supply
-from drivers.sim.plants.compiled import cached_kernel, inlined
+from drivers.sim.plants.channel import step_channel, step_supply
+from drivers.sim.plants.compiled import Record, cached_kernel, inlined
 from drivers.sim.plants.spherical_joint_friction import capstan_tension, step_seat
 from drivers.sim.plants.spherical_joint_truth import tell_truth
 from drivers.sim.plants.spherical_joint_wire import compiled_wire_path

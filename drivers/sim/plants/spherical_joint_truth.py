@@ -5,8 +5,7 @@ It is recorded in every cycle, so it is compiled with the kernel that moves the 
 
 import math
 
-from drivers.sim.plants.channel import Record
-from drivers.sim.plants.compiled import inlined
+from drivers.sim.plants.compiled import Record, inlined
 from drivers.sim.plants.friction import stribeck_force
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 

@@ -13,9 +13,8 @@ References
 """
 
 import math
-from typing import Any
 
-from drivers.sim.plants.compiled import inlined
+from drivers.sim.plants.compiled import Record, inlined
 from drivers.sim.plants.pneumatics import COMPRESSION, GAS_CONSTANT, TEMPERATURE
 
 SEGMENTS = 3
@@ -53,7 +52,7 @@ def step_flow(
 
 
 @inlined
-def step_tube(state: Any, p: Any, dt: float) -> None:
+def step_tube(state: Record, p: Record, dt: float) -> None:
     """Step the flows of a channel's tube and the pressures between them.
 
     The ends belong to others: `outlet` and `pressure` of the channel.
