@@ -37,6 +37,7 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_alarm.py",
     ),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
+    "rig/mechanisms/pneumatic/alarms/tracking.py": ("mechanisms/test_pneumatic_tracking_alarm.py",),
     "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),
     "rig/mechanisms/pneumatic/devices.py": (
         "mechanisms/test_pneumatic_devices.py",

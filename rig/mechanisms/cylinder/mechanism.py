@@ -24,6 +24,7 @@ from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.targets import PairTargets
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
+from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
@@ -93,6 +94,8 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._max_difference = limits.pair_force / settings.area
         self._force_hits = 0
         self._extensions = (settings.home, settings.home)
+        self._position = self._now = 0.0
+        self._tracking = TrackingWatch(("the pair",), limits.following, settings.alarms.oscillation)
         self._watch = PairWatch(
             settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )
@@ -217,6 +220,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         lower, upper = self._lower, self._upper
         if not lower <= position <= upper:
             raise LimitExceeded("position of the pair", position, lower, upper, "m")
+        self._position, self._now = position, now
         self._watch.check(state, self._extensions, now)
 
     def explain(self, error: Exception, state: PairState) -> Exception:
@@ -255,10 +259,12 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """Start the rate limit from the measured pressures."""
         self._limiter.reset((state.agonist, state.antagonist))
         self._watch.restart()
+        self._tracking.restart()
 
     def check_command(self, reference: PairReference, command: PairCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
+        self._tracking.check((reference.position,), (self._position,), self._now)
 
     def limit(self, command: PairCommand) -> PairCommand:
         """Return the command that may be applied: pair force, range and rate."""

@@ -5,7 +5,12 @@ from typing import Annotated
 
 from annotated_types import Gt, Unit
 
-from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, PressureAlarm, SwappedAlarm
+from rig.mechanisms.pneumatic.alarms.settings import (
+    FrozenAlarm,
+    OscillationAlarm,
+    PressureAlarm,
+    SwappedAlarm,
+)
 from rig.mechanisms.pneumatic.settings import (
     PneumaticLimits,
     PneumaticSettings,
@@ -80,12 +85,15 @@ class PairAlarmSettings:
         The encoders swapped, or the tubes.
     rods : RodsAlarm
         An encoder that drifts, is mirrored or has a wrong scale; a wire slack.
+    oscillation : OscillationAlarm
+        A loop that is not stable on this rig.
     """
 
     pressure: PressureAlarm = field(default_factory=PressureAlarm)
     frozen: FrozenAlarm = field(default_factory=FrozenAlarm)
     swapped: SwappedAlarm = field(default_factory=SwappedAlarm)
     rods: RodsAlarm = field(default_factory=RodsAlarm)
+    oscillation: OscillationAlarm = field(default_factory=OscillationAlarm)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

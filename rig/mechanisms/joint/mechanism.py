@@ -35,6 +35,7 @@ from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch
+from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
@@ -102,6 +103,13 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._positions = tuple(encoder.position for encoder in encoders)
         self._sample: CameraSample | None = None
         self._tensions: Quadruple = (0.0,) * 4
+        self._rods: Quadruple = (0.0,) * 4
+        self._now = 0.0
+        self._tracking = TrackingWatch(
+            [f"the rod of {name}" for name in CHANNELS],
+            settings.limits.following,
+            settings.alarms.oscillation,
+        )
 
     @classmethod
     def assemble(
@@ -228,6 +236,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Raise if the state is not safe; see `Mechanism.check`."""
         self._stop_contact.check(now)
         self._watch.check(state, now)
+        self._rods, self._now = state.rods, now
         self._checked = True
 
     def explain(self, error: Exception, state: JointState) -> Exception:
@@ -265,10 +274,15 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Start the rate limit from the measured pressures."""
         self._limiter.reset(state.pressures)
         self._watch.restart()
+        self._tracking.restart()
 
     def check_command(self, reference: JointReference, command: JointCommand) -> None:
         """See `Mechanism.check_command`; the reference says nothing of pressures."""
         check_asked_pressures(CHANNELS, command, self._limits.pressure[1])
+        if self.controller is None or reference.push is not None:
+            self._tracking.restart()  # nothing is controlled
+        else:
+            self._tracking.check(self.controller.estimate.rods, self._rods, self._now)
 
     def limit(self, command: JointCommand) -> JointCommand:
         """Return the command that may be applied: range and rate."""

@@ -59,6 +59,9 @@ class PneumaticLimits:
         Greatest change of a setpoint, Pa/s; beyond is clipped.
     reading_age : float
         Oldest reading of encoders and regulators that control may use, s; older is a fault.
+    following : float
+        How far a rod may be from where it should be, m; farther for longer than
+        ``alarms.oscillation.lost`` is a fault.
     stop_energy : float, optional
         What the mechanical stop bears, J. Nothing but a stop holds the mechanism when a wire is
         cut: without one that bears it, hardware is refused. `rig check` says how much it is.
@@ -68,6 +71,7 @@ class PneumaticLimits:
     pressure: tuple[Pressure, Pressure]
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
     reading_age: Annotated[float, Unit("s"), Gt(0)]
+    following: Annotated[float, Unit("m"), Gt(0)] = 3e-3
     stop_energy: Annotated[float, Unit("J"), Gt(0)] | None = None
 
     def __post_init__(self) -> None:

@@ -6,7 +6,12 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
-from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, PressureAlarm, SwappedAlarm
+from rig.mechanisms.pneumatic.alarms.settings import (
+    FrozenAlarm,
+    OscillationAlarm,
+    PressureAlarm,
+    SwappedAlarm,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +48,12 @@ class JointAlarmSettings:
         Opposite encoders swapped.
     twist : TwistAlarm
         The ring turned about its axis.
+    oscillation : OscillationAlarm
+        A loop that is not stable on this rig.
     """
 
     pressure: PressureAlarm = field(default_factory=PressureAlarm)
     frozen: FrozenAlarm = field(default_factory=FrozenAlarm)
     swapped: SwappedAlarm = field(default_factory=SwappedAlarm)
     twist: TwistAlarm = field(default_factory=TwistAlarm)
+    oscillation: OscillationAlarm = field(default_factory=OscillationAlarm)

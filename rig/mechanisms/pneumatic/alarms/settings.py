@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Gt, Le, Unit
+from annotated_types import Ge, Gt, Le, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,3 +68,27 @@ class SwappedAlarm:
 
     distance: Annotated[float, Unit("m"), Gt(0)] = 1e-3
     share: Annotated[float, Gt(0), Le(1)] = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class OscillationAlarm:
+    """A rod swings about its reference, or has lost it: the loop is not stable on this rig.
+
+    Parameters
+    ----------
+    amplitude : float
+        Swings of the error from one extreme to the next that count, m, peak to peak. In the shipped
+        experiments four in a row of 1 mm are the most, and none is of 1.5 mm.
+    swings : int
+        So many in a row that do not die away are an oscillation. They are counted anew where the
+        reference turns round, as friction makes a rod swing there.
+    slowest : float
+        The longest time from one extreme to the next, s; what takes longer is a drift.
+    lost : float
+        How long a rod may be beyond ``limits.following``, s: a step takes some time to be followed.
+    """
+
+    amplitude: Annotated[float, Unit("m"), Gt(0)] = 1.5e-3
+    swings: Annotated[int, Ge(3), Le(100)] = 6
+    slowest: Annotated[float, Unit("s"), Gt(0)] = 1.0
+    lost: Annotated[float, Unit("s"), Gt(0)] = 0.3
