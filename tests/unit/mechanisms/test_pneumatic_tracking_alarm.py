@@ -50,7 +50,9 @@ def test_a_lasting_swing_is_named_with_its_frequency_and_size(seed):
     t, fault = found
     said = re.search(r"the pair oscillates at ([\d.]+) Hz, ([\d.]+) mm peak to peak", str(fault))
     assert said is not None, str(fault)
-    assert float(said[1]) == pytest.approx(frequency, rel=0.05, abs=0.06)
+    # An extreme is known once the rod has come back by the amplitude, which for the smallest
+    # swing is near its other end, where a little noise makes a difference.
+    assert float(said[1]) == pytest.approx(frequency, rel=0.1, abs=0.06)
     assert float(said[2]) == pytest.approx(size * 1e3, rel=0.06)
     # Six swings, one to begin with, and what the last extreme takes to be known as one.
     assert t < (6.0 / 2.0 + 1.2) / frequency
@@ -83,7 +85,8 @@ def test_a_swing_that_grows_is_one():
 
     found = run(lambda t: 0.0, error, 5.0)
     assert found is not None
-    assert "oscillates at 5.0 Hz" in str(found[1])
+    said = re.search(r"oscillates at ([\d.]+) Hz", str(found[1]))
+    assert float(said[1]) == pytest.approx(5.0, rel=0.1)  # a growing swing is left ever sooner
 
 
 def test_what_swings_only_as_its_reference_does_is_no_oscillation():
@@ -195,11 +198,49 @@ def test_the_slowest_swing_counts_and_a_slower_one_does_not():
     assert zigzag([0.0, 1.0] * 3, times=times) is None
 
 
-def test_an_extreme_that_lasts_counts_from_when_it_was_reached():
-    _, said = zigzag([0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0], swings=4)
-    assert "oscillates at 0.5 Hz" in said  # from 2 s to 5 s
+def test_the_frequency_is_that_of_the_swings_that_were_counted():
     _, said = zigzag([0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0])
-    assert "oscillates at 0.2 Hz" in said  # from 2 s to 6 s
+    assert "oscillates at 0.3 Hz" in said  # left at 2, 5, 6 and 7 s: three swings in 5 s
+    _, said = zigzag([0.0, 1.0] * 3)
+    assert "oscillates at 0.5 Hz" in said
+
+
+def test_one_swing_far_to_both_sides_is_enough_unless_it_dies_away():
+    far = {"amplitude": 0.25, "swings": 50, "slowest": 8.0, "lost": 100.0}
+    for errors, at in (
+        ([0.0, 3.0, -3.0, 0.0], 3),
+        ([0.0, -3.0, 3.0, 0.0], 3),
+        ([0.0, 2.5, -2.0, 0.0, 0.0], None),  # not farther than following
+        ([0.0, 2.0, -3.0, 0.0, 0.0], None),
+        ([0.0, 4.0, -2.8, 0.0, 0.0], None),  # just the share that dies away
+        ([0.0, -4.0, 2.8, 0.0, 0.0], None),
+        ([0.0, 4.0, -2.9, 0.0, 0.0], 3),
+        ([1.0, 6.0, 1.0, 6.0, 1.0, 6.0], None),  # on one side
+    ):
+        watched = watch(following=2.0, alarm=OscillationAlarm(**far))
+        found = None
+        for k, error in enumerate(errors):
+            try:
+                watched.check((0.0,), (error,), float(k))
+            except SafetyError:
+                found = k
+                break
+        assert found == at, errors
+
+
+def test_what_had_begun_to_swing_is_why_a_limit_was_exceeded():
+    alarm = OscillationAlarm(amplitude=0.25, swings=50, slowest=8.0, lost=100.0)
+    watched = watch(following=2.0, alarm=alarm, names=("ch1", "ch2"))
+    for k, error in enumerate([0.0, 1.5, -1.5, 0.0]):
+        assert watched.suspicion(float(k)) is None
+        watched.check((0.0, 0.0), (0.0, error), float(k))
+    assert "ch2 oscillates at 0.5 Hz, 3e+03 mm peak to peak" in watched.suspicion(3.0)
+    assert watched.suspicion(11.0) is not None
+    assert watched.suspicion(11.5) is None, "that was long ago"
+    small = watch(following=2.0, alarm=alarm)
+    for k, error in enumerate([0.0, 1.0, -1.0, 0.0]):
+        small.check((0.0,), (error,), float(k))
+    assert small.suspicion(3.0) is None
 
 
 def test_a_reference_that_turns_by_more_than_half_the_amplitude_starts_anew():
@@ -219,4 +260,4 @@ def test_the_bounds_themselves_are_allowed_and_named():
         with pytest.raises(LimitExceeded, match=r"outside -2 m … 2 m"):
             watched.check((0.0,), (side * 2.5,), 3.0)
     _, said = zigzag([0.0, 1.0] * 5)
-    assert said.endswith("[3 swings of more than 250 mm]")
+    assert said.endswith("[3 swings of more than 250 mm, or one of 10000 mm to either side]")

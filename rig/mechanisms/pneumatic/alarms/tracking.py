@@ -5,7 +5,6 @@ of its pressures. Nothing is broken then, and no reading is wrong: only what was
 """
 
 import math
-from collections import deque
 from collections.abc import Sequence
 
 from rig.hal import LimitExceeded, SafetyError
@@ -22,22 +21,20 @@ class _Turns:
 
     def __init__(self, distance: float) -> None:
         self._distance = distance
-        self._low = self._high = (math.nan, math.nan)  # value and time
+        self._low, self._high = math.inf, -math.inf
         self._rises = True
 
-    def update(self, value: float, now: float) -> tuple[float, float] | None:
-        """Take the next value; return an extreme and its time once it is known to be one."""
-        if not value <= self._high[0]:
-            self._high = (value, now)
-        if not value >= self._low[0]:
-            self._low = (value, now)
-        if self._rises and self._high[0] - value > self._distance:
+    def update(self, value: float) -> float | None:
+        """Take the next value; return an extreme once the signal has come back from it."""
+        self._high = max(self._high, value)
+        self._low = min(self._low, value)
+        if self._rises and self._high - value > self._distance:
             self._rises = False
-            self._low = (value, now)
+            self._low = value
             return self._high
-        if not self._rises and value - self._low[0] > self._distance:
+        if not self._rises and value - self._low > self._distance:
             self._rises = True
-            self._high = (value, now)
+            self._high = value
             return self._low
         return None
 
@@ -45,36 +42,46 @@ class _Turns:
 class _Swings:
     """The swings of one rod about its reference since that last turned round."""
 
-    def __init__(self, alarm: OscillationAlarm) -> None:
+    def __init__(self, alarm: OscillationAlarm, following: float) -> None:
         self._slowest = alarm.slowest
         self._enough = alarm.swings
+        self._following = following
         self._error = _Turns(alarm.amplitude)
         self._wanted = _Turns(_TURN * alarm.amplitude)
-        self._extreme: float | None = None
-        self._turned: deque[float] = deque(maxlen=alarm.swings)
+        self._turned: list[tuple[float, float]] = []
         self.size = math.nan
         """Of the last swing from one extreme to the next, m."""
 
     def update(self, wanted: float, error: float, now: float) -> float | None:
         """Return the frequency (Hz) of a swing that has lasted; None as long as there is none."""
-        if self._wanted.update(wanted, now) is not None:
-            self._turned.clear()
-        turn = self._error.update(error, now)
-        if turn is None:
-            return None
-        extreme, at = turn
-        before, self._extreme = self._extreme, extreme
-        if before is None:
-            return None
-        size, last = abs(extreme - before), self.size
         turned = self._turned
-        if size < _KEPT * last or (turned and at - turned[-1] > self._slowest):
+        if self._wanted.update(wanted) is not None:
             turned.clear()
-        self.size = size
-        turned.append(at)
-        if len(turned) < self._enough:
+        extreme = self._error.update(error)
+        if extreme is None:
             return None
-        return 0.5 * (len(turned) - 1) / (turned[-1] - turned[0])
+        if turned:
+            before, then = turned[-1]
+            size, last = abs(extreme - before), self.size
+            if size < _KEPT * last or now - then > self._slowest:
+                turned.clear()
+            self.size = size
+        wild = turned and self._is_wild(turned[-1][0], extreme)
+        turned.append((extreme, now))
+        return self.frequency(1 if wild else self._enough, now)
+
+    def _is_wild(self, before: float, extreme: float) -> bool:
+        """Return whether one swing leads beyond `following` on both sides and does not die away."""
+        following = self._following
+        both = min(before, extreme) < -following and max(before, extreme) > following
+        return both and abs(extreme) > _KEPT * abs(before)
+
+    def frequency(self, swings: int, now: float) -> float | None:
+        """Return the frequency, Hz, if so many swings have lasted until now; else None."""
+        turned = self._turned
+        if len(turned) <= swings or now - turned[-1][1] > self._slowest:
+            return None
+        return 0.5 * (len(turned) - 1) / (turned[-1][1] - turned[0][1])
 
 
 class TrackingWatch:
@@ -98,7 +105,7 @@ class TrackingWatch:
 
     def restart(self) -> None:
         """Forget the past: nothing was controlled."""
-        self._swings = [_Swings(self._alarm) for _ in self._names]
+        self._swings = [_Swings(self._alarm, self._following) for _ in self._names]
         self._followed_at: list[float | None] = [None] * len(self._names)
 
     def check(self, wanted: Sequence[float], measured: Sequence[float], now: float) -> None:
@@ -124,8 +131,23 @@ class TrackingWatch:
             frequency = swings.update(goal, error, now)
             if frequency is not None:
                 raise SafetyError(
-                    f"{self._names[k]} oscillates at {frequency:.1f} Hz, {swings.size * 1e3:.2g} "
-                    "mm peak to peak, about its reference: the gains are too high for this rig's "
-                    "regulators and friction; `rig calibrate` tells their response and dead time "
-                    f"[{self._alarm.swings} swings of more than {self._alarm.amplitude * 1e3:g} mm]"
+                    f"{self._say(k, frequency)} [{self._alarm.swings} swings of more than "
+                    f"{self._alarm.amplitude * 1e3:g} mm, or one of {following * 1e3:g} mm to "
+                    "either side]"
                 )
+
+    def suspicion(self, now: float) -> str | None:
+        """Return which rod has begun to swing, for a limit that was exceeded before it lasted."""
+        for k, swings in enumerate(self._swings):
+            frequency = swings.frequency(1, now)
+            if frequency is not None and swings.size > self._following:
+                return self._say(k, frequency)
+        return None
+
+    def _say(self, k: int, frequency: float) -> str:
+        return (
+            f"{self._names[k]} oscillates at {frequency:.1f} Hz, "
+            f"{self._swings[k].size * 1e3:.2g} mm peak to peak, about its reference: the gains are "
+            "too high for this rig's regulators and friction; `rig calibrate` tells their response "
+            "and dead time"
+        )
