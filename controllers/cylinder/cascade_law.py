@@ -62,7 +62,8 @@ class CascadeLaw(PlainNumbers):
         self._holding_step = settings.hold_integral * period
         self._trim_step = settings.trim_rate * period
         self._trim_limit = settings.trim_limit
-        self._delay = period if settings.delay is None else settings.delay
+        self._preview = model.regulator_dead_time
+        self._delay = self._preview + (period if settings.delay is None else settings.delay)
         self._area = model.area
         self._per_area = 1.0 / model.area
         self._range = DifferentialRange(model, settings.pressure_floor, settings.differential_limit)
@@ -105,6 +106,10 @@ class CascadeLaw(PlainNumbers):
         load : float
             Force that the motion is known to take beyond the pair's own, N.
         """
+        # What is asked for now acts after the dead time: it is worked out for that instant.
+        ahead = self._preview
+        wanted += ahead * (wanted_velocity + 0.5 * ahead * wanted_acceleration)
+        wanted_velocity += ahead * wanted_acceleration
         lead, observer, feedforward = self._lead, self._observer, self._feedforward
         integral = self._integral
         force = self._area * difference

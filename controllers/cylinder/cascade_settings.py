@@ -54,7 +54,8 @@ class CascadeSettings:
         linearity and hysteresis, because a pressure that does not follow is not to be chased.
     delay : float, optional
         From the readings to the moment that they are used for, s: the state is predicted over
-        it. None: one period, as on a bus that is read at the end of a cycle.
+        it and over the regulators' dead time. None: one period, as on a bus that is read at the
+        end of a cycle.
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     differential_limit : float, optional

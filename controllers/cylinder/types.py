@@ -78,6 +78,8 @@ class PairModel:
         Natural frequency of the regulators' second-order response, rad/s.
     regulator_damping : float
         Its damping ratio.
+    regulator_dead_time : float
+        From a setpoint until the pressure begins to follow it, s.
     coulomb, breakaway : float
         Friction of the whole pair while sliding and when it starts to slide, N.
     stribeck_velocity : float
@@ -97,3 +99,4 @@ class PairModel:
     breakaway: Annotated[float, Unit("N"), Ge(0)]
     stribeck_velocity: Annotated[float, Unit("m/s"), Gt(0)]
     viscous: Annotated[float, Unit("N s/m"), Ge(0)]
+    regulator_dead_time: Annotated[float, Unit("s"), Ge(0)] = 0.0

@@ -163,6 +163,7 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
             pressure_max=self._most / model.area,
             regulator_bandwidth=model.regulator_bandwidth,
             regulator_damping=model.regulator_damping,
+            regulator_dead_time=model.regulator_dead_time,
             coulomb=model.coulomb,
             breakaway=model.breakaway,
             stribeck_velocity=model.stribeck_velocity,

@@ -147,6 +147,8 @@ class JointModel:
         Range of the regulators, Pa gauge.
     regulator_bandwidth, regulator_damping : float
         Of the regulators' second-order response: rad/s and 1.
+    regulator_dead_time : float
+        From a setpoint until the pressure begins to follow it, s.
     coulomb, breakaway : float
         Friction of a pair's two seals while sliding and when it starts to slide, at base
         pressure, N.
@@ -172,6 +174,7 @@ class JointModel:
     pressure_max: Annotated[float, Unit("Pa"), Gt(0)] = 0.5e6
     regulator_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     regulator_damping: Annotated[float, Gt(0)] = 1.0
+    regulator_dead_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
     coulomb: Annotated[float, Unit("N"), Ge(0)] = 7.0
     breakaway: Annotated[float, Unit("N"), Ge(0)] = 10.0
     stribeck_velocity: Annotated[float, Unit("m/s"), Gt(0)] = 8e-3

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Unit
+from annotated_types import Ge, Gt, Le, Unit
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
@@ -39,10 +39,13 @@ class RegulatorModel:
         Natural frequency, rad/s.
     damping : float
         Damping ratio.
+    dead_time : float
+        From a setpoint until the pressure begins to follow it, s.
     """
 
     bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     damping: Annotated[float, Gt(0)] = 1.0
+    dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,6 +154,7 @@ class PneumaticSettings:
             "pressure_max": self.limits.pressure[1],
             "regulator_bandwidth": self.regulator_response.bandwidth,
             "regulator_damping": self.regulator_response.damping,
+            "regulator_dead_time": self.regulator_response.dead_time,
             "coulomb": self.friction.coulomb,
             "breakaway": self.friction.breakaway,
             "stribeck_velocity": self.friction.stribeck_velocity,
