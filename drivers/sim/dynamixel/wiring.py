@@ -5,14 +5,13 @@ servos make of them is their own.
 """
 
 from drivers.dynamixel.settings import DynamixelSettings
+from drivers.sim.axis_lines import correct_axes, perturb_axes
 from drivers.sim.direct.axes_of_settings import signed_gear
-from drivers.sim.direct.corrected_axes import CorrectedAxes
 from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.control_table import HOMING_OFFSET
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
-from drivers.sim.perturbed_axes import PerturbedAxes
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
@@ -101,4 +100,4 @@ def simulate_dynamixel(
     )
 
 
-WIRING = Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of, PerturbedAxes)
+WIRING = Wiring(emulate_dynamixel, simulate_dynamixel, correct_axes, perturb_axes)
