@@ -71,6 +71,8 @@ class DescribedNode:
         What the node says of its scales.
     deadline : bool
         Whether `setpoint_deadline` asks for a deadline of what it receives.
+    contents : tuple of str
+        What it receives and what it sends, each in a word, as the bus load has it.
     """
 
     name: str
@@ -82,3 +84,4 @@ class DescribedNode:
     origins: Mapping[Entry, Keys] = field(default_factory=dict)
     told: tuple[Told, ...] = ()
     deadline: bool = False
+    contents: tuple[str, str] = ("", "")

@@ -42,9 +42,11 @@ class CanopenDeviceSettings(CanDeviceSettings):
     def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
         """Return every PDO that is exchanged with each SYNC: names and bytes."""
         return tuple(
-            (f"{node.name} {kind}{number}".strip(), layout_size(layout))
+            (f"{node.name} {kind}{number} {content}".strip(), layout_size(layout))
             for node in self.describe_nodes("")
-            for kind, layouts in (("RPDO", node.receive), ("TPDO", node.transmit))
+            for kind, layouts, content in zip(
+                ("RPDO", "TPDO"), (node.receive, node.transmit), node.contents, strict=True
+            )
             for number, layout in enumerate(layouts, 1)
         )
 

@@ -6,7 +6,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode
-from drivers.canopen.mapping import Entry, Layout, layout_size, pack
+from drivers.canopen.mapping import Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
@@ -161,19 +161,6 @@ class Cia401Settings(NodeSettings):
         echoes = tuple(channel.setpoint.entry for channel in channels) if self.echo else ()
         return (*(channel.monitor.entry for channel in channels), *echoes, *digital)
 
-    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
-        """Return what the module puts on the bus each cycle: names and bytes."""
-        return (
-            *(
-                (f"RPDO{n} setpoints", layout_size(layout))
-                for n, layout in enumerate(pack(self.receive_entries), 1)
-            ),
-            *(
-                (f"TPDO{n} monitors", layout_size(layout))
-                for n, layout in enumerate(pack(self.transmit_entries), 1)
-            ),
-        )
-
     def channel_names(self) -> tuple[str, ...]:
         """Return the regulators' names."""
         return tuple(self.channels)
@@ -222,5 +209,6 @@ class Cia401Settings(NodeSettings):
                 quantities,
                 origins,
                 deadline=self.setpoint_deadline is not None,
+                contents=("setpoints", "monitors"),
             ),
         )

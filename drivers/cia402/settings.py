@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
-from drivers.canopen.mapping import RANGES, Entry, Layout, layout_size, pack
+from drivers.canopen.mapping import RANGES, Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from drivers.canopen.settings import CanBusSettings
 from drivers.cia402.contact import DIGITAL_INPUTS
@@ -197,22 +197,6 @@ class Cia402Settings(NodeSettings):
             entries.append(DIGITAL_INPUTS)
         return (first, *pack(entries, first=2))
 
-    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
-        """Return what all drives put on the bus each cycle: names and bytes."""
-        frames: list[tuple[str, int]] = []
-        for joint in self.joints:
-            layouts = self.transmit_layouts(joint)
-            frames.append((f"{joint} RPDO1 setpoint", layout_size(self.receive_layout)))
-            frames += [
-                (f"{joint} TPDO{n} state", layout_size(layout))
-                for n, layout in enumerate(layouts, 1)
-            ]
-        return tuple(frames)
-
-    def timed_frames(self, heartbeat: float) -> tuple[tuple[str, int, float], ...]:
-        """Return what comes besides: names, bytes and rates (Hz), one heartbeat per drive."""
-        return tuple((f"{joint} heartbeat", 1, 1.0 / heartbeat) for joint in self.joints)
-
     def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
         """Return what each drive exchanges and what its counts mean."""
         origins: dict[Entry, Keys] = {
@@ -231,6 +215,7 @@ class Cia402Settings(NodeSettings):
                 _quantities(drive),
                 origins,
                 (Told(0x6076, 0, _FEEDBACK["torque"], _torque_factor(drive)),),
+                contents=("setpoint", "state"),
             )
             for joint, drive in self.joints.items()
         )

@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Ge, Gt, Interval, Unit
 
 from drivers.canopen.described import DescribedNode, Quantity, Told
-from drivers.canopen.mapping import DataTypeName, Entry, Layout, layout_size, pack
+from drivers.canopen.mapping import DataTypeName, Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from rig.hal import Address
 from rig.hal.driver import Keys
@@ -122,10 +122,6 @@ class Cia406Settings(NodeSettings):
             entries.append(Entry(0x6503, 0, "u16"))
         return tuple(entries)
 
-    def cyclic_frames(self) -> tuple[tuple[str, int], ...]:
-        """Return what the encoder puts on the bus each cycle: names and bytes."""
-        return (("TPDO1 position", layout_size(self.transmit_entries)),)
-
     def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
         """Return the encoder's node."""
         return (Address(device, self.node, PROFILE, self.vendor, self.product, serial),)
@@ -176,5 +172,6 @@ class Cia406Settings(NodeSettings):
                 quantities,
                 origins,
                 tuple(told),
+                contents=("", "position"),
             ),
         )

@@ -271,15 +271,7 @@ class DynamixelServos(ServoBus):
             measured = self._guard.positions = self._positions.value
             self._send(self._velocity_reference.turn(velocities, measured))
             return
-        period = self._period
-        self.command_positions(
-            tuple(
-                [
-                    position + velocity * period
-                    for position, velocity in zip(self._guard.positions, velocities, strict=True)
-                ]
-            )
-        )
+        self.command_positions(self._guard.moved(velocities, self._period))
 
     def check(self, now: float) -> None:
         """Raise if a servo is not well.

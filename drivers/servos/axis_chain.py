@@ -1,13 +1,14 @@
 """Joints on drives, whatever the drives: what every chain of them does alike."""
 
 from collections.abc import Mapping, Sequence
-from typing import Generic, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
 from drivers.servos.axis_drive import AxisDrive
 from drivers.servos.axis_guard import AxisGuard
+from drivers.servos.axis_readings import AxisReadings
 from drivers.servos.axis_settings import AxisSettings, FollowingAxisSettings
 from drivers.servos.velocity_reference import VelocityReference
-from rig.hal import Reading, ServoBus, Vector
+from rig.hal import Vector
 
 Drive = TypeVar("Drive", bound=AxisDrive[FollowingAxisSettings])
 
@@ -28,7 +29,7 @@ class ServoChainSettings(Protocol):
         """How long the drives may take to become enabled, s."""
 
 
-class ServoChain(ServoBus, Generic[Drive]):
+class ServoChain(AxisReadings[Drive]):
     """The part of a servo driver that is the same for all drives.
 
     Drives are enabled in the cycles after arming. Until all of them are, and `is_enabled` says
@@ -121,27 +122,6 @@ class ServoChain(ServoBus, Generic[Drive]):
         """Whether every drive is enabled and follows commands."""
         return self._enabled
 
-    def positions(self) -> Reading[Vector]:
-        """Return the joint positions, rad, shape (n,); as old as the oldest of them."""
-        drives = self.drives
-        return Reading(
-            tuple([drive.position for drive in drives]), min([drive.time for drive in drives])
-        )
-
-    def velocities(self) -> Reading[Vector]:
-        """Return the drives' own joint velocities, rad/s, shape (n,)."""
-        drives = self.drives
-        return Reading(
-            tuple([drive.velocity for drive in drives]), min([drive.time for drive in drives])
-        )
-
-    def torques(self) -> Reading[Vector]:
-        """Return the drives' torques at the joints, N m, shape (n,); 0 where none is known."""
-        drives = self.drives
-        return Reading(
-            tuple([drive.torque for drive in drives]), min([drive.time for drive in drives])
-        )
-
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,); ignored until enabled.
 
@@ -175,18 +155,13 @@ class ServoChain(ServoBus, Generic[Drive]):
         """
         if not self._enabled:
             return
-        guard, period = self._guard, self._period
+        guard = self._guard
         guard.check_velocities(velocities)
         if self._sends_velocity:
             measured = guard.positions = tuple([drive.position for drive in self.drives])
             self._send(self._velocities.turn(velocities, measured))
             return
-        positions = tuple(
-            [
-                position + velocity * period
-                for position, velocity in zip(guard.positions, velocities, strict=True)
-            ]
-        )
+        positions = guard.moved(velocities, self._period)
         guard.check_positions(positions)
         for k, drive in enumerate(self.drives):
             drive.command_position(positions[k], velocities[k])

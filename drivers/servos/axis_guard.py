@@ -81,5 +81,14 @@ class AxisGuard:
                     self._what(k, "velocity setpoint"), velocity, -speed, speed, "rad/s"
                 )
 
+    def moved(self, velocities: Vector, period: float) -> Vector:
+        """Return where velocities (rad/s) take the last setpoints in a period (s), rad."""
+        return tuple(
+            [
+                position + velocity * period
+                for position, velocity in zip(self.positions, velocities, strict=True)
+            ]
+        )
+
     def _what(self, k: int, quantity: str) -> str:
         return f"{self._device} joint {self._names[k]}: {quantity}"

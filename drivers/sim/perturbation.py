@@ -1,8 +1,8 @@
 """How a simulated rig differs from its profile: drawn from a seed, known to the simulation alone.
 
 A calibration has something to find only if the rig is not what its profile says. Plants take
-perturbed settings; between a plant and a device stands a port of `drivers.sim.perturbed_channels`
-or `drivers.sim.perturbed_axes`, whose sensors and actuators err as real ones do.
+perturbed settings; between a plant and a device stands a port of `drivers.sim.axis_lines`,
+`regulator_lines` or `rod_lines`, whose sensors and actuators err as real ones do.
 """
 
 import zlib
@@ -27,6 +27,9 @@ _CHANNELS = 16
 
 Bounds = Mapping[str, float]
 """The profile's bounds of each draw by their names, SI."""
+
+Line = tuple[float, float]
+"""Gain and offset of a straight line."""
 
 Changed = TypeVar("Changed", bound=PhysicsSettings)
 
@@ -61,6 +64,11 @@ class Draws(NamedTuple):
     joints: AxisDraws = AxisDraws()
     leaks: tuple[float, ...] = (0.0,) * _CHANNELS
     stribeck: float = 0.0
+
+    def lines(self, gain: str, offset: str) -> dict[int, Line]:
+        """Return the line of each channel by the names of its draws: ``1 + gain``, and offset."""
+        drawn = zip(self.channels[gain], self.channels[offset], strict=True)
+        return {k: (1.0 + share, shift) for k, (share, shift) in enumerate(drawn)}
 
 
 PER_CHANNEL = (

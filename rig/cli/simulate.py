@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
-import os
 import sys
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
@@ -14,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import complete_rig, configs_option, set_option
+from rig.cli.terminal_line import TerminalLine
 
 if TYPE_CHECKING:
     from rig.assembly.simulation_process import Simulation
@@ -64,7 +62,7 @@ def simulate(
     with (
         StopRequests() as stop,
         open_simulation(profile, interfaces) as simulation,
-        _status_line() as show,
+        TerminalLine() as line,
         # Devices answer within a millisecond whatever else the machine does; so must these.
         real_time(profile.loop.priority),
     ):
@@ -74,7 +72,7 @@ def simulate(
         stop.shield()
         _introduce(profile, simulation)
         began = monotonic()
-        _serve(simulation, show, stop, duration)
+        _serve(simulation, line, stop, duration)
         summary = _summarise(simulation, monotonic() - began)
     click.echo(f"stopped {summary}", err=True)
     return 0
@@ -93,7 +91,7 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
 
 
 def _serve(
-    simulation: Simulation, show: Callable[[str], None], stop: StopRequests, duration: float | None
+    simulation: Simulation, line: TerminalLine, stop: StopRequests, duration: float | None
 ) -> None:
     began = last = monotonic()
     counts = _counts(simulation)
@@ -112,7 +110,7 @@ def _serve(
                 parts.append(end.trouble)
         if simulation.rig.held_up:
             parts.append(f"held up {simulation.rig.held_up:.2f} s")
-        show("  ".join(parts))
+        line.draw("  ".join(parts))
         last, counts = now, newer
 
 
@@ -127,30 +125,3 @@ def _summarise(simulation: Simulation, span: float) -> str:
 
 def _counts(simulation: Simulation) -> dict[str, tuple[int, int]]:
     return {name: (end.received, end.sent) for name, end in simulation.ends.items()}
-
-
-@contextlib.contextmanager
-def _status_line() -> Iterator[Callable[[str], None]]:
-    """Yield what redraws one line on a terminal; elsewhere it says nothing.
-
-    The line is written to a descriptor that never blocks: a terminal that is stopped (Ctrl-S)
-    must not stop the devices.
-    """
-    terminal = -1
-    if sys.stderr.isatty():
-        with contextlib.suppress(OSError):  # a console without a name
-            terminal = os.open(
-                os.ttyname(sys.stderr.fileno()), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY
-            )
-
-    def show(text: str) -> None:
-        if terminal >= 0:
-            with contextlib.suppress(OSError):  # full or gone: the next one may get through
-                os.write(terminal, f"\r\x1b[2K{text}".encode())
-
-    try:
-        yield show
-    finally:
-        show("")
-        if terminal >= 0:
-            os.close(terminal)

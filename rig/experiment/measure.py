@@ -157,6 +157,8 @@ class Window:
 
 
 Windows = Sequence[Window]
+Values = Callable[[Window], "Array"]
+"""What a measure takes of a window, of any shape."""
 
 
 class Measure(NamedTuple):
@@ -187,9 +189,35 @@ def rms(values: "Array") -> float:
     return math.sqrt(float(np.mean(values * values)))
 
 
-def pooled(windows: Windows, values: Callable[[Window], "Array"]) -> "Array":
+def pooled(windows: Windows, values: Values) -> "Array":
     """Return the values of all windows, one after the other."""
     return np.concatenate([values(window) for window in windows])
+
+
+def lengths(vectors: "Array") -> "Array":
+    """Return the length of each row, shape (n,)."""
+    found: Array = np.linalg.norm(vectors, axis=1)
+    return found
+
+
+def greatest(values: Values) -> Callable[[Windows], float]:
+    """Return what computes the greatest absolute value in any window."""
+    return lambda windows: max(float(np.abs(values(window)).max()) for window in windows)
+
+
+def rms_of(values: Values) -> Callable[[Windows], float]:
+    """Return what computes the root of the mean square of the values in all windows."""
+    return lambda windows: rms(pooled(windows, values))
+
+
+def column(name: str) -> Values:
+    """Return what takes one column of the log."""
+    return lambda window: window.column(name)
+
+
+def columns(prefix: str) -> Values:
+    """Return what takes all columns of the log that start with `prefix`."""
+    return lambda window: window.columns(prefix)
 
 
 def local_slope(t: "Array", x: "Array") -> "Array":

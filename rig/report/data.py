@@ -1,8 +1,9 @@
 """A run as figures and reports see it: everything comes from its folder."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,13 +49,27 @@ class RunData:
         name = "reference.time"
         return self.log.column(name) if name in self.log else self.log.t
 
-    @property
+    @cached_property
     def followed(self) -> "NDArray[np.bool_]":
         """Which cycles followed the reference; all of them if none did, shape (n,)."""
         if "phase" not in self.log:
             return np.ones(len(self.log.t), bool)
         run = self.log.column("phase") == PHASE_RUN
         return run if run.any() else np.ones(len(self.log.t), bool)
+
+    @property
+    def time(self) -> "NDArray[np.float64]":
+        """Seconds since the reference started, of the cycles that followed it, shape (n,)."""
+        return self.t[self.followed]
+
+    def trace(self, name: str) -> "NDArray[np.float64]":
+        """Return a column of the cycles that followed the reference, shape (n,)."""
+        values: NDArray[np.float64] = self.log.column(name)[self.followed]
+        return values
+
+    def track(self, name: str) -> "NDArray[np.float64]":
+        """Return the columns ``name_x``, ``_y``, ``_z`` of the same cycles, shape (n, 3)."""
+        return np.column_stack([self.trace(f"{name}_{axis}") for axis in "xyz"])
 
     @property
     def mechanism(self) -> str | None:
@@ -65,6 +80,15 @@ class RunData:
     def error(self) -> "NDArray[np.float64]":
         """Reference minus reading of the position, m, shape (n,)."""
         return self.log.column("reference.position") - self.log.column("reading.position")
+
+    @cached_property
+    def settings(self) -> dict[str, Any]:
+        """What the run's own profile says of its mechanism, SI."""
+        import yaml
+
+        profile = yaml.safe_load((self.folder.path / "profile.yaml").read_text(encoding="utf-8"))
+        settings: dict[str, Any] = profile[profile["mechanism"]]
+        return settings
 
 
 def mechanism_of(folder: RunFolder) -> str | None:

@@ -56,11 +56,13 @@ def draw_line(
     axes.plot(*envelope(t, x), color=color, label=label, solid_joinstyle="round", lw=lw, ls=ls)
 
 
-def finish_time_axis(axes: "Axes", t: "NDArray[np.float64]", label: str) -> None:
+def finish_time_axis(
+    axes: "Axes", t: "NDArray[np.float64]", label: str, below: str = TIME_LABEL
+) -> None:
     """Limit and label the axes of a signal over time."""
     axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
     axes.margins(y=0.08)
-    axes.set_xlabel(TIME_LABEL)
+    axes.set_xlabel(below)
     axes.set_ylabel(label)
 
 

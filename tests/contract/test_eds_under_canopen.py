@@ -9,10 +9,9 @@ import pytest
 
 canopen = pytest.importorskip("canopen")
 
+from eds_writer.description import NODES, describe  # noqa: E402
 from test_cia402_under_canopen import LiveDrive  # noqa: E402
 from test_emulated_under_canopen import ENCODER, REGULATORS, LiveRig, wait_until  # noqa: E402
-
-from drivers.sim.nodes.eds_file import NODES, describe  # noqa: E402
 
 FOLDER = Path(__file__).parents[2] / "configs" / "eds"
 OD = canopen.objectdictionary
@@ -29,9 +28,7 @@ READ_ONLY, NO_DATA = 0x0601_0002, 0x0800_0024
 @pytest.mark.parametrize("kind", NODES)
 def test_the_files_are_those_that_the_nodes_write(kind):
     written = (FOLDER / f"{kind}.eds").read_text(encoding="ascii")
-    assert written == describe(kind), (
-        "the node has changed: python -m drivers.sim.nodes.eds_file configs/eds"
-    )
+    assert written == describe(kind), "the node has changed: python tests/eds_writer configs/eds"
 
 
 @pytest.mark.parametrize("kind", NODES)

@@ -37,13 +37,10 @@ def simulate_axes(
         of.plant,
         of.channels,
         clock,
-        resolutions=[
+        [
             1.0 / abs(joint.turns_per_radian * steps)
             for joint, steps in zip(joints.values(), steps_per_turn, strict=True)
         ],
-        decelerations=[joint.deceleration for joint in joints.values()],
-        windows=[joint.following_window for joint in joints.values()],
-        times=[joint.following_time for joint in joints.values()],
     )
 
 

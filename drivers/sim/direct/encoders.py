@@ -72,13 +72,13 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         self._position: Reading[Vector] = Reading((0.0,), -inf)
         self._speed = 0.0
         self._before: Reading[Vector] = self._position
-        self._faults["frozen"] = self._freeze
-        self._faults["jump"] = self._jump
-        self._faults["alarm"] = self._raise_alarm
-        self._faults["other_rod"] = self._mount_elsewhere
+        self.add_fault("frozen", self._freeze)
+        self.add_fault("jump", self._jump)
+        self.add_fault("alarm", self._raise_alarm)
+        self.add_fault("other_rod", self._mount_elsewhere)
         self._errors = RodFaults(name)
         for fault in ROD_FAULTS:
-            self._faults[fault] = partial(self._measure_wrongly, fault)
+            self.add_fault(fault, partial(self._measure_wrongly, fault), self._errors.clear)
 
     def connect(self) -> None:
         """Take the first reading."""
@@ -155,10 +155,10 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
             raise ValueError(f"{self.name}: other_rod takes a channel's number, not {value}")
         self._channel = int(value)
 
-    def _repair(self) -> None:
-        super()._repair()
+    def repair(self) -> None:
+        """End all faults that last."""
+        super().repair()
         self._channel = self._own_channel
         self._frozen_until = 0.0
         self._offset = 0.0
-        self._errors.clear()
         self._alarmed = False

@@ -5,9 +5,10 @@ They behave as the production drivers do on their bus: a reading is quantised an
 `check` once a cycle after it has taken its readings; that is when the next ones are sampled.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 
+from drivers.sim.breakable import Breakable
 from drivers.sim.regulator_port import RegulatorPort
 from rig.hal import (
     Clock,
@@ -22,35 +23,15 @@ from rig.hal import (
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
 
-class SimulatedDevice(Device):
+class SimulatedDevice(Breakable, Device):
     """Base of the devices: faults by name, and silence."""
 
     def __init__(self, name: str, clock: Clock) -> None:
+        super().__init__()
         self.name = name
         self._clock = clock
         self._silent_until = 0.0
-        self._faults: dict[str, Callable[[float | None], None]] = {"silent": self._fall_silent}
-
-    @property
-    def known_faults(self) -> tuple[str, ...]:
-        """Names that `inject` understands."""
-        return (*self._faults, "repair")
-
-    def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now.
-
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
-        """
-        if fault == "repair":
-            self._repair()
-        elif fault in self._faults:
-            self._faults[fault](value)
-        else:
-            known = ", ".join(self.known_faults)
-            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
+        self.add_fault("silent", self._fall_silent, self._end_silence)
 
     def close(self) -> None:
         """Release nothing: there is no bus."""
@@ -59,16 +40,12 @@ class SimulatedDevice(Device):
         return self._clock.now() < self._silent_until
 
     def _until(self, fault: str, duration: float | None) -> float:
-        if duration is None:
-            return inf
-        if not duration > 0.0:
-            raise ValueError(f"{self.name}: {fault} lasts longer than {duration:g} s")
-        return self._clock.now() + duration
+        return self._clock.now() + self.lasting_time(fault, duration)
 
     def _fall_silent(self, duration: float | None) -> None:
         self._silent_until = self._until("silent", duration)
 
-    def _repair(self) -> None:
+    def _end_silence(self) -> None:
         self._silent_until = 0.0
 
 
@@ -134,9 +111,10 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
         self._stuck: set[int] = set()
         self._pressure: Reading[Vector] = Reading((0.0,) * count, -inf)
         self._stop: Reading[bool] = Reading(True, -inf)
-        self._faults["wire_break"] = lambda value: self._broken.add(self._channel(value))
-        self._faults["output_stuck"] = lambda value: self._stuck.add(self._channel(value))
-        self._faults["emergency_stop"] = self._press_stop
+        broken, stuck = self._broken, self._stuck
+        self.add_fault("wire_break", lambda k: broken.add(self._channel(k)), broken.clear)
+        self.add_fault("output_stuck", lambda k: stuck.add(self._channel(k)), stuck.clear)
+        self.add_fault("emergency_stop", self._press_stop, lambda: self._press_stop(0.0))
 
     def connect(self) -> None:
         """Vent, with the supply closed, and take the first readings."""
@@ -272,9 +250,3 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
             raise ValueError(f"{self.name}: emergency_stop takes 0 or 1, not {value}")
         self._stopped = value != 0.0
         self._was_stopped |= self._stopped
-
-    def _repair(self) -> None:
-        super()._repair()
-        self._broken.clear()
-        self._stuck.clear()
-        self._stopped = False

@@ -9,14 +9,16 @@ from collections.abc import Mapping, Sequence
 from math import copysign, inf
 
 from drivers.servos.axis_guard import AxisGuard
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_readings import AxisReadings
+from drivers.servos.axis_settings import FollowingAxisSettings
 from drivers.servos.following_error import FollowingWatch
 from drivers.sim.axis_faults import AxisFaults
+from drivers.sim.breakable import Breakable
 from drivers.sim.servo_port import ServoPort
-from rig.hal import Clock, DeviceFault, Reading, ServoBus, Vector, not_standing
+from rig.hal import Clock, DeviceFault, Vector, not_standing
 
 
-class SimulatedAxis:
+class SimulatedAxis(Breakable):
     """One joint of `SimulatedServos`, with its faults.
 
     Faults: ``silent`` (value: s), ``drive_fault`` (no torque, and a fault), ``stuck`` (does
@@ -26,76 +28,59 @@ class SimulatedAxis:
     ----------
     name : str
         Device and joint.
-    settings : AxisSettings
-        Limits.
+    settings : FollowingAxisSettings
+        Its limits, its ramp to standstill, and how far it may be from its reference.
     plant : ServoPort
         The physics.
     channel : int
         The plant's joint.
     resolution : float
         Of its encoder, rad.
-    deceleration : float
-        Of its ramp to standstill, rad/s².
-    window, time : float
-        How far (rad) and for how long (s) it may be from its reference.
     """
-
-    known_faults = ("silent", "drive_fault", "stuck", "encoder_jump", "repair")
 
     def __init__(
         self,
         name: str,
-        settings: AxisSettings,
+        settings: FollowingAxisSettings,
         plant: ServoPort,
         channel: int,
-        *,
         resolution: float,
-        deceleration: float,
-        window: float,
-        time: float,
     ) -> None:
+        super().__init__()
         self.name = name
         self.settings = settings
-        self.watch = FollowingWatch(window, time)
+        self.watch = FollowingWatch(settings.following_window, settings.following_time)
         self.position = self.velocity = self.torque = 0.0
         self.time = -inf
         self.speed = 0.0  # of the setpoint, rad/s
         self._plant = plant
         self._channel = channel
         self._resolution = resolution
-        self._deceleration = deceleration
-        self._silent_for = 0.0
-        self._faulty = False
-        self._stuck = False
-        self._jump = 0.0
         self._held = False
+        self.repair()
+        self.add_fault("silent", self._fall_silent)
+        self.add_fault("drive_fault", lambda _: self._fail())
+        self.add_fault("stuck", lambda _: self._stick())
+        self.add_fault("encoder_jump", self._jump_by)
 
-    def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now.
+    def repair(self) -> None:
+        """End all faults."""
+        self._silent_for, self._jump = 0.0, 0.0
+        self._faulty = self._stuck = False
 
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
-        """
-        if fault == "repair":
-            self._silent_for, self._jump = 0.0, 0.0
-            self._faulty = self._stuck = False
-        elif fault == "silent":
-            if value is not None and not value > 0.0:
-                raise ValueError(f"{self.name}: silent lasts longer than {value:g} s")
-            self._silent_for = inf if value is None else value
-        elif fault == "drive_fault":
-            self._faulty = True
-            self.release()
-        elif fault == "stuck":
-            self._plant.command_joint(self._channel, self._true_position(), 0.0, True)
-            self._stuck = True
-        elif fault == "encoder_jump":
-            self._jump += 0.5 if value is None else value
-        else:
-            known = ", ".join(self.known_faults)
-            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
+    def _fall_silent(self, duration: float | None) -> None:
+        self._silent_for = self.lasting_time("silent", duration)
+
+    def _fail(self) -> None:
+        self._faulty = True
+        self.release()
+
+    def _stick(self) -> None:
+        self._plant.command_joint(self._channel, self._true_position(), 0.0, True)
+        self._stuck = True
+
+    def _jump_by(self, angle: float | None) -> None:
+        self._jump += 0.5 if angle is None else angle
 
     def sample(self, now: float, period: float) -> None:
         """Measure, unless the joint is silent."""
@@ -128,7 +113,7 @@ class SimulatedAxis:
             return
         speed = self.speed
         if speed and period > 0.0:
-            after = copysign(max(abs(speed) - self._deceleration * period, 0.0), speed)
+            after = copysign(max(abs(speed) - self.settings.deceleration * period, 0.0), speed)
             self.move(self.watch.reference + 0.5 * (speed + after) * period, period)
             self.speed = after
         else:
@@ -181,7 +166,7 @@ class SimulatedAxis:
             self._plant.command_joint(self._channel, position, velocity, True)
 
 
-class SimulatedServos(ServoBus):
+class SimulatedServos(AxisFaults, AxisReadings[SimulatedAxis]):
     """Joints of a plant; satisfies `rig.hal.ServoBus`.
 
     Faults are those of `SimulatedAxis`, of one joint (``q3.stuck``) or of all (``stuck``).
@@ -190,7 +175,7 @@ class SimulatedServos(ServoBus):
     ----------
     name : str
         The device's name in the profile.
-    joints : mapping of str to AxisSettings
+    joints : mapping of str to FollowingAxisSettings
         In the order of the plant's channels.
     plant : ServoPort
         The physics.
@@ -198,66 +183,41 @@ class SimulatedServos(ServoBus):
         The plant's joints.
     clock : Clock
         The rig's.
-    resolutions, decelerations : sequence of float
-        Of each joint, rad and rad/s².
-    windows, times : sequence of float
-        How far (rad) and for how long (s) each may be from its reference.
+    resolutions : sequence of float
+        Of each joint's encoder, rad.
     """
 
     def __init__(
         self,
         name: str,
-        joints: Mapping[str, AxisSettings],
+        joints: Mapping[str, FollowingAxisSettings],
         plant: ServoPort,
         channels: Sequence[int],
         clock: Clock,
-        *,
         resolutions: Sequence[float],
-        decelerations: Sequence[float],
-        windows: Sequence[float],
-        times: Sequence[float],
     ) -> None:
-        self.name = name
         self.axis_names = tuple(joints)
         self._clock = clock
-        self.joints = tuple(
-            SimulatedAxis(
-                f"{name} joint {joint}",
-                settings,
-                plant,
-                channel,
-                resolution=resolution,
-                deceleration=deceleration,
-                window=window,
-                time=time,
-            )
-            for (joint, settings), channel, resolution, deceleration, window, time in zip(
-                joints.items(), channels, resolutions, decelerations, windows, times, strict=True
+        self.drives = tuple(
+            SimulatedAxis(f"{name} joint {joint}", settings, plant, channel, resolution)
+            for (joint, settings), channel, resolution in zip(
+                joints.items(), channels, resolutions, strict=True
             )
         )
+        super().__init__(name, dict(zip(joints, self.drives, strict=True)))
         # No bus says what the period is; how far a setpoint may go is the mechanism's business.
         self._guard = AxisGuard(name, joints, inf)
-        self._faults = AxisFaults(name, dict(zip(joints, self.joints, strict=True)))
         self._armed = False
         self._enabled = False
         self._checked = -inf
         self._period = 0.0
-
-    @property
-    def known_faults(self) -> tuple[str, ...]:
-        """Names that `inject` understands."""
-        return self._faults.known_faults
-
-    def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now; errors as `AxisFaults.inject`."""
-        self._faults.inject(fault, value)
 
     # Life cycle -----------------------------------------------------------------------
 
     def connect(self) -> None:
         """Take the first readings, without torque."""
         self._armed = self._enabled = False
-        for joint in self.joints:
+        for joint in self.drives:
             joint.release()
         self._sample(self._clock.now())
 
@@ -278,23 +238,23 @@ class SimulatedServos(ServoBus):
             return
         now = self._clock.now()
         self._enabled = enabled
-        for joint in self.joints:
+        for joint in self.drives:
             if enabled:
                 joint.hold(now)
             else:
                 joint.release()
-        self._guard.positions = tuple([joint.watch.reference for joint in self.joints])
+        self._guard.positions = tuple([joint.watch.reference for joint in self.drives])
 
     def make_safe(self) -> None:
         """Slow every joint down, one period a call, and hold it then. Never raises."""
         self._armed = self._enabled = False
-        for joint in self.joints:
+        for joint in self.drives:
             joint.stop(self._period)
 
     def unsafe(self, now: float) -> str:
         """Return which joints still move, as they are measured now; see `Device.unsafe`."""
         self._sample(now)
-        return "; ".join([found for joint in self.joints if (found := joint.unsafe(now))])
+        return "; ".join([found for joint in self.drives if (found := joint.unsafe(now))])
 
     def close(self) -> None:
         """Release nothing: there is no bus."""
@@ -307,18 +267,6 @@ class SimulatedServos(ServoBus):
         """Whether the joints follow commands."""
         return self._enabled
 
-    def positions(self) -> Reading[Vector]:
-        """Return the joint positions of the cycle before, rad, shape (n,)."""
-        return self._reading([joint.position for joint in self.joints])
-
-    def velocities(self) -> Reading[Vector]:
-        """Return the joint velocities of the cycle before, rad/s, shape (n,)."""
-        return self._reading([joint.velocity for joint in self.joints])
-
-    def torques(self) -> Reading[Vector]:
-        """Return the joint torques of the cycle before, N m, shape (n,)."""
-        return self._reading([joint.torque for joint in self.joints])
-
     def command_positions(self, positions: Vector) -> None:
         """Take position setpoints for this cycle, rad, shape (n,); ignored until enabled.
 
@@ -330,7 +278,7 @@ class SimulatedServos(ServoBus):
         if not self._enabled:
             return
         self._guard.check_positions(positions)
-        for joint, position in zip(self.joints, positions, strict=True):
+        for joint, position in zip(self.drives, positions, strict=True):
             joint.move(position, self._period)
 
     def command_velocities(self, velocities: Vector) -> None:
@@ -344,15 +292,7 @@ class SimulatedServos(ServoBus):
         if not self._enabled:
             return
         self._guard.check_velocities(velocities)
-        period = self._period
-        self.command_positions(
-            tuple(
-                [
-                    position + velocity * period
-                    for position, velocity in zip(self._guard.positions, velocities, strict=True)
-                ]
-            )
-        )
+        self.command_positions(self._guard.moved(velocities, self._period))
 
     def check(self, now: float) -> None:
         """Raise if a joint is not well, then sample the next readings.
@@ -365,18 +305,15 @@ class SimulatedServos(ServoBus):
         if self._checked > -inf:
             self._period = now - self._checked
         self._checked = now
-        for joint in self.joints:
+        for joint in self.drives:
             joint.check(now)
         if self._enabled:
-            for joint in self.joints:
+            for joint in self.drives:
                 joint.check_following(now)
         self._sample(now)
 
     # Inside ---------------------------------------------------------------------------
 
-    def _reading(self, values: list[float]) -> Reading[Vector]:
-        return Reading(tuple(values), min([joint.time for joint in self.joints]))
-
     def _sample(self, now: float) -> None:
-        for joint in self.joints:
+        for joint in self.drives:
             joint.sample(now, self._period)

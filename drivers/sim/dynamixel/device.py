@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import inf
 
 from drivers.sim.axis_faults import AxisFaults
-from drivers.sim.dynamixel.chain import Station
+from drivers.sim.breakable import Breakable
+from drivers.sim.dynamixel.chain import Distortion, Station
 from drivers.sim.dynamixel.servo import EmulatedServo
 from drivers.sim.servo_encoder import ServoEncoder
 
+_TEMPERATURES = {"overheated": 85, "warm": 75}  # °C
 _HARDWARE_BITS = {
     "undervoltage": 0,
     "encoder_broken": 3,
@@ -17,7 +18,7 @@ _HARDWARE_BITS = {
 }
 
 
-class StationFaults:
+class StationFaults(Breakable):
     """The faults of one servo.
 
     ``silent`` (value: s, default for ever)
@@ -48,60 +49,42 @@ class StationFaults:
     """
 
     def __init__(self, name: str, station: Station, make_twin: Callable[[], EmulatedServo]) -> None:
+        super().__init__()
         self.name = name
         self._station = station
         self._make_twin = make_twin
+        self._servo = servo = station.servo
+        self.add_fault("silent", self._silence)
+        for fault, distortion in _DISTORTIONS.items():
+            self.add_fault(fault, partial(self._distort, fault, distortion))
+        self.add_fault("same_id", self._double)
+        for fault, celsius in _TEMPERATURES.items():
+            self.add_fault(fault, partial(self._heat, celsius))
+        for fault, bit in _HARDWARE_BITS.items():
+            self.add_fault(fault, partial(self._fail, bit))
+        for lie in ServoEncoder.lies:
+            self.add_fault(lie, partial(servo.lie, lie))
+        self.add_fault("rebooted", lambda _: servo.reboot())
 
-    @property
-    def known_faults(self) -> tuple[str, ...]:
-        """Names that `inject` understands."""
-        return (
-            *("silent", "corrupted", "truncated", "doubled", "same_id", "overheated", "warm"),
-            *_HARDWARE_BITS,
-            *ServoEncoder.lies,
-            *("rebooted", "repair"),
-        )
+    def repair(self) -> None:
+        """End all faults that last."""
+        self._station.repair()
+        self._servo.encoder.repair()
 
-    def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now.
+    def _silence(self, duration: float | None) -> None:
+        self._station.silence(self.lasting_time("silent", duration))
 
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
-        """
-        station = self._station
-        servo = station.servo
-        match fault:
-            case "silent":
-                station.silence(self._duration(fault, value))
-            case "corrupted" | "truncated" | "doubled":
-                station.distort(_DISTORTIONS[fault], self._duration(fault, value))
-            case "same_id":
-                station.twin = self._make_twin()
-            case "overheated":
-                servo.heat(85)
-            case "warm":
-                servo.heat(75)
-            case "rebooted":
-                servo.reboot()
-            case "repair":
-                station.repair()
-                servo.encoder.repair()
-            case _ if fault in ServoEncoder.lies:
-                servo.lie(fault, value)
-            case _ if fault in _HARDWARE_BITS:
-                servo.fail(_HARDWARE_BITS[fault])
-            case _:
-                known = ", ".join(self.known_faults)
-                raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
+    def _distort(self, fault: str, distortion: Distortion, duration: float | None) -> None:
+        self._station.distort(distortion, self.lasting_time(fault, duration))
 
-    def _duration(self, fault: str, value: float | None) -> float:
-        if value is None:
-            return inf
-        if not value > 0.0:
-            raise ValueError(f"{self.name}: {fault} lasts longer than {value:g} s")
-        return value
+    def _double(self, _: float | None) -> None:
+        self._station.twin = self._make_twin()
+
+    def _heat(self, celsius: int, _: float | None) -> None:
+        self._servo.heat(celsius)
+
+    def _fail(self, bit: int, _: float | None) -> None:
+        self._servo.fail(bit)
 
 
 class EmulatedDynamixel(AxisFaults):

@@ -5,14 +5,14 @@ servos make of them is their own.
 """
 
 from drivers.dynamixel.settings import DynamixelSettings
-from drivers.sim.direct.axes_of_settings import signed_gear
-from drivers.sim.direct.corrected_axes import CorrectedAxes
+from drivers.servos.axis_settings import FollowingAxisSettings
+from drivers.sim.axis_lines import correct_axes, perturb_axes
+from drivers.sim.direct.axes_of_settings import signed_gear, simulate_axes
 from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.dynamixel.chain import Station
 from drivers.sim.dynamixel.control_table import HOMING_OFFSET
 from drivers.sim.dynamixel.device import EmulatedDynamixel
 from drivers.sim.dynamixel.servo import EmulatedServo, Mounting
-from drivers.sim.perturbed_axes import PerturbedAxes
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
@@ -84,21 +84,19 @@ def simulate_dynamixel(
     A servo that is told to hold does so at once, with all the torque that it has.
     """
     settings = of.settings
-    joints = settings.joints
-    count = len(joints)
-    return SimulatedServos(
-        of.name,
-        joints,
-        of.plant,
-        of.channels,
-        clock,
-        resolutions=[
-            1.0 / abs(joint.turns_per_radian * _STEPS_PER_TURN) for joint in joints.values()
-        ],
-        decelerations=[_AT_ONCE] * count,
-        windows=[settings.following_window] * count,
-        times=[settings.following_time] * count,
-    )
+    joints = {
+        name: FollowingAxisSettings(
+            gear=joint.gear,
+            reversed=joint.reversed,
+            limits=joint.limits,
+            max_speed=joint.max_speed,
+            deceleration=_AT_ONCE,
+            following_window=settings.following_window,
+            following_time=settings.following_time,
+        )
+        for name, joint in settings.joints.items()
+    }
+    return simulate_axes(of, joints, [_STEPS_PER_TURN] * len(joints), clock)
 
 
-WIRING = Wiring(emulate_dynamixel, simulate_dynamixel, CorrectedAxes.of, PerturbedAxes)
+WIRING = Wiring(emulate_dynamixel, simulate_dynamixel, correct_axes, perturb_axes)

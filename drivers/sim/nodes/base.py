@@ -97,7 +97,7 @@ class EmulatedNode(FaultInjection):
         add = self.dictionary.add
         self.device_type = add(0x1000, 0, Variable(UNSIGNED32, device_type, "ro"))
         self._sync = add(
-            0x1005, 0, Variable(UNSIGNED32, _SYNC_ID, check=_check_sync, changed=self._route)
+            0x1005, 0, Variable(UNSIGNED32, _SYNC_ID, check=_check_sync, changed=self.route)
         )
         add(0x1008, 0, Variable(VISIBLE_STRING, f"emulated {name}".encode(), "const"))
         self._error_behaviour = self.dictionary.add_array(
@@ -117,15 +117,13 @@ class EmulatedNode(FaultInjection):
                 Variable(UNSIGNED32, 0x580 + node_id, "ro"),
             ],
         )
-        self.emergency = Emergency(self.dictionary, node_id, self._transmit)
-        self.pdos = PdoExchange(self.dictionary, node_id, self.emergency, self)
+        self.emergency = Emergency(self.dictionary, node_id, self.transmit)
+        self.pdos = PdoExchange(node_id, self.emergency, self)
         self._producer = HeartbeatProducer(self.dictionary, self._send_heartbeat, self.wake)
         self._consumer = HeartbeatConsumer(
-            self.dictionary, self._heartbeat_lost, self._heartbeat_found, self._route
+            self.dictionary, self._heartbeat_lost, self._heartbeat_found, self.route
         )
-        self._server = SdoServer(
-            self.dictionary, lambda data: self._transmit(0x580 + node_id, data)
-        )
+        self._server = SdoServer(self.dictionary, lambda data: self.transmit(0x580 + node_id, data))
         self._add_faults()
 
     def _add_faults(self) -> None:
@@ -167,7 +165,7 @@ class EmulatedNode(FaultInjection):
 
     def add_pdos(self, receive: Sequence[Sequence[int]], transmit: Sequence[Sequence[int]]) -> None:
         """Add four PDOs each way with their default mappings; those without are not valid."""
-        self.pdos.add(receive, transmit, send=self._transmit, changed=self._route)
+        self.pdos.add(receive, transmit)
 
     def power_on(self) -> None:
         """Start as after a power cycle; the boot-up message follows at the next tick."""
@@ -217,7 +215,7 @@ class EmulatedNode(FaultInjection):
             return
         self.expire_faults(now)
         if self.state is NmtState.INITIALISING:
-            self._transmit(0x700 + self.node_id, bytes((NmtState.INITIALISING,)))
+            self.transmit(0x700 + self.node_id, bytes((NmtState.INITIALISING,)))
             self.state = NmtState.PRE_OPERATIONAL
         self._server.tick(now)
         self._consumer.tick(now)
@@ -245,17 +243,18 @@ class EmulatedNode(FaultInjection):
         """Have `tick` look at everything as soon as it is called."""
         self.due = -inf
 
-    def _transmit(self, can_id: int, data: bytes) -> None:
+    def transmit(self, can_id: int, data: bytes) -> None:
+        """Send a frame, unless the node is silent."""
         if "silent" not in self.lasting:
             self.send(can_id, data)
 
     def _send_heartbeat(self, state: int) -> None:
         if "heartbeat_silent" not in self.lasting:
-            self._transmit(0x700 + self.node_id, bytes((state,)))
+            self.transmit(0x700 + self.node_id, bytes((state,)))
 
     # Routing --------------------------------------------------------------------------
 
-    def _route(self) -> None:
+    def route(self) -> None:
         """Build the table from CAN id to handler; NMT is always heard, SDO unless stopped."""
         routes: dict[int, Callable[[bytes, float], None]] = {}
         if self.state is NmtState.OPERATIONAL:
@@ -339,7 +338,7 @@ class EmulatedNode(FaultInjection):
         if state is NmtState.STOPPED:
             self._server.reset()
         self._producer.restart()
-        self._route()
+        self.route()
 
     def _restart(self, *, communication_only: bool) -> None:
         if self.state is NmtState.OPERATIONAL:
@@ -353,7 +352,7 @@ class EmulatedNode(FaultInjection):
         self.pdos.configure()
         if not communication_only:
             self.restore_process()
-        self._route()
+        self.route()
 
 
 def _check_sync(value: int) -> None:

@@ -2,12 +2,11 @@
 
 from drivers.cia401.channel_settings import AnalogueSignal
 from drivers.cia401.settings import Cia401Settings
-from drivers.sim.direct.corrected_regulators import CorrectedRegulators
 from drivers.sim.direct.regulators import SimulatedRegulators
 from drivers.sim.nodes.analogue import AnalogueScale
 from drivers.sim.nodes.cia401 import AnalogueArray, EmulatedCia401, ModuleBuild, RegulatorWiring
 from drivers.sim.nodes.object_dictionary import BY_NAME
-from drivers.sim.perturbed_channels import PerturbedRegulators
+from drivers.sim.regulator_lines import correct_regulators, perturb_regulators
 from drivers.sim.regulator_port import RegulatorPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock, ConfigurationError
@@ -83,4 +82,4 @@ def _scale(signal: AnalogueSignal) -> AnalogueScale:
     return AnalogueScale(raw=signal.raw, electrical=signal.signal, pressure=signal.pressure)
 
 
-WIRING = Wiring(emulate_cia401, simulate_cia401, CorrectedRegulators.of, PerturbedRegulators)
+WIRING = Wiring(emulate_cia401, simulate_cia401, correct_regulators, perturb_regulators)

@@ -1,13 +1,12 @@
 """From the settings of axes on CiA 402 drives to their simulated forms."""
 
 from drivers.cia402.settings import Cia402Settings
+from drivers.sim.axis_lines import correct_axes, perturb_axes
 from drivers.sim.direct.axes_of_settings import signed_gear, simulate_axes
-from drivers.sim.direct.corrected_axes import CorrectedAxes
 from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.direct.stoppable_servos import StoppableServos
 from drivers.sim.nodes.cia402 import EmulatedCia402
 from drivers.sim.nodes.drive_contact import wire_contact
-from drivers.sim.perturbed_axes import PerturbedAxes
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
@@ -43,4 +42,4 @@ def simulate_cia402(of: Installed[Cia402Settings, ServoPort], clock: Clock) -> S
     return simulate_axes(of, of.settings.joints, steps, clock, kind)
 
 
-WIRING = Wiring(emulate_cia402, simulate_cia402, CorrectedAxes.of, PerturbedAxes)
+WIRING = Wiring(emulate_cia402, simulate_cia402, correct_axes, perturb_axes)

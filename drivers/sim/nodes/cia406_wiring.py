@@ -1,10 +1,9 @@
 """From the settings of a CiA 406 encoder to its simulated forms."""
 
 from drivers.cia406.settings import Cia406Settings
-from drivers.sim.direct.corrected_rods import CorrectedRods
 from drivers.sim.direct.encoders import RodPort, SimulatedEncoder
 from drivers.sim.nodes.cia406 import EmulatedCia406
-from drivers.sim.perturbed_channels import PerturbedRods
+from drivers.sim.rod_lines import correct_rods, perturb_rods
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
 
@@ -44,4 +43,4 @@ def simulate_cia406(of: Installed[Cia406Settings, RodPort], clock: Clock) -> Sim
     )
 
 
-WIRING = Wiring(emulate_cia406, simulate_cia406, CorrectedRods.of, PerturbedRods)
+WIRING = Wiring(emulate_cia406, simulate_cia406, correct_rods, perturb_rods)

@@ -1,15 +1,13 @@
 """Faults of an emulated node, by name: what any CANopen device may do wrong."""
 
-from collections.abc import Callable
 from math import inf
 
+from drivers.sim.breakable import Breakable
 from drivers.sim.nodes.emergency import GENERIC, Emergency
 from drivers.sim.nodes.object_dictionary import Abort, Variable
 
-FaultAction = Callable[[float | None], None]
 
-
-class FaultInjection:
+class FaultInjection(Breakable):
     """The faults that every node knows; a device profile adds its own with `add_fault`.
 
     ``silent`` (value: s, default for ever)
@@ -33,25 +31,15 @@ class FaultInjection:
     """
 
     # Provided by the node.
-    name: str
     now: float
     due: float
 
     def __init__(self) -> None:
+        super().__init__()
         self.lasting: set[str] = set()
         """The faults of `add_lasting_fault` that last now."""
         self.fault_due = inf
         self._ends: dict[str, float] = {}
-        self._faults: dict[str, FaultAction] = {}
-        self._repairs: list[Callable[[], None]] = []
-
-    def add_fault(
-        self, fault: str, action: FaultAction, repair: Callable[[], None] | None = None
-    ) -> None:
-        """Make a fault known by name, with what undoes it."""
-        self._faults[fault] = action
-        if repair is not None:
-            self._repairs.append(repair)
 
     def offer_faults(
         self, device_type: Variable, refused: dict[tuple[int, int], int], emergency: Emergency
@@ -81,34 +69,9 @@ class FaultInjection:
         self.add_fault("sdo_abort", refuse, refused.clear)
         self.add_fault("emergency", report, emergency.clear_injected)
 
-    @property
-    def known_faults(self) -> tuple[str, ...]:
-        """Names that `inject` accepts."""
-        return (*self._faults, "repair")
-
     def inject(self, fault: str, value: float | None = None) -> None:
-        """Make a fault happen now.
-
-        Parameters
-        ----------
-        fault : str
-            One of `known_faults`.
-        value : float, optional
-            What the fault's description says.
-
-        Raises
-        ------
-        ValueError
-            The fault is not known here, or the value does not fit it.
-        """
-        if fault == "repair":
-            self.repair()
-            return
-        action = self._faults.get(fault)
-        if action is None:
-            known = ", ".join(self.known_faults)
-            raise ValueError(f"{self.name}: no fault {fault!r}; known are {known}")
-        action(value)
+        """Make a fault happen now; see `Breakable.inject`."""
+        super().inject(fault, value)
         self.due = -inf
 
     def repair(self) -> None:
@@ -116,8 +79,7 @@ class FaultInjection:
         self._ends.clear()
         self.fault_due = inf
         self.lasting.clear()
-        for repair in self._repairs:
-            repair()
+        super().repair()
         self.due = -inf
 
     def add_lasting_fault(self, fault: str) -> None:
@@ -132,12 +94,11 @@ class FaultInjection:
         ValueError
             The duration is not positive.
         """
-        if duration is not None and not duration > 0.0:
-            raise ValueError(f"{self.name}: a fault lasts longer than {duration:g} s")
+        lasting = self.lasting_time("a fault", duration)
         self.lasting.add(fault)
         self._ends.pop(fault, None)
-        if duration is not None:
-            self._ends[fault] = self.now + duration
+        if lasting < inf:
+            self._ends[fault] = self.now + lasting
         self.fault_due = min(self._ends.values(), default=inf)
 
     def expire_faults(self, now: float) -> None:

@@ -1,8 +1,8 @@
 """From the settings of axes on ODrives to their simulated forms."""
 
 from drivers.odrive.settings import OdriveEndpoints, OdriveSettings
+from drivers.sim.axis_lines import correct_axes, perturb_axes
 from drivers.sim.direct.axes_of_settings import signed_gear, simulate_axes
-from drivers.sim.direct.corrected_axes import CorrectedAxes
 from drivers.sim.direct.servos import SimulatedServos
 from drivers.sim.nodes.odrive import (
     SHIPPED_ENCODER,
@@ -11,7 +11,6 @@ from drivers.sim.nodes.odrive import (
     EmulatedOdrive,
     OdriveBuild,
 )
-from drivers.sim.perturbed_axes import PerturbedAxes
 from drivers.sim.servo_port import ServoPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock
@@ -62,4 +61,4 @@ def _endpoints(numbers: OdriveEndpoints) -> dict[str, int]:
     return {path: number for path, number in made.items() if number is not None}
 
 
-WIRING = Wiring(emulate_odrive, simulate_odrive, CorrectedAxes.of, PerturbedAxes)
+WIRING = Wiring(emulate_odrive, simulate_odrive, correct_axes, perturb_axes)

@@ -9,10 +9,10 @@ References
 CiA 301 V4.2, section 7.2.2 (PDO) and objects 0x1400, 0x1600, 0x1800, 0x1A00.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from struct import Struct
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 from drivers.sim.nodes.object_dictionary import (
     UNSIGNED8,
@@ -43,21 +43,32 @@ _RESTRICTED = (
 _DUMMY_BYTES = {0x0002: 1, 0x0003: 2, 0x0004: 4, 0x0005: 1, 0x0006: 2, 0x0007: 4}
 
 
+class PdoHost(Protocol):
+    """The node, as each of its PDOs needs it."""
+
+    dictionary: ObjectDictionary
+    """Gets the PDO's parameters and holds what is mapped."""
+
+    def route(self) -> None:
+        """Route anew: validity or COB-ID of a PDO have changed."""
+
+    def transmit(self, can_id: int, data: bytes) -> None:
+        """Send a frame."""
+
+
 class Pdo:
     """Base of receive and transmit PDOs: COB-ID, type and mapping.
 
     Parameters
     ----------
-    dictionary : ObjectDictionary
-        Gets the parameters and holds what is mapped.
+    host : PdoHost
+        The node.
     number : int
         Of the PDO, from 0.
     cob_id : int
         Default COB-ID with the bits 30 and 31.
     entries : sequence of int
         Default mapping.
-    changed : callable
-        Called when validity or COB-ID have changed, so that the node routes anew.
     """
 
     direction: ClassVar[str]
@@ -66,19 +77,11 @@ class Pdo:
     records: ClassVar[tuple[int, int]]
     """Indices of the first PDO's communication and mapping parameters."""
 
-    def __init__(
-        self,
-        dictionary: ObjectDictionary,
-        number: int,
-        *,
-        cob_id: int,
-        entries: Sequence[int],
-        changed: Callable[[], None],
-    ) -> None:
+    def __init__(self, host: PdoHost, number: int, cob_id: int, entries: Sequence[int]) -> None:
         self.number = number
-        self._dictionary = dictionary
-        self._route = changed
-        add = dictionary.add
+        self._host = host
+        self._dictionary = host.dictionary
+        add = self._dictionary.add
         communication, mapping = (record + number for record in self.records)
         add(communication, 0, Variable(UNSIGNED8, 5, "const"))
         self._cob_id = add(
@@ -123,7 +126,7 @@ class Pdo:
                 variables.append(variable)
         self.variables = tuple(variables)
         self.layout = Struct(code)
-        self._route()
+        self._host.route()
 
     def _check_cob_id(self, value: int) -> None:
         can_id = value & 0x7FF
@@ -172,17 +175,9 @@ class ReceivePdo(Pdo):
     direction = "r"
     records = (0x1400, 0x1600)
 
-    def __init__(
-        self,
-        dictionary: ObjectDictionary,
-        number: int,
-        *,
-        cob_id: int,
-        entries: Sequence[int],
-        changed: Callable[[], None],
-    ) -> None:
-        super().__init__(dictionary, number, cob_id=cob_id, entries=entries, changed=changed)
-        self._timer = dictionary.add(
+    def __init__(self, host: PdoHost, number: int, cob_id: int, entries: Sequence[int]) -> None:
+        super().__init__(host, number, cob_id, entries)
+        self._timer = host.dictionary.add(
             self.records[0] + number, 5, Variable(UNSIGNED16, 0, changed=self.stop_watching)
         )
         self.due = inf
@@ -225,33 +220,20 @@ class ReceivePdo(Pdo):
 
 
 class TransmitPdo(Pdo):
-    """A PDO that the node produces: on SYNC, on change, by event timer, not too often.
-
-    Parameters are those of `Pdo`; `send` takes CAN id and bytes.
-    """
+    """A PDO that the node produces: on SYNC, on change, by event timer, not too often."""
 
     direction = "t"
     records = (0x1800, 0x1A00)
 
-    def __init__(
-        self,
-        dictionary: ObjectDictionary,
-        number: int,
-        *,
-        cob_id: int,
-        entries: Sequence[int],
-        changed: Callable[[], None],
-        send: Callable[[int, bytes], None],
-    ) -> None:
-        super().__init__(dictionary, number, cob_id=cob_id, entries=entries, changed=changed)
+    def __init__(self, host: PdoHost, number: int, cob_id: int, entries: Sequence[int]) -> None:
+        super().__init__(host, number, cob_id, entries)
         communication = self.records[0] + number
-        self._inhibit = dictionary.add(
+        self._inhibit = host.dictionary.add(
             communication, 3, Variable(UNSIGNED16, 0, check=self._check_inhibit)
         )
-        self.event_timer = dictionary.add(
+        self.event_timer = host.dictionary.add(
             communication, 5, Variable(UNSIGNED16, 0, changed=self.restart)
         )
-        self._send = send
         self._syncs = 0
         self._changed = False
         self._next_event = inf
@@ -275,7 +257,7 @@ class TransmitPdo(Pdo):
         self._changed = True
         self._next_event = inf
         self._not_before = -inf
-        self._route()
+        self._host.route()
 
     def note_change(self) -> None:
         """Remember that a mapped object changed."""
@@ -299,7 +281,9 @@ class TransmitPdo(Pdo):
             self._next_event = now + timer * 1e-3 if timer else inf
             self._not_before = now + self._inhibit.integer * 1e-4
         if self.can_id is not None:
-            self._send(self.can_id, self.layout.pack(*[item.value for item in self.variables]))
+            self._host.transmit(
+                self.can_id, self.layout.pack(*[item.value for item in self.variables])
+            )
 
     def _check_inhibit(self, _: int) -> None:
         if self.can_id is not None:

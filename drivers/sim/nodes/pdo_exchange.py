@@ -6,14 +6,13 @@ from typing import Protocol
 
 from drivers.sim.nodes import emergency as emcy
 from drivers.sim.nodes.emergency import Emergency
-from drivers.sim.nodes.object_dictionary import ObjectDictionary
-from drivers.sim.nodes.pdo import NO_RTR, NOT_VALID, ReceivePdo, TransmitPdo
+from drivers.sim.nodes.pdo import NO_RTR, NOT_VALID, PdoHost, ReceivePdo, TransmitPdo
 
 PDO_COUNT = 4
 Handler = Callable[[bytes, float], None]
 
 
-class Process(Protocol):
+class Process(PdoHost, Protocol):
     """The application side of a node, as its PDOs need it."""
 
     def sample_inputs(self, now: float) -> None:
@@ -34,61 +33,32 @@ class PdoExchange:
 
     Parameters
     ----------
-    dictionary : ObjectDictionary
-        Gets the parameters and holds what is mapped.
     node_id : int
         For the default COB-IDs.
     emergency : Emergency
         Told of bad lengths and missed deadlines.
     process : Process
-        Samples and applies.
+        Has the PDOs, samples and applies.
     """
 
-    def __init__(
-        self,
-        dictionary: ObjectDictionary,
-        node_id: int,
-        emergency: Emergency,
-        process: Process,
-    ) -> None:
-        self._dictionary = dictionary
+    def __init__(self, node_id: int, emergency: Emergency, process: Process) -> None:
         self._node_id = node_id
         self._emergency = emergency
         self._process = process
         self.receive: list[ReceivePdo] = []
         self.transmit: list[TransmitPdo] = []
 
-    def add(
-        self,
-        receive: Sequence[Sequence[int]],
-        transmit: Sequence[Sequence[int]],
-        *,
-        send: Callable[[int, bytes], None],
-        changed: Callable[[], None],
-    ) -> None:
+    def add(self, receive: Sequence[Sequence[int]], transmit: Sequence[Sequence[int]]) -> None:
         """Add the PDOs with their default mappings; those without one are not valid."""
         for number in range(PDO_COUNT):
             entries = receive[number] if number < len(receive) else ()
             cob_id = 0x200 + 0x100 * number + self._node_id | (0 if entries else NOT_VALID)
-            self.receive.append(
-                ReceivePdo(
-                    self._dictionary, number, cob_id=cob_id, entries=entries, changed=changed
-                )
-            )
+            self.receive.append(ReceivePdo(self._process, number, cob_id, entries))
         for number in range(PDO_COUNT):
             entries = transmit[number] if number < len(transmit) else ()
             cob_id = 0x180 + 0x100 * number + self._node_id | NO_RTR
             cob_id |= 0 if entries else NOT_VALID
-            self.transmit.append(
-                TransmitPdo(
-                    self._dictionary,
-                    number,
-                    cob_id=cob_id,
-                    entries=entries,
-                    changed=changed,
-                    send=send,
-                )
-            )
+            self.transmit.append(TransmitPdo(self._process, number, cob_id, entries))
 
     def configure(self) -> None:
         """Take all parameters as they are now."""

@@ -1,9 +1,10 @@
 """From the arm's dimensions to a MuJoCo model; an algebra of its own, none of the controllers'."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
-from xml.etree.ElementTree import Element, SubElement, tostring
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+from xml.etree.ElementTree import Element, tostring
 
 from drivers.sim.plants.arm_settings import ArmPlantSettings
+from drivers.sim.plants.mjcf import add
 
 if TYPE_CHECKING:
     import mujoco
@@ -76,81 +77,60 @@ def describe_model(
     """Return the arm in MuJoCo's own language."""
     drives, links = settings.drives, settings.links
     root = Element("mujoco", model="arm")
-    SubElement(root, "compiler", angle="radian", autolimits="true")
-    option = SubElement(
+    add(root, "compiler", angle="radian", autolimits=True)
+    option = add(
         root,
         "option",
-        timestep=_number(settings.timestep),
+        timestep=settings.timestep,
         gravity="0 0 -9.80665",
         integrator="implicitfast",
     )
-    SubElement(option, "flag", contact="disable")
-    body = SubElement(root, "worldbody")
-    wrist_bend = _vector(0.0, float(geometry.wrist_sign), 0.0)
-    places = (
-        (_vector(0.0, 0.0, geometry.base_height), "0 0 1"),
-        (_vector(0.0, geometry.shoulder_offset, 0.0), "0 1 0"),
-        (_vector(0.0, 0.0, geometry.a2), "0 1 0"),
-        (_vector(geometry.elbow_offset, 0.0, geometry.a3), "0 0 1"),
-        (_vector(0.0, 0.0, 0.0), wrist_bend),
-        (_vector(0.0, 0.0, 0.0), "0 0 1"),
+    add(option, "flag", contact="disable")
+    body = add(root, "worldbody")
+    place, hand = (0.0, 0.0, geometry.base_height), (0.0, 0.0, geometry.d6)
+    about_y, about_z, here = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+    # Of each joint its axis, and where its link ends, at which the next joint is.
+    rods = (
+        (about_z, (0.0, geometry.shoulder_offset, 0.0)),
+        (about_y, (0.0, 0.0, geometry.a2)),
+        (about_y, (geometry.elbow_offset, 0.0, geometry.a3)),
+        (about_z, here),
+        ((0.0, float(geometry.wrist_sign), 0.0), here),
+        (about_z, hand),
     )
-    here = (0.0, 0.0, 0.0)
-    ends = (
-        (0.0, geometry.shoulder_offset, 0.0),
-        (0.0, 0.0, geometry.a2),
-        (geometry.elbow_offset, 0.0, geometry.a3),
-        here,
-        here,
-        (0.0, 0.0, geometry.d6),
-    )
-    for k, (position, axis) in enumerate(places):
-        body = SubElement(body, "body", name=LINKS[k], pos=position)
+    for k, (axis, end) in enumerate(rods):
+        body = add(body, "body", name=LINKS[k], pos=place)
         factor = deviations.frictions[k]
-        SubElement(
+        add(
             body,
             "joint",
             name=JOINTS[k],
             axis=axis,
-            range=f"{_number(geometry.position_min[k] - settings.stop_margin)} "
-            f"{_number(geometry.position_max[k] + settings.stop_margin)}",
-            armature=_number(drives.inertias[k]),
-            frictionloss=_number(drives.friction[k] * factor),
-            damping=_number(drives.viscous[k] * factor),
+            range=(
+                geometry.position_min[k] - settings.stop_margin,
+                geometry.position_max[k] + settings.stop_margin,
+            ),
+            armature=drives.inertias[k],
+            frictionloss=drives.friction[k] * factor,
+            damping=drives.viscous[k] * factor,
             solimpfriction=_STIFF_FRICTION,
         )
-        mass = links.masses[k] * deviations.masses[k]
-        _add_rod(body, ends[k], links.radii[k], mass)
-    SubElement(body, "site", name=HAND, pos=_vector(0.0, 0.0, geometry.d6))
+        _add_rod(body, end, links.radii[k], links.masses[k] * deviations.masses[k])
+        place = end
+    add(body, "site", name=HAND, pos=hand)
     x, y, z = geometry.marker
-    SubElement(body, "site", name=MARKER, pos=_vector(x, y, geometry.d6 + z))
+    add(body, "site", name=MARKER, pos=(x, y, geometry.d6 + z))
     if links.payload > 0.0:
-        SubElement(
-            body,
-            "geom",
-            type="sphere",
-            size="0.03",
-            pos=_vector(0.0, 0.0, geometry.d6),
-            mass=_number(links.payload),
-        )
-    actuators = SubElement(root, "actuator")
+        add(body, "geom", type="sphere", size=0.03, pos=hand, mass=links.payload)
+    actuators = add(root, "actuator")
     for joint in JOINTS:
-        SubElement(actuators, "motor", name=joint, joint=joint)
+        add(actuators, "motor", name=joint, joint=joint)
     return tostring(root, encoding="unicode")
 
 
 def _add_rod(body: Element, end: tuple[float, float, float], radius: float, mass: float) -> None:
     """Add a capsule from the joint to `end`, or a ball if they are one point."""
-    shape: dict[str, Any] = {"size": _number(radius), "mass": _number(mass)}
     if any(end):
-        SubElement(body, "geom", type="capsule", fromto=f"0 0 0 {_vector(*end)}", **shape)
+        add(body, "geom", type="capsule", fromto=(0.0, 0.0, 0.0, *end), size=radius, mass=mass)
     else:
-        SubElement(body, "geom", type="sphere", **shape)
-
-
-def _vector(*values: float) -> str:
-    return " ".join(_number(value) for value in values)
-
-
-def _number(value: float) -> str:
-    return repr(float(value))
+        add(body, "geom", type="sphere", size=radius, mass=mass)

@@ -7,9 +7,12 @@ them. Lengths and joint ranges are the profile's geometry.
 
 import math
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 from annotated_types import Ge, Gt, Interval, Unit
+
+T = TypeVar("T")
+Six = tuple[T, T, T, T, T, T]
 
 Torque = Annotated[float, Unit("N m"), Gt(0)]
 Friction = Annotated[float, Unit("N m"), Ge(0)]
@@ -52,46 +55,11 @@ class ArmDriveSettings:
     velocity_bandwidth: Annotated[float, Unit("Hz"), Gt(0)] = 40.0
     integral_ratio: Annotated[float, Gt(1)] = 5.0
     torque_bandwidth: Annotated[float, Unit("Hz"), Gt(0)] = 300.0
-    torque_limits: tuple[Torque, Torque, Torque, Torque, Torque, Torque] = (
-        150.0,
-        150.0,
-        100.0,
-        40.0,
-        40.0,
-        30.0,
-    )
-    inertias: tuple[Inertia, Inertia, Inertia, Inertia, Inertia, Inertia] = (
-        1.2,
-        1.2,
-        0.8,
-        0.2,
-        0.2,
-        0.12,
-    )
-    friction: tuple[Friction, Friction, Friction, Friction, Friction, Friction] = (
-        8.0,
-        8.0,
-        5.0,
-        1.5,
-        1.5,
-        1.0,
-    )
-    viscous: tuple[Viscous, Viscous, Viscous, Viscous, Viscous, Viscous] = (
-        10.0,
-        10.0,
-        6.0,
-        2.0,
-        2.0,
-        1.2,
-    )
-    brakes: tuple[Friction, Friction, Friction, Friction, Friction, Friction] = (
-        200.0,
-        200.0,
-        130.0,
-        50.0,
-        50.0,
-        40.0,
-    )
+    torque_limits: Six[Torque] = (150.0, 150.0, 100.0, 40.0, 40.0, 30.0)
+    inertias: Six[Inertia] = (1.2, 1.2, 0.8, 0.2, 0.2, 0.12)
+    friction: Six[Friction] = (8.0, 8.0, 5.0, 1.5, 1.5, 1.0)
+    viscous: Six[Viscous] = (10.0, 10.0, 6.0, 2.0, 2.0, 1.2)
+    brakes: Six[Friction] = (200.0, 200.0, 130.0, 50.0, 50.0, 40.0)
     hold_after: Annotated[float, Unit("s"), Gt(0)] = 0.05
 
 
@@ -109,8 +77,8 @@ class ArmLinkSettings:
         At the tool point, kg.
     """
 
-    masses: tuple[Mass, Mass, Mass, Mass, Mass, Mass] = (6.0, 5.0, 3.2, 1.0, 1.0, 0.5)
-    radii: tuple[float, float, float, float, float, float] = (0.08, 0.05, 0.045, 0.04, 0.04, 0.03)
+    masses: Six[Mass] = (6.0, 5.0, 3.2, 1.0, 1.0, 0.5)
+    radii: Six[float] = (0.08, 0.05, 0.045, 0.04, 0.04, 0.03)
     payload: Annotated[float, Unit("kg"), Ge(0)] = 0.5
 
 
@@ -137,14 +105,7 @@ class ArmPlantSettings:
 
     links: ArmLinkSettings = field(default_factory=ArmLinkSettings)
     drives: ArmDriveSettings = field(default_factory=ArmDriveSettings)
-    start: tuple[Angle, Angle, Angle, Angle, Angle, Angle] = (
-        0.0,
-        math.pi / 6,
-        math.pi / 2,
-        0.0,
-        -math.pi / 6,
-        0.0,
-    )
+    start: Six[Angle] = (0.0, math.pi / 6, math.pi / 2, 0.0, -math.pi / 6, 0.0)
     stop_margin: Annotated[float, Unit("rad"), Ge(0)] = 0.1
     mass_spread: Annotated[float, Interval(ge=0.0, lt=0.5)] = 0.05
     friction_spread: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.3

@@ -1,10 +1,11 @@
 """From the legs' dimensions to a MuJoCo model; an algebra of its own, none of the controllers'."""
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
-from xml.etree.ElementTree import Element, SubElement, tostring
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+from xml.etree.ElementTree import Element, tostring
 
 from drivers.sim.plants.legs_settings import LegServoSettings
+from drivers.sim.plants.mjcf import add
 
 if TYPE_CHECKING:
     import mujoco
@@ -140,10 +141,10 @@ def describe(
     """Return the same as MJCF text; its form is the same in all of MuJoCo's versions."""
     root = Element("mujoco", model="legs")
     # Friction cones of a soft floor creep; a higher ratio makes them hold.
-    _add(root, "option", timestep=timestep, integrator="implicitfast", cone="elliptic", impratio=10)
-    _add(root, "compiler", angle="radian", autolimits=False)
-    world = SubElement(root, "worldbody")
-    _add(
+    add(root, "option", timestep=timestep, integrator="implicitfast", cone="elliptic", impratio=10)
+    add(root, "compiler", angle="radian", autolimits=False)
+    world = add(root, "worldbody")
+    add(
         world,
         "geom",
         name="floor",
@@ -153,15 +154,15 @@ def describe(
         solref=_CONTACT,
     )
     masses = geometry.masses
-    waist = _add(world, "body", name="waist")
-    _add(waist, "freejoint", name="waist")
+    waist = add(world, "body", name="waist")
+    add(waist, "freejoint", name="waist")
     _add_inertia(
         waist,
         masses.upper_body * deviations.masses[0],
         (masses.upper_body_forward, 0.0, masses.upper_body_height),
         _BODY_SIZE,
     )
-    actuators = SubElement(root, "actuator")
+    actuators = add(root, "actuator")
     for number, side in enumerate((-1.0, 1.0)):
         mine = slice(6 * number, 6 * number + 6)
         _add_leg(
@@ -174,7 +175,7 @@ def describe(
             deviations.frictions[mine],
         )
         for channel, peak in zip(CHANNELS[mine], geometry.torque_peak, strict=True):
-            _add(
+            add(
                 actuators,
                 "position",
                 name=channel,
@@ -218,9 +219,9 @@ def _add_leg(
     )
     body = waist
     for number, (link, at, mass, centre, size) in enumerate(links):
-        body = _add(body, "body", name=f"{leg}_{link}", pos=at)
+        body = add(body, "body", name=f"{leg}_{link}", pos=at)
         _add_inertia(body, mass * mass_factors[number], centre, size)
-        _add(
+        add(
             body,
             "joint",
             name=channels[number],
@@ -230,7 +231,7 @@ def _add_leg(
             frictionloss=servo.friction * friction_factors[number],
             damping=servo.viscous * friction_factors[number],
         )
-    _add(
+    add(
         body,
         "geom",
         name=f"{leg}_sole",
@@ -247,25 +248,13 @@ def _add_leg(
         contype=2,  # soles meet the floor, not each other
         conaffinity=1,
     )
-    _add(body, "site", name=f"{leg}_sole", pos=(0.0, 0.0, -geometry.ankle_height))
+    add(body, "site", name=f"{leg}_sole", pos=(0.0, 0.0, -geometry.ankle_height))
 
 
 def _add_inertia(body: Element, mass: float, centre: Vector3, size: Vector3) -> None:
     """Give a body the mass and inertia of a box."""
     x, y, z = (side * side * mass / 12.0 for side in size)
-    _add(body, "inertial", mass=mass, pos=centre, diaginertia=(y + z, x + z, x + y))
-
-
-def _add(parent: Element, tag: str, **attributes: Any) -> Element:
-    return SubElement(parent, tag, {name: _text(value) for name, value in attributes.items()})
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, tuple):
-        return " ".join(map(repr, value))
-    return str(value) if isinstance(value, str) else repr(value)
+    add(body, "inertial", mass=mass, pos=centre, diaginertia=(y + z, x + z, x + y))
 
 
 def knee_at_height(thigh: float, shank: float, height: float) -> tuple[float, float, float]:

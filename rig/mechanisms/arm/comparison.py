@@ -7,7 +7,7 @@ import numpy as np
 
 from rig.experiment.metrics import facts_from_json
 from rig.hal.motion import Fact
-from rig.mechanisms.arm.figures import JOINTS, geometry_of, mark_region
+from rig.mechanisms.arm.figures import JOINTS, mark_region
 from rig.report.comparison import Comparison, ComparisonRow
 from rig.report.cost_bars import Cost, draw_cost
 from rig.report.data import RunData
@@ -80,14 +80,14 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     for axes, run, label, known in zip(panels, runs, labels, facts, strict=True):
         _draw_rates(axes, run)
         axes.set_title(f"{label}: {_in_words(known)}", loc="left", pad=2.0)
-    panels[0].set_xlim(0.0, max(float(run.t[run.followed][-1]) for run in runs))
+    panels[0].set_xlim(0.0, max(float(run.time[-1]) for run in runs))
     panels[0].set_ylim(-_SHOWN, _SHOWN)
     panels[-1].set_xlabel(TIME_LABEL)
     over_time.supylabel("joint rate over its limit", fontsize=8.5)
     panels[0].legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.16), ncols=6, frameon=False, borderaxespad=0.0
     )
-    limits = geometry_of(runs[0])["rate_limits"]
+    limits = runs[0].settings["geometry"]["rate_limits"]
     shares = [
         max(known[f"peak_rate_{j}"].value / limit for j, limit in zip(JOINTS, limits, strict=True))
         for known in facts
@@ -122,12 +122,12 @@ def draw_laws(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
 
 
 def _draw_rates(axes: "Axes", run: RunData) -> None:
-    t = run.t[run.followed]
+    t = run.time
     for bound in (-1.0, 1.0):
         axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
-    limits = geometry_of(run)["rate_limits"]
+    limits = run.settings["geometry"]["rate_limits"]
     for joint, limit, color in zip(JOINTS, limits, PALETTE, strict=True):
-        rate = run.log.column(f"command.velocity_{joint}")[run.followed]
+        rate = run.trace(f"command.velocity_{joint}")
         axes.plot(*envelope(t, rate / limit), color=color, lw=0.8, label=joint)
     mark_region(axes, run)
 
@@ -163,7 +163,7 @@ def _in_words(facts: dict[str, Fact]) -> str:
 
 def _closest(runs: Sequence[RunData], facts: Sequence[dict[str, Fact]]) -> tuple[Cost, list[float]]:
     """Return how near each law comes to the singularity that the path is about."""
-    geometry = geometry_of(runs[0])
+    geometry = runs[0].settings["geometry"]
     reach = geometry["a2"] + geometry["a3"]
     offered = (
         ("closest_boundary", reach, Cost("closest to the boundary (mm)", 1e3, 1e-2)),

@@ -1,6 +1,6 @@
 """The figures of the arm, as its paper draws them and beyond."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,22 +36,20 @@ def draw_rates(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 92.0)
     panels = figure.subplots(2, 3, sharex=True)
-    part = run.followed
-    t = run.t[part]
-    limits = geometry_of(run)["rate_limits"]
+    t = run.time
+    limits = run.settings["geometry"]["rate_limits"]
     for axes, name, limit in zip(panels.flat, JOINTS, limits, strict=True):
-        measured = run.log.column(f"reading.velocity_{name}")[part]
-        commanded = run.log.column(f"command.velocity_{name}")[part]
+        measured = run.trace(f"reading.velocity_{name}")
+        commanded = run.trace(f"command.velocity_{name}")
         draw_line(axes, t, measured, GREY, "measured", lw=0.6)
         draw_line(axes, t, commanded, BLUE, "commanded", lw=0.9)
         for bound in (-limit, limit):
             axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
         mark_region(axes, run)
-        finish_time_axis(axes, t, f"{name} (rad/s)")
+        finish_time_axis(axes, t, f"{name} (rad/s)", "")
         # A spike beyond three times the permitted rate does not set the scale.
         extent = min(max(1.2, 1.1 * float(np.abs(commanded).max()) / limit), 3.0) * limit
         axes.set_ylim(-extent, extent)
-        axes.set_xlabel("")
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
     place_legend(panels[0, 2], 2)
@@ -64,15 +62,13 @@ def draw_indices(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 50.0)
     panels = figure.subplots(1, 3)
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for axes, (name, label) in zip(panels, _INDICES, strict=True):
         axes.axhline(0.0, color=GREY, lw=0.6)
-        draw_line(axes, t, run.log.column(f"reading.{name}")[part], GREY, "measured", lw=2.0)
-        draw_line(axes, t, run.log.column(f"plan.{name}")[part], BLUE, "commanded", lw=0.9)
+        draw_line(axes, t, run.trace(f"reading.{name}"), GREY, "measured", lw=2.0)
+        draw_line(axes, t, run.trace(f"plan.{name}"), BLUE, "commanded", lw=0.9)
         mark_region(axes, run)
-        finish_time_axis(axes, t, label)
-        axes.set_xlabel("time (s)")
+        finish_time_axis(axes, t, label, "time (s)")
         _keep_above_noise(axes, 2e-3)
     place_legend(panels[0], 2)
     return figure
@@ -84,22 +80,20 @@ def draw_hand(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 88.0)
     panels = figure.subplots(2, 3, sharex=True, sharey="row")
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     kinds = (("v", "v", "m/s"), ("w", r"\omega", "rad/s"))
     for row, (letter, symbol, unit) in zip(panels, kinds, strict=True):
         extent = 0.0
         for axes, axis in zip(row, "xyz", strict=True):
             name = f"{letter}{axis}"
-            planned = run.log.column(f"plan.twist_{name}")[part]
-            asked = run.log.column(f"plan.asked_{name}")[part]
-            measured = run.log.column(f"reading.twist_{name}")[part]
+            planned = run.trace(f"plan.twist_{name}")
+            asked = run.trace(f"plan.asked_{name}")
+            measured = run.trace(f"reading.twist_{name}")
             draw_line(axes, t, measured, GREY, "measured", lw=1.2)
             draw_line(axes, t, planned, BLUE, "commanded, scaled by b", lw=0.9)
             draw_line(axes, t, asked, INK, "asked for by the path", lw=0.7, ls=(0, (4, 2)))
             mark_region(axes, run)
-            finish_time_axis(axes, t, f"${symbol}_{axis}$ ({unit})")
-            axes.set_xlabel("")
+            finish_time_axis(axes, t, f"${symbol}_{axis}$ ({unit})", "")
             extent = max(extent, *(float(np.abs(x).max()) for x in (planned, asked)))
         row[0].set_ylim(*(sign * max(1.25 * extent, 0.02) for sign in (-1.0, 1.0)))
     for axes in panels[-1]:
@@ -119,16 +113,13 @@ def draw_inside(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 58.0)
     left, right = figure.subplots(1, 2)
-    part = run.followed
-    t = run.t[part]
-    draw_line(left, t, run.log.column("plan.inside")[part] * 1e3, BLUE, "wrist centre")
+    t = run.time
+    draw_line(left, t, run.trace("plan.inside") * 1e3, BLUE, "wrist centre")
     mark_region(left, run)
-    finish_time_axis(left, t, "inside the boundary (mm)")
-    left.set_xlabel("time (s)")
+    finish_time_axis(left, t, "inside the boundary (mm)", "time (s)")
     source = "truth" if run.has("truth.hand_x") else "reading"
     hand, place, path = (
-        np.column_stack([run.log.column(f"{name}_{axis}")[part] for axis in "xyz"])
-        for name in (f"{source}.hand", "reference.hand", "plan.path")
+        run.track(name) for name in (f"{source}.hand", "reference.hand", "plan.path")
     )
     error = hand - path
     ahead = np.gradient(path, axis=0)
@@ -139,8 +130,7 @@ def draw_inside(run: RunData) -> "Figure | None":
     draw_line(right, t, along * 1e3, GREY, "along the path", lw=0.7)
     draw_line(right, t, across * 1e3, VERMILION, "off the path", lw=0.9)
     mark_region(right, run)
-    finish_time_axis(right, t, "hand off its place (mm)")
-    right.set_xlabel("time (s)")
+    finish_time_axis(right, t, "hand off its place (mm)", "time (s)")
     place_legend(right, 2)
     return figure
 
@@ -151,17 +141,17 @@ def draw_arm(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 84.0)
     side, above = figure.subplots(1, 2)
-    followed = np.flatnonzero(run.followed)
-    chosen = followed[np.linspace(0, len(followed) - 1, _POSTURES).astype(int)]
-    geometry = geometry_of(run)
+    tracks = [run.track(name) for name in _POINTS]
+    chosen = np.linspace(0, len(run.time) - 1, _POSTURES).astype(int)
+    geometry = run.settings["geometry"]
     base = float(geometry["base_height"])
     for number, k in enumerate(chosen):
-        points = np.array([(0.0, 0.0, base), *(_point(run, name, int(k)) for name in _POINTS)])
+        points = np.array([(0.0, 0.0, base), *(track[k] for track in tracks)])
         shade = 0.85 - 0.75 * number / (_POSTURES - 1)
         color = (shade, shade, shade)
         side.plot(points[:, 0], points[:, 2], "-o", ms=2.0, lw=1.2, color=color)
         above.plot(points[:, 0], points[:, 1], "-o", ms=2.0, lw=1.2, color=color)
-    x, y, z = (run.log.column(f"reference.hand_{axis}")[run.followed] for axis in "xyz")
+    x, y, z = run.track("reference.hand").T
     side.plot(x, z, color=VERMILION, lw=1.2, label="path of the hand")
     above.plot(x, y, color=VERMILION, lw=1.2, label="path of the hand")
     _draw_boundary(side, base, geometry)
@@ -185,11 +175,6 @@ def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> Non
     axes.plot([], [], color=GREY, lw=0.7, ls=(0, (2, 2)), label="reach of the wrist")
 
 
-def _point(run: RunData, name: str, sample: int) -> tuple[float, float, float]:
-    x, y, z = (float(run.log.column(f"{name}_{axis}")[sample]) for axis in "xyz")
-    return x, y, z
-
-
 def mark_region(axes: "Axes", run: RunData) -> None:
     """Mark where the singular region is entered and left, as the paper does, by black lines."""
     for segment in run.segments:
@@ -204,15 +189,6 @@ def _keep_above_noise(axes: "Axes", least: float) -> None:
     if high - low < least:
         middle = 0.5 * (low + high)
         axes.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
-
-
-def geometry_of(run: RunData) -> dict[str, Any]:
-    """Return the arm's dimensions and limits from the run's own profile."""
-    import yaml
-
-    profile = yaml.safe_load((run.folder.path / "profile.yaml").read_text(encoding="utf-8"))
-    geometry: dict[str, Any] = profile["arm"]["geometry"]
-    return geometry
 
 
 ARM_FIGURES = {

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measure import Measure, Window, Windows, pooled, rms
+from rig.experiment.measure import (
+    Measure,
+    Window,
+    Windows,
+    column,
+    columns,
+    greatest,
+    lengths,
+    rms_of,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,16 +40,6 @@ def off_path(window: Window) -> "Array":
         near = path[max(k - _NEAR, 0) : k + _NEAR]
         distances[k] = _to_polyline(point, near)
     return distances
-
-
-def path_deviation_measured(windows: Windows) -> float:
-    """Return the greatest distance of the hand from the path, m."""
-    return max(float(off_path(window).max()) for window in windows)
-
-
-def hand_lag(windows: Windows) -> float:
-    """Return the rms distance of the hand from where it should be at the time, m."""
-    return rms(np.linalg.norm(pooled(windows, _hand_error), axis=1))
 
 
 def time_crossing_measured(windows: Windows) -> float:
@@ -92,19 +91,20 @@ def dwell_time_measured(windows: Windows) -> float:
     return float(instants[-1] - instants[0]) if len(instants) > 1 else math.inf
 
 
-def twist_residual_measured(windows: Windows) -> float:
-    """Return the greatest entry of ``J q' - (b v, b^2 w)`` of measured joints and rates.
+def _twist_residual(window: Window) -> "Array":
+    """Return ``J q' - (b v, b^2 w)`` of measured joints and rates, shape (n, 6).
 
     The drives come later than planned, which is most of it where b changes.
     """
+    share = np.column_stack([window.column(f"plan.scale{of}") for of in ("", "_turn")])
+    asked = window.columns("plan.asked_") * np.repeat(share, 3, axis=1)
+    return window.columns("reading.twist_") - asked
 
-    def residual(window: Window) -> "Array":
-        share = np.column_stack([window.column(f"plan.scale{of}") for of in ("", "_turn")])
-        asked = window.columns("plan.asked_") * np.repeat(share, 3, axis=1)
-        difference: Array = window.columns("reading.twist_") - asked
-        return difference
 
-    return float(np.abs(pooled(windows, residual)).max())
+def _hand_distance(window: Window) -> "Array":
+    """Return the hand's distance from where it should be at the time, m, shape (n,)."""
+    hand = window.columns(f"{_source(window)}.hand_")
+    return lengths(hand - window.columns("reference.hand_"))
 
 
 def return_error_measured(windows: Windows) -> float:
@@ -115,29 +115,13 @@ def return_error_measured(windows: Windows) -> float:
     return float(np.abs(difference - turns).max())
 
 
-def peak_rate_measured(windows: Windows) -> float:
-    """Return the greatest rate of any joint as its drive says, rad/s."""
-    return max(float(np.abs(window.columns("reading.velocity_q")).max()) for window in windows)
-
-
-def torque_max(windows: Windows) -> float:
-    """Return the greatest torque of any joint, N m; only a simulation knows it."""
-    return max(float(np.abs(window.columns("truth.torque_q")).max()) for window in windows)
-
-
-def _peak_rate_of(joint: str) -> Measure:
-    def peak(windows: Windows) -> float:
-        name = f"reading.velocity_{joint}"
-        return max(float(np.abs(window.column(name)).max()) for window in windows)
-
-    return Measure(peak, "rad/s", f"greatest measured rate of {joint}")
-
-
 ARM_MEASURES: dict[str, Measure] = {
     "path_deviation_measured": Measure(
-        path_deviation_measured, "m", "greatest distance of the hand from the path"
+        greatest(off_path), "m", "greatest distance of the hand from the path"
     ),
-    "hand_lag": Measure(hand_lag, "m", "rms distance of the hand from its place at the time"),
+    "hand_lag": Measure(
+        rms_of(_hand_distance), "m", "rms distance of the hand from its place at the time"
+    ),
     "time_crossing_measured": Measure(
         time_crossing_measured, "s", "first pass of the measured elbow through its singularity"
     ),
@@ -151,27 +135,29 @@ ARM_MEASURES: dict[str, Measure] = {
         dwell_time_measured, "s", "time of the measured elbow in the singular region"
     ),
     "twist_residual_measured": Measure(
-        twist_residual_measured, "", "greatest entry of J q' - (b v, b² w), measured"
+        greatest(_twist_residual), "", "greatest entry of J q' - (b v, b² w), measured"
     ),
     "return_error_measured": Measure(
         return_error_measured, "rad", "measured joints at the end from those at the start"
     ),
-    "peak_rate_measured": Measure(peak_rate_measured, "rad/s", "greatest measured joint rate"),
-    **{f"peak_rate_{joint}_measured": _peak_rate_of(joint) for joint in _JOINTS},
-    "torque_max": Measure(torque_max, "N m", "greatest joint torque"),
+    "peak_rate_measured": Measure(
+        greatest(columns("reading.velocity_q")), "rad/s", "greatest measured joint rate"
+    ),
+    **{
+        f"peak_rate_{joint}_measured": Measure(
+            greatest(column(f"reading.velocity_{joint}")),
+            "rad/s",
+            f"greatest measured rate of {joint}",
+        )
+        for joint in _JOINTS
+    },
+    "torque_max": Measure(greatest(columns("truth.torque_q")), "N m", "greatest joint torque"),
 }
 
 
 def _source(window: Window) -> str:
     """Return where the hand is taken from: the truth where it is known."""
     return "truth" if window.has("truth.hand_x") else "reading"
-
-
-def _hand_error(window: Window) -> "Array":
-    difference: Array = window.columns(f"{_source(window)}.hand_") - window.columns(
-        "reference.hand_"
-    )
-    return difference
 
 
 def _zeros(t: "Array", x: "Array") -> "Array":

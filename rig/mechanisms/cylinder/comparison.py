@@ -26,7 +26,7 @@ def draw_pair(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
     """Draw the error of each run over time, one above the other, and their metrics."""
     figure = new_figure(PAGE, 26.0 + 24.0 * len(runs))
     grid = figure.add_gridspec(len(runs), 2, width_ratios=[2.2, 1.0])
-    errors = [(run.t[run.followed], run.error[run.followed]) for run in runs]
+    errors = [(run.time, run.error[run.followed]) for run in runs]
     extent = max(float(np.nanmax(np.abs(error), initial=1e-9)) for _, error in errors)
     factor, unit = length_scale(extent)
     top = None

@@ -35,14 +35,13 @@ def draw_tracking(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 62.0)
     axes = figure.add_subplot()
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for name, label, color, width in (
         ("reading.position", "reading", BLUE, 1.0),
         ("reference.position", "reference", INK, 0.7),
     ):
         style = "-" if label == "reading" else (0, (4, 2))
-        draw_line(axes, t, run.log.column(name)[part] * 1e3, color, label, lw=width, ls=style)
+        draw_line(axes, t, run.trace(name) * 1e3, color, label, lw=width, ls=style)
     finish_time_axis(axes, t, "position (mm)")
     shade_segments(axes, PAGE, run.segments)
     place_legend(axes, 2)
@@ -55,8 +54,7 @@ def draw_error(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 62.0)
     axes = figure.add_subplot()
-    part = run.followed
-    t, error = run.t[part], run.error[part]
+    t, error = run.time, run.error[run.followed]
     bounds = list(bounds_of(run, _TRACKING_MEASURES))
     extent = max([float(np.abs(error).max()), *(bound for _, bound, _ in bounds)])
     factor, unit = length_scale(extent)

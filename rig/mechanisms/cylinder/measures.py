@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measure import Measure, Window, Windows, pooled, rms
+from rig.experiment.measure import Measure, Window, Windows, greatest, pooled, rms, rms_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,14 +27,8 @@ BREAKAWAY_TRAVEL = 20e-6
 """Travel after which a pair is called moving, m: ten times what noise and quantisation show."""
 
 
-def tracking_rms(windows: Windows) -> float:
-    """Return the rms error, m."""
-    return rms(pooled(windows, _error))
-
-
-def tracking_max(windows: Windows) -> float:
-    """Return the greatest absolute error, m."""
-    return max(float(np.abs(_error(window)).max()) for window in windows)
+def _error(window: Window) -> "Array":
+    return window.error("position")
 
 
 def hunting(windows: Windows) -> float:
@@ -116,10 +110,10 @@ def breakaway_pressure(windows: Windows) -> float:
 
 
 PAIR_MEASURES: dict[str, Measure] = {
-    "tracking_rms": Measure(tracking_rms, "m", "rms error"),
-    "tracking_max": Measure(tracking_max, "m", "greatest absolute error"),
-    "hold_rms": Measure(tracking_rms, "m", "rms error while it holds"),
-    "hold_max": Measure(tracking_max, "m", "greatest absolute error while it holds"),
+    "tracking_rms": Measure(rms_of(_error), "m", "rms error"),
+    "tracking_max": Measure(greatest(_error), "m", "greatest absolute error"),
+    "hold_rms": Measure(rms_of(_error), "m", "rms error while it holds"),
+    "hold_max": Measure(greatest(_error), "m", "greatest absolute error while it holds"),
     "hunting": Measure(hunting, "m", "greatest peak-to-peak motion of one hold"),
     "velocity_ripple": Measure(velocity_ripple, "", "rms velocity error over rms velocity"),
     "stick_share": Measure(stick_share, "", "share of the time that it sticks"),
@@ -132,10 +126,6 @@ PAIR_MEASURES: dict[str, Measure] = {
         breakaway_pressure, "Pa", "change of pressure difference before it starts to move"
     ),
 }
-
-
-def _error(window: Window) -> "Array":
-    return window.error("position")
 
 
 def _position(window: Window) -> "Array":

@@ -90,11 +90,8 @@ def _draw_errors(axes: "Axes", runs: Sequence[RunData]) -> None:
 
 def _distance(run: RunData) -> "tuple[Array, Array]":
     source = "truth" if run.has("truth.marker_x") else "estimate"
-    gap = [
-        run.log.column(f"{source}.marker_{axis}") - run.log.column(f"reference.marker_{axis}")
-        for axis in "xyz"
-    ]
-    return run.t[run.followed], np.linalg.norm(gap, axis=0)[run.followed]
+    gap = run.track(f"{source}.marker") - run.track("reference.marker")
+    return run.time, np.linalg.norm(gap, axis=1)
 
 
 def _parts(run: RunData) -> list[Segment]:

@@ -62,10 +62,10 @@ def draw_walks(runs: Sequence[RunData], labels: Sequence[str]) -> "Figure":
 
 
 def _draw_rates(axes: "Axes", run: RunData) -> None:
-    t = run.t[run.followed]
+    t = run.time
     axes.axhline(0.0, color=GREY, lw=0.5)
     for leg, color in COLORS.items():
-        rate = run.log.column(f"command.velocity_{leg}_knee")[run.followed]
+        rate = run.trace(f"command.velocity_{leg}_knee")
         axes.plot(*envelope(t, rate), color=color, lw=0.7, label=f"{leg} knee")
     axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
     axes.margins(y=0.12)

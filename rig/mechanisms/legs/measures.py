@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measure import Measure, Window, Windows, pooled, rms
+from rig.experiment.measure import (
+    Measure,
+    Values,
+    Window,
+    Windows,
+    column,
+    columns,
+    greatest,
+    pooled,
+    rms_of,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -15,11 +25,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 KNEES = ("right_knee", "left_knee")
-
-
-def fell(windows: Windows) -> float:
-    """Return 1 if the robot fell, else 0."""
-    return max(float(window.column("truth.fell").max()) for window in windows)
 
 
 def advance_measured(windows: Windows) -> float:
@@ -30,25 +35,11 @@ def advance_measured(windows: Windows) -> float:
     )
 
 
-def slip_max(windows: Windows) -> float:
-    """Return how far the worse foot slipped off its prints, m."""
-    return max(float(window.columns("truth.slip_").max()) for window in windows)
-
-
-def knee_torque_max(windows: Windows) -> float:
-    """Return the greatest torque of either knee, N m."""
-    return max(
-        float(np.abs(window.column(f"truth.torque_{knee}")).max())
-        for window in windows
-        for knee in KNEES
-    )
-
-
 def knee_torque_mean(windows: Windows) -> float:
     """Return the mean torque of the knee that bears more, N m: what straight knees save."""
 
     def bearing(window: Window) -> "Array":
-        torques = np.abs(np.column_stack([window.column(f"truth.torque_{k}") for k in KNEES]))
+        torques = np.abs(_knees("truth.torque")(window))
         right, left = window.column("truth.load_right"), window.column("truth.load_left")
         torque: Array = np.where(right > left, torques[:, 0], torques[:, 1])
         return torque
@@ -61,36 +52,30 @@ def saturated_share(windows: Windows) -> float:
     return float((pooled(windows, lambda window: window.column("truth.saturated")) > 0.5).mean())
 
 
-def knee_rate_measured(windows: Windows) -> float:
-    """Return the greatest rate of either knee as its servo says, rad/s."""
-    return max(
-        float(np.abs(window.column(f"reading.velocity_{knee}")).max())
-        for window in windows
-        for knee in KNEES
-    )
+def _knees(prefix: str) -> Values:
+    """Return what takes a column of both knees."""
+    return lambda window: np.column_stack([window.column(f"{prefix}_{knee}") for knee in KNEES])
 
 
-def following_rms(windows: Windows) -> float:
-    """Return the rms distance of all joints from where they were sent, rad."""
-
-    def error(window: Window) -> "Array":
-        difference: Array = window.columns("applied.position_") - window.columns(
-            "reading.position_"
-        )
-        return difference.ravel()
-
-    return rms(pooled(windows, error))
+def _following_error(window: Window) -> "Array":
+    """Return how far each joint is from where it was sent, rad, shape (12 n,)."""
+    error = window.columns("applied.position_") - window.columns("reading.position_")
+    return error.ravel()
 
 
 LEGS_MEASURES: dict[str, Measure] = {
-    "fell": Measure(fell, "", "1 if the robot fell"),
+    "fell": Measure(greatest(column("truth.fell")), "", "1 if the robot fell"),
     "advance_measured": Measure(advance_measured, "m", "how far the waist went ahead"),
-    "slip_max": Measure(slip_max, "m", "how far the worse foot slipped"),
-    "knee_torque_max": Measure(knee_torque_max, "N m", "greatest torque of either knee"),
+    "slip_max": Measure(greatest(columns("truth.slip_")), "m", "how far the worse foot slipped"),
+    "knee_torque_max": Measure(
+        greatest(_knees("truth.torque")), "N m", "greatest torque of either knee"
+    ),
     "knee_torque_mean": Measure(knee_torque_mean, "N m", "mean torque of the bearing knee"),
     "saturated_share": Measure(saturated_share, "", "share of the time with a servo at its limit"),
-    "knee_rate_measured": Measure(knee_rate_measured, "rad/s", "greatest measured knee rate"),
+    "knee_rate_measured": Measure(
+        greatest(_knees("reading.velocity")), "rad/s", "greatest measured knee rate"
+    ),
     "following_rms": Measure(
-        following_rms, "rad", "rms distance of the joints from their setpoints"
+        rms_of(_following_error), "rad", "rms distance of the joints from their setpoints"
     ),
 }

@@ -2,13 +2,16 @@
 
 import pytest
 
-from drivers.servos.axis_settings import AxisSettings
+from drivers.servos.axis_settings import FollowingAxisSettings
 from drivers.sim.axis_faults import AxisFaults
 from drivers.sim.clock import SimClock
 from drivers.sim.direct.servos import SimulatedServos
 from rig.hal import DeviceFault
 
 PERIOD = 5e-3
+JOINT = FollowingAxisSettings(
+    limits=(-1.0, 1.0), deceleration=4.0, following_window=0.05, following_time=0.02
+)
 
 
 class Remembering:
@@ -52,14 +55,11 @@ def clock(plant):
 def servos(plant, clock):
     device = SimulatedServos(
         "arm",
-        {"q1": AxisSettings(limits=(-1.0, 1.0)), "q2": AxisSettings(limits=(-1.0, 1.0))},
+        dict.fromkeys(("q1", "q2"), JOINT),
         plant,
         (0, 1),
         clock,
         resolutions=(1e-3, 1e-2),
-        decelerations=(4.0, 4.0),
-        windows=(0.05, 0.05),
-        times=(0.02, 0.02),
     )
     device.connect()
     device.arm()

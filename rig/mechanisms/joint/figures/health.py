@@ -16,15 +16,13 @@ def draw_health(run: RunData) -> "Figure | None":
     """Draw how far the wires are from agreeing on a pose, and the ring's twist about its axis."""
     if not run.has("estimate.residual", "reading.twist"):
         return None
-    part = run.followed
-    t, log = run.t[part], run.log
-    seen = np.degrees(log.column("reading.twist")[part])
+    t, seen = run.time, np.degrees(run.trace("reading.twist"))
     twists = [(seen, BLUE, "seen by the camera")] if np.any(seen) else []
     if run.has("truth.twist"):
-        twists.insert(0, (np.degrees(log.column("truth.twist")[part]), VERMILION, "true"))
+        twists.insert(0, (np.degrees(run.trace("truth.twist")), VERMILION, "true"))
     figure = new_figure(PAGE, 40.0 if not twists else 72.0)
     panels = figure.subplots(2 if twists else 1, 1, sharex=True, squeeze=False)[:, 0]
-    draw_line(panels[0], t, log.column("estimate.residual")[part] * 1e6, BLUE, "residual", lw=0.8)
+    draw_line(panels[0], t, run.trace("estimate.residual") * 1e6, BLUE, "residual", lw=0.8)
     finish_time_axis(panels[0], t, "wires disagree (µm)")
     panels[0].set_ylim(bottom=0.0)
     if twists:

@@ -43,17 +43,16 @@ def draw_channels(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 128.0)
     grid = figure.subplots(len(CHANNELS), 2, sharex=True, sharey="col")
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for row, name in zip(grid, CHANNELS, strict=True):
         position, pressure = row
-        reading = run.log.column(f"reading.rod_{name}")[part] * 1e3
-        desired = run.log.column(f"reference.rod_{name}")[part] * 1e3
+        reading = run.trace(f"reading.rod_{name}") * 1e3
+        desired = run.trace(f"reference.rod_{name}") * 1e3
         draw_line(position, t, reading, BLUE, "reading", lw=1.0)
         draw_line(position, t, desired, INK, "reference", lw=0.6, ls=(0, (4, 2)))
         position.set_ylabel(f"{name} (mm)")
-        measured = run.log.column(f"reading.pressure_{name}")[part] * 1e-3
-        applied = run.log.column(f"applied.{name}")[part] * 1e-3
+        measured = run.trace(f"reading.pressure_{name}") * 1e-3
+        applied = run.trace(f"applied.{name}") * 1e-3
         draw_line(pressure, t, applied, "#f0b9a0", "setpoint", lw=0.4)
         draw_line(pressure, t, measured, BLUE, "monitored", lw=0.8)
         pressure.set_ylabel("(kPa)")
@@ -76,15 +75,15 @@ def draw_marker_track(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 84.0)
     left, right = figure.subplots(1, 2, width_ratios=[1.0, 1.05])
     source = "truth" if run.has("truth.marker_x") else "estimate"
-    x, y = (run.log.column(f"{source}.marker_{axis}") * 1e3 for axis in "xy")
-    u, v = (run.log.column(f"reference.marker_{axis}") * 1e3 for axis in "xy")
-    followed = run.followed
+    x, y, _ = run.track(f"{source}.marker").T * 1e3
+    u, v, _ = run.track("reference.marker").T * 1e3
+    t = run.time
     windows = (
-        [(s.name, followed & (run.t >= s.start) & (run.t < s.end)) for s in shown]
+        [(s.name, (t >= s.start) & (t < s.end)) for s in shown]
         if shown
-        else [("all", followed)]
+        else [("all", np.ones(len(t), bool))]
     )
-    left.plot(u[followed], v[followed], color=INK, lw=0.8, ls=(0, (4, 2)), label="target", zorder=3)
+    left.plot(u, v, color=INK, lw=0.8, ls=(0, (4, 2)), label="target", zorder=3)
     for (name, part), color in zip(windows, PALETTE, strict=False):
         if not part.any():
             continue
@@ -115,19 +114,17 @@ def draw_joint_error(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 92.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    part = run.followed
-    t = run.t[part]
-    pairs = [0.5 * (_rod_error(run, one) - _rod_error(run, other))[part] for one, other in PAIRS]
+    t = run.time
+    pairs = [0.5 * (_rod_error(run, one) - _rod_error(run, other)) for one, other in PAIRS]
     factor, unit = length_scale(max(float(np.abs(error).max()) for error in pairs))
     upper.axhline(0.0, color=GREY, lw=0.5)
     for error, (one, other), color in zip(pairs, PAIRS, (BLUE, ORANGE), strict=True):
         draw_line(upper, t, error * factor, color, f"{one} against {other}", lw=0.7)
-    finish_time_axis(upper, t, f"pair error ({unit})")
-    upper.set_xlabel("")
+    finish_time_axis(upper, t, f"pair error ({unit})", "")
     _draw_bounds(upper, run, {"wire_rms", "wire_hold_rms"}, factor)
     shade_segments(upper, PAGE, [_brief(segment) for segment in _whole(run)])
     place_legend(upper, 3)
-    desired = _marker(run, "reference")[part]
+    desired = run.track("reference.marker")
     extent = 0.0
     curves: list[tuple[str, str, Array]] = []
     for source, label, color in (
@@ -135,7 +132,7 @@ def draw_joint_error(run: RunData) -> "Figure | None":
         ("estimate", "estimated marker", GREEN),
     ):
         if run.has(f"{source}.marker_x"):
-            distance = np.linalg.norm(_marker(run, source)[part] - desired, axis=1)
+            distance = np.linalg.norm(run.track(f"{source}.marker") - desired, axis=1)
             curves.append((label, color, distance))
             extent = max(extent, float(distance.max()))
     factor, unit = length_scale(extent)
@@ -157,10 +154,9 @@ def draw_tensions(run: RunData) -> "Figure | None":
     figure = new_figure(PAGE, 66.0)
     grid = figure.add_gridspec(1, 4)
     axes = figure.add_subplot(grid[0, :3] if has_stick else grid[0, :])
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for name, color in zip(CHANNELS, PALETTE, strict=False):
-        draw_line(axes, t, run.log.column(f"{source}.tension_{name}")[part], color, name, lw=0.7)
+        draw_line(axes, t, run.trace(f"{source}.tension_{name}"), color, name, lw=0.7)
     for metric in run.metrics:
         bound = metric.get("bound")
         if bound and metric.get("measure") in ("tension_min", "tension_max"):
@@ -220,17 +216,12 @@ def _brief(segment: "Segment") -> "Segment":
 
 def _wanted_speed(run: RunData) -> float:
     """Return how fast the marker is to move at most, m/s."""
-    track = _marker(run, "reference")[run.followed]
-    return max(float(np.abs(local_slope(run.t[run.followed], way)).max()) for way in track.T)
+    ways = run.track("reference.marker").T
+    return max(float(np.abs(local_slope(run.time, way)).max()) for way in ways)
 
 
 def _rod_error(run: RunData, name: str) -> "Array":
-    error: Array = run.log.column(f"reference.rod_{name}") - run.log.column(f"reading.rod_{name}")
-    return error
-
-
-def _marker(run: RunData, source: str) -> "Array":
-    return np.column_stack([run.log.column(f"{source}.marker_{axis}") for axis in "xyz"])
+    return run.trace(f"reference.rod_{name}") - run.trace(f"reading.rod_{name}")
 
 
 def _micro(error: "Array") -> str:

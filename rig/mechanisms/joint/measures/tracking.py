@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measure import Measure, Samples, Window, Windows, pooled, rms
+from rig.experiment.measure import (
+    Measure,
+    Samples,
+    Window,
+    Windows,
+    column,
+    greatest,
+    lengths,
+    rms,
+    rms_of,
+)
 from rig.mechanisms.joint.motion import ALL
 from rig.runtime.phases import Timings
 
@@ -46,6 +56,16 @@ def marker_error(window: Window) -> "Array":
     return _marker(window) - window.columns("reference.marker_")
 
 
+def _marker_distance(window: Window) -> "Array":
+    """Return the marker's distance from its reference, m, shape (n,)."""
+    return lengths(marker_error(window))
+
+
+def _fused_distance(window: Window) -> "Array":
+    """Return the distance of the estimated marker from the true one, m, shape (n,)."""
+    return lengths(window.columns("estimate.marker_") - window.columns("truth.marker_"))
+
+
 def radial_error(window: Window) -> "Array":
     """Return how far the marker is from the circle that its reference is on, m, shape (n,).
 
@@ -55,43 +75,9 @@ def radial_error(window: Window) -> "Array":
     return np.hypot(actual[:, 0], actual[:, 1]) - np.hypot(desired[:, 0], desired[:, 1])
 
 
-def wire_rms(windows: Windows) -> float:
-    """Return the rms error of the wire pairs, m."""
-    return rms(pooled(windows, pair_errors))
-
-
-def wire_max(windows: Windows) -> float:
-    """Return the greatest error of a wire pair, m."""
-    return float(np.abs(pooled(windows, pair_errors)).max())
-
-
 def wire_hold_rms(windows: Windows) -> float:
     """Return the rms error of the worst pair of the worst window, m."""
     return max(rms(errors) for window in windows for errors in pair_errors(window).T)
-
-
-def marker_rms(windows: Windows) -> float:
-    """Return the rms distance of the marker from its reference, m."""
-    return rms(np.linalg.norm(pooled(windows, marker_error), axis=1))
-
-
-def marker_max(windows: Windows) -> float:
-    """Return the greatest distance of the marker from its reference, m."""
-    return float(np.linalg.norm(pooled(windows, marker_error), axis=1).max())
-
-
-def radial_rms(windows: Windows) -> float:
-    """Return the rms distance of the marker from the circle of its reference, m."""
-    return rms(pooled(windows, radial_error))
-
-
-def fused_rms(windows: Windows) -> float:
-    """Return the rms distance of the estimated marker from the true one, m."""
-
-    def error(window: Window) -> "Array":
-        return window.columns("estimate.marker_") - window.columns("truth.marker_")
-
-    return rms(np.linalg.norm(pooled(windows, error), axis=1))
 
 
 def tension_min(windows: Windows) -> float:
@@ -113,11 +99,6 @@ def tension_max(windows: Windows) -> float:
     return max(float(_tensions(window, Samples.recorded).max()) for window in windows)
 
 
-def twist_max(windows: Windows) -> float:
-    """Return the greatest twist of the ring about its axis, rad; only a simulation knows it."""
-    return max(float(np.abs(window.column("truth.twist")).max()) for window in windows)
-
-
 def wire_stick_share(windows: Windows) -> float:
     """Return the share of the time in which a channel sticks though it should move."""
     stuck = moving = 0
@@ -132,16 +113,22 @@ def wire_stick_share(windows: Windows) -> float:
 
 
 JOINT_MEASURES: dict[str, Measure] = {
-    "wire_rms": Measure(wire_rms, "m", "rms error of the wire pairs"),
-    "wire_max": Measure(wire_max, "m", "greatest error of a wire pair"),
+    "wire_rms": Measure(rms_of(pair_errors), "m", "rms error of the wire pairs"),
+    "wire_max": Measure(greatest(pair_errors), "m", "greatest error of a wire pair"),
     "wire_hold_rms": Measure(wire_hold_rms, "m", "rms error of the worst pair while it holds"),
-    "marker_rms": Measure(marker_rms, "m", "rms distance of the marker from its reference"),
-    "marker_max": Measure(marker_max, "m", "greatest distance of the marker from its reference"),
-    "radial_rms": Measure(radial_rms, "m", "rms distance of the marker from its circle"),
-    "fused_rms": Measure(fused_rms, "m", "rms distance of the estimated marker from the true one"),
+    "marker_rms": Measure(
+        rms_of(_marker_distance), "m", "rms distance of the marker from its reference"
+    ),
+    "marker_max": Measure(
+        greatest(_marker_distance), "m", "greatest distance of the marker from its reference"
+    ),
+    "radial_rms": Measure(rms_of(radial_error), "m", "rms distance of the marker from its circle"),
+    "fused_rms": Measure(
+        rms_of(_fused_distance), "m", "rms distance of the estimated marker from the true one"
+    ),
     "tension_min": Measure(tension_min, "N", "least tension of any wire"),
     "tension_max": Measure(tension_max, "N", "greatest tension of any wire"),
-    "twist_max": Measure(twist_max, "rad", "greatest twist of the ring"),
+    "twist_max": Measure(greatest(column("truth.twist")), "rad", "greatest twist of the ring"),
     "wire_stick_share": Measure(wire_stick_share, "", "share of the time that a channel sticks"),
 }
 

@@ -27,16 +27,16 @@ def draw_ankle(run: RunData) -> "Figure | None":
     swing = swing or next(s for s in run.segments if s.name.startswith("swing"))
     leg = swing.name.split()[1]
     color = COLORS[leg]
-    part = run.followed & (run.t >= swing.start) & (run.t <= swing.end)
+    part = (run.time >= swing.start) & (run.time <= swing.end)
     if np.count_nonzero(part) < 2:
         return None
     figure = new_figure(PAGE, 56.0)
     path, angle, rate = panels(figure, 1, 3)
-    x, z = (run.log.column(f"reference.{leg}_foot_{axis}")[part] * 1e3 for axis in "xz")
+    x, z = (run.trace(f"reference.{leg}_foot_{axis}")[part] * 1e3 for axis in "xz")
     path.plot(x, z, color=color)
     path.set_xlabel("ahead (mm)")
     path.set_ylabel(f"{leg} ankle, lifted by (mm)")
-    t = run.t[part] - swing.start
+    t = run.time[part] - swing.start
     # What was measured is a wide line behind; the rate has its servo's steps anyway.
     for axes, quantity, unit, width in (
         (angle, "position", "deg", 2.6),
@@ -44,7 +44,7 @@ def draw_ankle(run: RunData) -> "Figure | None":
     ):
         factor = 180.0 / np.pi if unit == "deg" else 1.0
         measured, commanded = (
-            factor * run.log.column(f"{source}.{quantity}_{leg}_knee")[part]
+            factor * run.trace(f"{source}.{quantity}_{leg}_knee")[part]
             for source in ("reading", "command")
         )
         draw_line(axes, t, measured, _PALE, "measured", lw=width)
@@ -62,19 +62,17 @@ def draw_knees(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 96.0)
     rates, angles = panels(figure, 2, 1, sharex=True)
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for axes, source, factor in (
         (rates, "command.velocity", 1.0),
         (angles, "command.position", 180.0 / np.pi),
     ):
-        right, left = (factor * run.log.column(f"{source}_{leg}_knee")[part] for leg in LEGS)
+        right, left = (factor * run.trace(f"{source}_{leg}_knee") for leg in LEGS)
         draw_line(axes, t, right, COLORS["right"], "right knee", lw=0.9)
         # Legs that do the same are both to be seen.
         dashes = (0, (5, 3)) if np.allclose(right, left, atol=1e-3) else "-"
         draw_line(axes, t, left, COLORS["left"], "left knee", lw=0.9, ls=dashes)
-    finish_time_axis(rates, t, "knee rate (rad/s)")
-    rates.set_xlabel("")
+    finish_time_axis(rates, t, "knee rate (rad/s)", "")
     finish_time_axis(angles, t, "knee angle (deg)")
     _mark_singular(angles, "left", 0.005)
     for axes in (rates, angles):
@@ -92,24 +90,21 @@ def draw_joints(run: RunData) -> "Figure | None":
     rows = len(joints) + has_torque
     figure = new_figure(PAGE, 14.0 + 26.0 * rows)
     strips = panels(figure, rows, 1, sharex=True)
-    part = run.followed
-    t = run.t[part]
+    t = run.time
     for axes, joint in zip(strips, joints, strict=False):
         for leg in LEGS:
             name = f"{leg}_{joint}"
             error = np.degrees(
-                run.log.column(f"applied.position_{name}")
-                - run.log.column(f"reading.position_{name}")
-            )[part]
+                run.trace(f"applied.position_{name}") - run.trace(f"reading.position_{name}")
+            )
             draw_line(axes, t, error, COLORS[leg], f"{leg} leg", lw=0.6)
-        finish_time_axis(axes, t, f"{joint.replace('_', ' ')}, off\nits setpoint (deg)")
+        finish_time_axis(axes, t, f"{joint.replace('_', ' ')}, off\nits setpoint (deg)", "")
     if has_torque:
         for leg in LEGS:
-            torque = run.log.column(f"truth.torque_{leg}_knee")[part]
+            torque = run.trace(f"truth.torque_{leg}_knee")
             draw_line(strips[-1], t, torque, COLORS[leg], f"{leg} leg", lw=0.6)
-        finish_time_axis(strips[-1], t, "knee torque\n(N m)")
+        finish_time_axis(strips[-1], t, "knee torque\n(N m)", "")
     for axes in strips:
-        axes.set_xlabel("")
         mark_phases(axes, run)
     place_legend(strips[0], 2)
     strips[-1].set_xlabel(TIME_LABEL)

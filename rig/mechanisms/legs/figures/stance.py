@@ -1,7 +1,7 @@
 """How walking legs stand: sticks from the side, and what is above the footprints."""
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,14 +29,13 @@ def draw_strip(run: RunData) -> "Figure | None":
     if not is_walk(run):
         return None
     lengths = _lengths(run)
-    part = np.flatnonzero(run.followed)
-    t = run.t[part]
+    t = run.time
     scale = min(float(t[-1]) / _PAPER_WALK, 1.0)
     times = [time * scale for time in _PHOTOGRAPHS if time * scale <= t[-1]]
     figure = new_figure(PAGE, 37.0)
     strip = panels(figure, 1, len(times), sharey=True)
     for number, (axes, time) in enumerate(zip(strip, times, strict=True)):
-        sample = int(part[np.searchsorted(t, time).clip(max=len(part) - 1)])
+        sample = int(np.searchsorted(t, time).clip(max=len(t) - 1))
         _draw_sticks(axes, run, sample, lengths)
         axes.set_title(f"({'abcdefgh'[number]}) {time:.3g} s")
     strip[0].set_ylabel("height (mm)")
@@ -49,10 +48,9 @@ def draw_balance(run: RunData) -> "Figure | None":
         return None
     figure = new_figure(PAGE, 72.0)
     ground, over_time = panels(figure, 1, 2, width_ratios=[1.15, 1.0])
-    part = run.followed
     lengths = _lengths(run)
     for leg in LEGS:
-        x, y, z = (run.log.column(f"reference.{leg}_foot_{axis}")[part] for axis in "xyz")
+        x, y, z = run.track(f"reference.{leg}_foot").T
         # A foot counts as put down where it stays.
         still = (z < 1e-6) & (np.abs(np.gradient(x)) < 1e-9)
         prints = {(round(a, 4), round(b, 4)) for a, b in zip(x[still], y[still], strict=True)}
@@ -62,7 +60,7 @@ def draw_balance(run: RunData) -> "Figure | None":
         ("plan.zero_moment", _PALE, 2.4, "zero-moment point"),
         ("plan.mass", INK, 0.9, "centre of mass"),
     ):
-        a, b = (run.log.column(f"{name}_{axis}")[part] * 1e3 for axis in "xy")
+        a, b = (run.trace(f"{name}_{axis}") * 1e3 for axis in "xy")
         ground.plot(a, b, color=color, lw=width, label=label)
         if name == "plan.mass":
             ground.plot(a[0], b[0], "o", ms=3.0, color=INK)
@@ -72,13 +70,13 @@ def draw_balance(run: RunData) -> "Figure | None":
     ground.set_xlabel("x (mm)")
     ground.set_ylabel("y (mm)")
     place_legend(ground, 2)
-    t = run.t[part]
+    t = run.time
     for name, color, width, label in (
         ("plan.margin", _PALE, 2.4, "with zero-moment point"),
         ("plan.static_margin", INK, 0.9, "centre of mass"),
     ):
-        draw_line(over_time, t, run.log.column(name)[part] * 1e3, color, label, lw=width)
-    bound = _profile(run)["balance"]["min_margin"] * 1e3
+        draw_line(over_time, t, run.trace(name) * 1e3, color, label, lw=width)
+    bound = run.settings["balance"]["min_margin"] * 1e3
     over_time.axhline(bound, color=INK, lw=0.8, ls=(0, (4, 2)))
     over_time.annotate(
         "refused below", (1.0, bound), xycoords=("axes fraction", "data"), xytext=(-2, 2),
@@ -106,7 +104,7 @@ def _draw_sticks(axes: "Axes", run: RunData, sample: int, lengths: dict[str, flo
         axes.plot([along[2], foot[0] * 1e3], [up[2], sole], color=color, lw=1.3)
         heel, toe = foot[0] - lengths["back"], foot[0] + lengths["front"]
         axes.plot([heel * 1e3, toe * 1e3], [sole, sole], color=color, lw=2.0)
-        if run.log.column(f"command.position_{leg}_knee")[sample] < _NEARLY_STRAIGHT:
+        if run.trace(f"command.position_{leg}_knee")[sample] < _NEARLY_STRAIGHT:
             axes.plot(along[1], up[1], "o", ms=6.5, mfc="none", mec=color, mew=0.7)
     axes.set_aspect("equal")
     axes.set_xlim(x - 84.0, x + 84.0)
@@ -116,18 +114,9 @@ def _draw_sticks(axes: "Axes", run: RunData, sample: int, lengths: dict[str, flo
     axes.grid(visible=False)
 
 
-def _profile(run: RunData) -> dict[str, Any]:
-    """Return what the run's own profile says of the legs, SI."""
-    import yaml
-
-    profile = yaml.safe_load((run.folder.path / "profile.yaml").read_text(encoding="utf-8"))
-    legs: dict[str, Any] = profile["legs"]
-    return legs
-
-
 def _lengths(run: RunData) -> dict[str, float]:
     """Return the legs' dimensions, m."""
-    geometry = _profile(run)["geometry"]
+    geometry = run.settings["geometry"]
     return {
         **{key: float(geometry[key]) for key in ("thigh", "shank", "ankle_height")},
         "spacing": float(geometry["hip_half_spacing"]),
@@ -136,7 +125,7 @@ def _lengths(run: RunData) -> dict[str, float]:
 
 
 def _point(run: RunData, name: str, sample: int) -> "Point":
-    x, y, z = (float(run.log.column(f"{name}_{axis}")[sample]) for axis in "xyz")
+    x, y, z = run.track(name)[sample].tolist()
     return x, y, z
 
 

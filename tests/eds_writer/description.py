@@ -1,16 +1,14 @@
-"""Write the EDS files of the emulated nodes: ``python -m drivers.sim.nodes.eds_file configs/eds``.
-
-The files are written from what the nodes do, and compared with them in a test.
+"""The EDS files of the emulated nodes, written from what the nodes do.
 
 References
 ----------
 CiA 306-1 V1.3, sections 4.4 … 4.6.
 """
 
-import sys
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Any, Final, NamedTuple
+
+from eds_writer.object_names import DRIVE, ENCODER, IO_MODULE, Names, name_of
 
 from drivers.sim.nodes import object_dictionary as types
 from drivers.sim.nodes.base import EmulatedNode
@@ -18,7 +16,6 @@ from drivers.sim.nodes.cia401 import EmulatedCia401
 from drivers.sim.nodes.cia402 import EmulatedCia402
 from drivers.sim.nodes.cia406 import EmulatedCia406
 from drivers.sim.nodes.object_dictionary import Variable
-from drivers.sim.nodes.object_names import DRIVE, ENCODER, IO_MODULE, Names, name_of
 
 _TYPES: Final = (
     (types.BOOLEAN, 0x0001),
@@ -102,15 +99,6 @@ def describe(kind: str) -> str:
         parts.append(_section(name, {"SupportedObjects": str(len(indices)), **listed}))
         parts += [_object(index, objects[index], described.names) for index in indices]
     return "\n".join(parts)
-
-
-def main(arguments: list[str]) -> int:
-    """Write all files into a folder."""
-    folder = Path(arguments[0])
-    folder.mkdir(parents=True, exist_ok=True)
-    for kind in NODES:
-        (folder / f"{kind}.eds").write_text(describe(kind), encoding="ascii")
-    return 0
 
 
 def _head(kind: str, title: str, identity: dict[int, int]) -> str:
@@ -222,7 +210,3 @@ def _default(index: int, sub: int, variable: Variable) -> str:
 def _section(name: str, entries: Mapping[Any, object]) -> str:
     lines: Iterable[str] = (f"{key}={value}" for key, value in entries.items())
     return "\n".join((f"[{name}]", *lines, ""))
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
