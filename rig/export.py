@@ -4,6 +4,7 @@ import contextlib
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from rig.exporting.arrays import matlab_names, write_mat, write_npz
 from rig.exporting.rows import write_csv, write_mcap, write_parquet
@@ -24,7 +25,22 @@ class ExportError(RigError):
     """The exported file cannot be written."""
 
 
-def export_run(path: str | Path, format: str, out: str | Path | None = None) -> Path:
+class Exported(NamedTuple):
+    """A log in another format.
+
+    Parameters
+    ----------
+    path : Path
+        The file written.
+    missing : str or None
+        Says that the run came to its end and the log does not: the file ends as the log does.
+    """
+
+    path: Path
+    missing: str | None
+
+
+def export_run(path: str | Path, format: str, out: str | Path | None = None) -> Exported:
     """Export the log of a run folder, whatever became of the run.
 
     Parameters
@@ -36,11 +52,6 @@ def export_run(path: str | Path, format: str, out: str | Path | None = None) -> 
     out : Path, optional
         The file to write; default: ``log.<format>`` in the run folder, and for MCAP
         ``log-indexed.mcap``.
-
-    Returns
-    -------
-    Path
-        The file written.
 
     Raises
     ------
@@ -65,7 +76,7 @@ def export_run(path: str | Path, format: str, out: str | Path | None = None) -> 
         _write_whole(FORMATS[format], file, target)
     except OSError as error:
         raise ExportError(f"cannot write {target}: {error.strerror or error}") from error
-    return target
+    return Exported(target, folder.missing_end(complete=file.complete))
 
 
 def _write_whole(write: Callable[[LogFile, Path], None], file: LogFile, target: Path) -> None:
@@ -82,4 +93,4 @@ def _write_whole(write: Callable[[LogFile, Path], None], file: LogFile, target: 
             temporary.unlink(missing_ok=True)
 
 
-__all__ = ["FORMATS", "ExportError", "export_run", "matlab_names"]
+__all__ = ["FORMATS", "ExportError", "Exported", "export_run", "matlab_names"]

@@ -13,6 +13,7 @@ from typing import Protocol, TypedDict, cast
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
 from rig.json_file import plain, write_json
+from rig.run_facts import FORMAT, is_metric, trouble_with_manifest
 from rig.runtime.log import is_locked
 from rig.spare_room import SpareRoom, append_line
 
@@ -40,9 +41,14 @@ class RunStatus(StrEnum):
     """A bug ended it, or the process died; the log holds what had happened until then."""
 
 
+_CLOSED = (RunStatus.OK, RunStatus.FAILED, RunStatus.ABORTED)
+"""After these the log is whole. A fault may have been that it could not be written."""
+
+
 class Manifest(TypedDict, total=False):
     """The facts of a run, as ``manifest.json`` keeps them."""
 
+    format: int
     status: str
     experiment: str
     backend: str
@@ -164,6 +170,7 @@ class RunFolder:
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_text(text, encoding="utf-8")
             manifest: Manifest = {
+                "format": FORMAT,
                 "status": RunStatus.RUNNING.value,
                 "experiment": experiment,
                 "backend": backend,
@@ -196,7 +203,7 @@ class RunFolder:
         Raises
         ------
         ConfigurationError
-            It is not a run folder.
+            It is not a run folder, or one that a later version recorded.
         """
         path = Path(path)
         try:
@@ -205,10 +212,9 @@ class RunFolder:
             raise ConfigurationError(
                 f"{path} is not a run folder: its {MANIFEST} cannot be read ({error})"
             ) from error
-        if not isinstance(manifest, dict) or manifest.get("status") not in list(RunStatus):
-            raise ConfigurationError(
-                f"{path} is not a run folder: its {MANIFEST} has no status that a run can have"
-            )
+        trouble = trouble_with_manifest(manifest, list(RunStatus))
+        if trouble is not None:
+            raise ConfigurationError(f"{path} is not a run folder that can be read: {trouble}")
         folder = cls(path, cast("Manifest", manifest))
         if folder.status is RunStatus.RUNNING and not folder.is_live():
             # The process may have finished between our look at the manifest and at its lock.
@@ -226,6 +232,18 @@ class RunFolder:
     def log_path(self) -> Path:
         """Where the log is or will be."""
         return self.path / LOG
+
+    def missing_end(self, *, complete: bool) -> str | None:
+        """Say that a log lacks the end that its run came to; None if it has it, or had none.
+
+        Parameters
+        ----------
+        complete : bool
+            Whether the log says that it was closed.
+        """
+        if complete or self.status not in _CLOSED:
+            return None
+        return f"{self.log_path} was cut off: its run came to its end, and the log does not"
 
     def is_live(self) -> bool:
         """Return whether a living process still works on this run."""
@@ -288,12 +306,15 @@ class RunFolder:
         except OSError:
             return {}
         except (ValueError, RecursionError) as error:
-            raise RunFolderError(f"{self.path / name} is not JSON: {error}") from error
+            raise ConfigurationError(f"{self.path / name} is not JSON: {error}") from error
         return content if isinstance(content, dict) else {}
 
     def metrics(self) -> tuple[MetricRow, ...]:
         """Return the entries of ``metrics.json``."""
-        return tuple(cast("Iterable[MetricRow]", self.read_json(METRICS).get("metrics", ())))
+        rows = self.read_json(METRICS).get("metrics", [])
+        if not isinstance(rows, list) or not all(map(is_metric, rows)):
+            raise ConfigurationError(f"{self.path / METRICS} holds something else than metrics")
+        return tuple(cast("Iterable[MetricRow]", rows))
 
     def write_metrics(self, metrics: Iterable[_AsJson]) -> None:
         """Write ``metrics.json`` from objects with an ``as_json`` method."""

@@ -3,11 +3,12 @@
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 from rig.config.quantities import parse_quantity
 from rig.hal import ConfigurationError
+from rig.run_folder import RunStatus
 
 NAMES: Final = ("status", "rig", "experiment", "law", "backend", "name")
 """What a run is asked for by beside its metrics: words, compared for equality."""
@@ -18,6 +19,21 @@ _COMPARE: Final[Mapping[str, Callable[[float, float], bool]]] = {
 }  # fmt: skip
 _TERM: Final = re.compile(r"\s*([A-Za-z][\w.-]*)\s*(<=|>=|!=|==|=|<|>)\s*(.*?)\s*", re.DOTALL)
 _AND: Final = re.compile(r"\s+and\s+")
+
+
+class Described(NamedTuple):
+    """A run, as it is asked for.
+
+    Parameters
+    ----------
+    words : mapping
+        Its values of `NAMES`.
+    metrics : mapping
+        Value (SI) and unit of its metrics; NaN of one that has no value.
+    """
+
+    words: Mapping[str, object]
+    metrics: Mapping[str, tuple[float, str]]
 
 
 class Term(NamedTuple):
@@ -37,9 +53,7 @@ class Term(NamedTuple):
     sign: str
     text: str
 
-    def holds(
-        self, words: Mapping[str, str | None], metrics: Mapping[str, tuple[float, str]]
-    ) -> bool:
+    def holds(self, words: Mapping[str, object], metrics: Mapping[str, tuple[float, str]]) -> bool:
         """Return whether it is true of a run.
 
         Parameters
@@ -64,6 +78,36 @@ class Term(NamedTuple):
         except ValueError as error:
             raise ConfigurationError(f"--where: {self.name}: {error}") from error
         return not math.isnan(value) and _COMPARE[self.sign](value, asked)
+
+
+def choose(where: str, runs: Sequence[Described]) -> list[bool]:
+    """Return of each run whether all that is asked is true of it.
+
+    Parameters
+    ----------
+    where : str
+        See `parse_query`.
+    runs : sequence of Described
+        The runs. A metric that none of them has is a slip of the pen, and no answer.
+
+    Raises
+    ------
+    ConfigurationError
+        It is no question, or asks for a status or a metric that there is not.
+    """
+    terms = parse_query(where)
+    metrics = sorted({name for run in runs for name in run.metrics})
+    for term in terms:
+        if term.name == "status" and term.text not in list(RunStatus):
+            raise ConfigurationError(
+                f"--where: no run has the status {term.text!r}; there are {', '.join(RunStatus)}"
+            )
+        if runs and term.name not in (*NAMES, *metrics):
+            raise ConfigurationError(
+                f"--where: no run here has a metric {term.name!r}; there are "
+                f"{', '.join(metrics) or 'none'}, and {', '.join(NAMES)}"
+            )
+    return [all(term.holds(*run) for term in terms) for run in runs]
 
 
 def parse_query(text: str) -> tuple[Term, ...]:

@@ -7,6 +7,9 @@ from pathlib import Path
 import click
 
 from rig.cli.names import complete_run, find_run, runs_option
+from rig.cli.tables import print_data
+
+TORN = 1
 
 
 @click.command()
@@ -29,10 +32,14 @@ def export(run: str, format: str, out: Path | None, runs: Path) -> int:
     """Write the log of RUN in another format, and print the file's path.
 
     RUN is a run folder, the name of one, or "latest". A run that crashed exports as far as its
-    log goes.
+    log goes. So does a log that was cut off after its run, with a sentence and exit code 1.
     """
     path = find_run(run, runs)
     from rig.export import export_run
 
-    click.echo(str(export_run(path, format, out)))
-    return 0
+    made = export_run(path, format, out)
+    print_data(str(made.path))
+    if made.missing is None:
+        return 0
+    click.echo(f"{made.missing}: what was left of it is exported", err=True)
+    return TORN

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -89,20 +91,23 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     found = [describe_run(path) for path in list_runs(out)]
     if where is None:
         return found
-    from rig.run_query import parse_query
+    from rig.run_query import Described, choose
 
-    terms = parse_query(where)
-    return [run for run in found if all(term.holds(run._asdict(), _values(run)) for term in terms)]
+    chosen = choose(where, [Described(run._asdict(), _values(run)) for run in found])
+    return list(compress(found, chosen))
 
 
 def _values(run: RunEntry) -> dict[str, tuple[float, str]]:
-    """Return value and unit of every metric of a run that has a value."""
+    """Return value and unit of every metric of a run; NaN for one without a value."""
     content = _read_object(Path(run.path) / "metrics.json").get("metrics")
-    return {
-        str(metric.get("name")): (float(value), str(metric.get("unit") or ""))
-        for metric in (content if isinstance(content, list) else ())
-        if isinstance(metric, dict) and isinstance(value := metric.get("value"), int | float)
-    }
+    found = {}
+    for metric in content if isinstance(content, list) else ():
+        if isinstance(metric, dict) and isinstance(
+            value := metric.get("value"), int | float | None
+        ):
+            number = math.nan if value is None else float(value)
+            found[str(metric.get("name"))] = number, str(metric.get("unit") or "")
+    return found
 
 
 def list_configs(folder: Folder, search: Sequence[Path]) -> list[ConfigEntry]:

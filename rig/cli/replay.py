@@ -51,8 +51,12 @@ def replay(
     readings: in open loop, since the rig did not follow it.
     """
     path = find_run(run, runs)
-    from rig.replaying.recorded import open_recorded
+    from rig.replaying.recorded import open_recorded, other_version
+    from rig.run_folder import RunFolder
 
+    versions = other_version(RunFolder.open(path))
+    if versions is not None:
+        click.echo(versions, err=True)
     options = list(overrides)
     if controller is not None:
         options.append(f"controller={controller}")

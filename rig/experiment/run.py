@@ -267,7 +267,7 @@ def _run(
         if whose_bug(error) is not None or isinstance(error, SystemExit):
             return bug_of(error)
         when = "between two steps" if energised else "before the rig was energised"
-        return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"interrupted {when}")
+        return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"interrupted {str(error) or when}")
     except RigError as error:
         states.latch_fault(error)
         events(None, "fault", str(error), {"type": type(error).__name__})

@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 import numpy as np
+from yaml import YAMLError
 
 from rig.config.located import Plain
 from rig.config.yaml_loader import read_loosely
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, RigError
 from rig.replaying.recorded import EXPERIMENT, PROFILE
 from rig.run_folder import MANIFEST, RunFolder
 from rig.runtime.log import read_log
@@ -117,8 +118,8 @@ def siblings_of(folder: RunFolder, runs: Path) -> dict[str, list[float]]:
             run = RunFolder.open(path)
             if _code(run) == code and _without_seed(run) == own:
                 found.setdefault(run.manifest.get("seed"), _metrics(run))
-        except ConfigurationError:
-            continue  # whatever it is, it is no run like this one
+        except RigError:
+            continue  # whatever somebody made of it, it is no run like this one
     values: dict[str, list[float]] = {}
     for metrics in found.values():
         for name, (value, _) in metrics.items():
@@ -189,14 +190,14 @@ def _code(folder: RunFolder) -> dict[str, str]:
     git = manifest.get("git")
     told = {"backend": str(manifest.get("backend"))}
     if git:
-        told |= {"git commit": git["commit"], "uncommitted changes": str(git["dirty"])}
-    return told | manifest.get("versions", {})
+        told |= {"git commit": str(git["commit"]), "uncommitted changes": str(git["dirty"])}
+    return told | {name: str(version) for name, version in manifest.get("versions", {}).items()}
 
 
 def _settings(folder: RunFolder, name: str) -> dict[str, str]:
     try:
         content = cast("Plain", read_loosely(folder.path / name))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, YAMLError) as error:
         raise ConfigurationError(f"{folder.path} has no readable {name}: {error}") from error
     return dict(_flat("", content))
 

@@ -1,14 +1,15 @@
 """A run folder as what is needed to replay it: its plan, made anew, and its log."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from rig import provenance
 from rig.experiment.plan import Plan, load_plan
 from rig.hal import ConfigurationError
 from rig.run_folder import RunFolder
 from rig.runtime.cycle import RUN_COLUMNS
-from rig.runtime.log import Log, read_log
+from rig.runtime.log import Log, LogError, read_log
 
 PROFILE, EXPERIMENT, CODE = "profile.yaml", "experiment.yaml", "code"
 
@@ -77,6 +78,9 @@ def open_recorded(path: Path, overrides: Sequence[str] = ()) -> RecordedRun:
     folder = RunFolder.open(path)
     plan = plan_of(folder, overrides)
     log = read_log(folder.log_path)
+    torn = folder.missing_end(complete=log.complete)
+    if torn is not None:
+        raise LogError(torn)
     known = {column.name for column in log.columns}
     missing = [column.name for column in RUN_COLUMNS if column.name not in known]
     if missing:
@@ -87,6 +91,21 @@ def open_recorded(path: Path, overrides: Sequence[str] = ()) -> RecordedRun:
     if not len(log.cycle):
         raise ConfigurationError(f"{path}: the log has no cycle: there is nothing to replay")
     return RecordedRun(folder, plan, log)
+
+
+def other_version(folder: RunFolder) -> str | None:
+    """Say which version recorded a run and which looks at it; None if it is the same."""
+    git = folder.manifest.get("git")
+    commit = None if git is None else str(git["commit"])
+    then = _version(folder.manifest.get("versions", {}), commit)
+    state = provenance.git_state()
+    now = _version(provenance.versions(), None if state is None else state["commit"])
+    return None if then == now else f"{then} recorded it, {now} replays it"
+
+
+def _version(versions: Mapping[str, str], commit: str | None) -> str:
+    at = "no checkout" if commit is None else f"commit {commit[:12]}"
+    return f"rig {versions.get('rig-controller', 'of an unknown version')} ({at})"
 
 
 def plan_of(folder: RunFolder, overrides: Sequence[str] = ()) -> Plan:

@@ -29,7 +29,7 @@ class RunReport(NamedTuple):
     page : Path
         Its file.
     failures : list of str
-        Which figures are not in it, and why.
+        What is not in it, and why.
     """
 
     page: Path
@@ -56,21 +56,24 @@ def write_report(path: str | Path) -> RunReport:
     """
     folder = RunFolder.open(path)
     problems: list[str] = []
+    torn: list[str] = []
     try:
         log = read_log(folder.log_path)
     except LogError as error:
         return RunReport(write_html(folder, [], [str(error)]), [])
     if folder.status is not RunStatus.RUNNING:
+        torn = [sentence] if (sentence := folder.missing_end(complete=log.complete)) else []
         metrics, problems = measure_run(folder, log)
-        if metrics or not (folder.path / METRICS).exists():
+        # What was measured of the whole log is not replaced by what is left of it.
+        if not (folder.path / METRICS).exists() or (metrics and not torn):
             folder.write_metrics(metrics)
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
     names = cast("list[str] | None", folder.read_json(EVALUATION).get("figures") or None)
     drawn = draw_figures(folder.path, names)
     figures = [file for file in drawn.files if file.suffix == ".png"]
-    page = write_html(folder, figures, problems, drawn.failures)
-    return RunReport(page, drawn.failures)
+    page = write_html(folder, figures, [*torn, *problems], drawn.failures)
+    return RunReport(page, [*torn, *drawn.failures])
 
 
 def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:

@@ -139,7 +139,7 @@ class Loop(Generic[State, Reference, Command]):
         events : callable
             ``events(t, kind, message, data)``.
         stop : StopRequests
-            Read once a cycle.
+            Read once a cycle; what keeps a cycle from its end is interrupted by a further one.
         timings : Timings
             Durations of energising, approach, braking and release.
         progress : callable, optional
@@ -159,7 +159,11 @@ class Loop(Generic[State, Reference, Command]):
         fault: Exception | None = None
         unsafe: tuple[str, ...] = ()
         try:
-            self._cycles(run, recorder, events, stop, progress, progress_every)
+            try:
+                stop.in_cycles = True
+                self._cycles(run, recorder, events, stop, progress, progress_every)
+            finally:
+                stop.in_cycles = False
         except Exception as error:
             fault = error
         finally:
@@ -260,7 +264,8 @@ class Loop(Generic[State, Reference, Command]):
                 state = cycle.sense(now, pace.lost, pace.stall)
             except Exception as error:
                 raise (pace.stall or pace.blame(error)) from error
-            reference, command, applied = cycle.decide(t, state, stop.count)
+            stop.heard = stop.count
+            reference, command, applied = cycle.decide(t, state, stop.heard)
             cycle.act(now, applied)
             run.hand_over(events)
             try:

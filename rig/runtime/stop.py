@@ -2,7 +2,12 @@
 
 import signal
 import threading
+from time import monotonic
 from types import FrameType, TracebackType
+
+PATIENCE = 1.0
+"""A cycle that has not heard a request for so long does not end by itself, s."""
+UNHEARD = "in a cycle that did not end"
 
 
 class StopRequests:
@@ -12,17 +17,25 @@ class StopRequests:
     twice for the safe state at once. While the loop is not `in_loop` (connecting, say, where
     nothing moves and a call may block) a request raises `KeyboardInterrupt` as usual.
 
+    A cycle that computes without end hears neither. A further signal that comes `PATIENCE` after
+    one that no cycle has `heard` raises `KeyboardInterrupt` in the midst of it, at most once in
+    that time, and only `in_cycles`: what makes safe is not interrupted.
+
     Signals come to the main thread only: in another one nobody but `request` asks for a stop.
     """
 
     def __init__(self) -> None:
         self.count = 0
+        self.heard = 0
         self.in_loop = False
+        self.in_cycles = False
         self.shielded = False
         self._previous: dict[int, signal.Handlers | object] = {}
 
     def request(self) -> None:
         """Ask for a stop, as Ctrl-C does."""
+        if self.count == self.heard:
+            self._unheard_since = monotonic()
         self.count += 1
 
     def shield(self) -> None:
@@ -36,7 +49,11 @@ class StopRequests:
             raise KeyboardInterrupt
 
     def _handle(self, number: int, frame: FrameType | None) -> None:
-        self.count += 1
+        is_deaf = self.in_cycles and self.count > self.heard
+        if is_deaf and monotonic() - self._unheard_since >= PATIENCE:
+            self._unheard_since = monotonic()
+            raise KeyboardInterrupt(UNHEARD)
+        self.request()
         if not self.in_loop and not self.shielded:
             raise KeyboardInterrupt
 

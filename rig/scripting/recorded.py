@@ -120,7 +120,7 @@ class Run:
         return Metrics(
             {
                 row["name"]: MetricValue(
-                    np.nan if row["value"] is None else row["value"], row["unit"],
+                    np.nan if row["value"] is None else row["value"], row.get("unit", ""),
                     row.get("bound"), row.get("pass"),
                 )
                 for row in self._folder.metrics()

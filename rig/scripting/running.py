@@ -3,6 +3,7 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
 from rig.run_folder import MANIFEST
+from rig.run_query import Described, choose
 from rig.runtime.stop import StopRequests
 from rig.scripting.errors import error_of
 from rig.scripting.given import MOST, Given
@@ -135,25 +137,42 @@ def load(path: str | Path) -> Run:
     return Run(path)
 
 
-def runs(out: str | Path = "runs", where: Callable[[Run], bool] | None = None) -> list[Run]:
+def runs(out: str | Path = "runs", where: str | Callable[[Run], bool] | None = None) -> list[Run]:
     """Return recorded runs, the newest first.
 
     Parameters
     ----------
     out : Path
         Where run folders live.
-    where : callable, optional
+    where : str or callable, optional
+        ``"marker_rms < 0.2 mm and rig = joint"``, as for ``rig list runs --where``; or
         ``where(run)``: whether it is wanted.
+
+    Raises
+    ------
+    ConfigurationError
+        `where` asks for what no run has.
     """
+    if not (where is None or isinstance(where, str) or callable(where)):
+        raise ConfigurationError(f"where is {where!r}, and neither a text nor a function of a run")
     found = []
     for path in sorted(Path(out).glob(f"*/{MANIFEST}"), reverse=True):
         try:
             one = Run(path.parent)
         except ConfigurationError:
             continue  # a manifest that is torn is no run that could be looked at
-        if where is None or where(one):
-            found.append(one)
-    return found
+        found.append(one)
+    if isinstance(where, str):
+        return list(compress(found, choose(where, [_described(one) for one in found])))
+    return found if where is None else [one for one in found if where(one)]
+
+
+def _described(run: Run) -> Described:
+    try:
+        metrics = {name: (metric.value, metric.unit) for name, metric in run.metrics.items()}
+    except ConfigurationError:  # nothing is known of it
+        metrics = {}
+    return Described({**run.manifest, "name": run.path.name}, metrics)
 
 
 def as_options(settings: Settings | None) -> list[str]:

@@ -2,9 +2,12 @@
 
 import json
 import random
+import re
+import shutil
 
 import pytest
 
+import rig
 from rig.cli import invoke
 
 
@@ -32,7 +35,9 @@ def runs(tmp_path_factory):
 
 def found(out, where, capsys):
     assert invoke(["list", "runs", "--out", str(out), "--json", "--where", where]) == 0
-    return {entry["name"] for entry in json.loads(capsys.readouterr().out)}
+    names = [entry["name"] for entry in json.loads(capsys.readouterr().out)]
+    assert [run.path.name for run in rig.runs(out, where=where)] == names  # the same from Python
+    return set(names)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +54,8 @@ def found(out, where, capsys):
                 run["marker_rms"] < 0.3e-3 and (run["rig"], run["law"]) == ("joint", "cascade")
             ),
         ),
-        ("no_such_metric < 1", lambda run: False),
+        ("rise_time > 5 s", lambda run: False),
+        ("status = crashed", lambda run: False),
     ],
 )
 def test_the_runs_of_which_it_is_true(where, is_true, runs, capsys):
@@ -64,11 +70,27 @@ def test_the_runs_of_which_it_is_true(where, is_true, runs, capsys):
         ("marker_rms", "no comparison"), ("", "no comparison"), ("status < ok", "a word"),
         ("marker_rms < 1 mm or rig = joint", "marker_rms"),
         ("__import__('os').system('x')", "no comparison"),
+        ("marker_rsm < 1 mm", "there are marker_rms, rise_time, and status, rig"),
+        ("status = okay", "there are running, ok, failed"), ("status != fine", "'fine'"),
     ],
 )  # fmt: skip
 def test_what_is_no_question_is_a_sentence(where, words, runs, capsys):
     assert invoke(["list", "runs", "--out", str(runs[0]), "--where", where]) == 2
     assert words in capsys.readouterr().err
+    with pytest.raises(rig.ConfigurationError, match=re.escape(words)):
+        rig.runs(runs[0], where=where)
+
+
+def test_a_metric_that_no_run_has_a_value_of_is_known_all_the_same(runs, tmp_path, capsys):
+    out, made = runs
+    name = next(name for name, run in made.items() if run["rise_time"] is None)
+    shutil.copytree(out / name, tmp_path / name)
+    assert found(tmp_path, "rise_time < 1 s", capsys) == set()
+
+
+def test_where_there_are_no_runs_no_metric_is_wrong(tmp_path, capsys):
+    assert found(tmp_path, "marker_rms < 0.2 mm", capsys) == set()
+    assert rig.runs(tmp_path, where="marker_rms < 0.2 mm") == []
 
 
 def test_only_runs_are_asked_for(runs, capsys):

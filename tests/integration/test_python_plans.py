@@ -13,6 +13,7 @@ import pytest
 import rig
 from rig.hal import MotionRefused
 from rig.run_folder import RunStatus
+from rig.runtime.log import read_log
 
 FAST = {"approach": 0.3}
 
@@ -226,6 +227,21 @@ def interrupted(out, delay, twice):
         timer.join()
         return error, set(out.iterdir()) - before
     return None, set(out.iterdir()) - before
+
+
+def endless(r):
+    yield r.move(random.Random(3).uniform(1e-3, 4e-3), 0.1)
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT)).start()
+    threading.Timer(1.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+    while True:
+        r.reading("position")
+
+
+def test_a_plan_that_computes_without_end_is_ended_by_a_second_interrupt(out):
+    with pytest.raises(rig.RunInterrupted, match="in a cycle that did not end") as caught:
+        follow(endless, out)
+    assert caught.value.run.status is RunStatus.ABORTED and caught.value.run.manifest["ended"]
+    assert read_log(caught.value.run.path / "log.mcap").complete
 
 
 @pytest.mark.parametrize(

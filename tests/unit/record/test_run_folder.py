@@ -128,8 +128,18 @@ def test_json_is_written_whole_or_not_at_all(
 
 @pytest.mark.parametrize(
     "content",
-    [None, "not json", "[]", "{}", '{"status": "exploded"}', '{"status": []}', "[" * 100_000],
-    ids=["none", "text", "list", "empty", "status", "type", "deep"],
+    [
+        None,
+        "not json",
+        "[]",
+        "{}",
+        '{"status": "exploded"}',
+        '{"status": []}',
+        "[" * 100_000,
+        '{"status": "ok", "seed": "one"}',
+        '{"status": "ok", "format": "new"}',
+    ],
+    ids=["none", "text", "list", "empty", "status", "type", "deep", "seed", "format"],
 )
 def test_other_folders_are_refused(tmp_path: Path, content: str | None) -> None:
     if content is not None:

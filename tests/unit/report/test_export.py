@@ -26,7 +26,7 @@ def log(run: Path) -> Log:
 
 
 def test_csv_round_trip(run: Path, log: Log) -> None:
-    target = export_run(run, "csv")
+    target = export_run(run, "csv").path
     assert target == run / "log.csv"
     with target.open(newline="") as stream:
         head, *rows = list(csv.reader(stream))
@@ -40,7 +40,7 @@ def test_csv_round_trip(run: Path, log: Log) -> None:
 
 
 def test_npz_round_trip(run: Path, log: Log, tmp_path: Path) -> None:
-    target = export_run(run, "npz", tmp_path / "other.name")
+    target = export_run(run, "npz", tmp_path / "other.name").path
     with np.load(target, allow_pickle=False) as arrays:
         assert np.array_equal(arrays["t"], log.t)
         for column, unit in zip(log.columns, arrays["units"], strict=True):
@@ -49,7 +49,7 @@ def test_npz_round_trip(run: Path, log: Log, tmp_path: Path) -> None:
 
 
 def test_mat_round_trip(run: Path, log: Log) -> None:
-    content = loadmat(export_run(run, "mat"), simplify_cells=True)
+    content = loadmat(export_run(run, "mat").path, simplify_cells=True)
     raw = loadmat(run / "log.mat")
     assert raw["t"].shape == (len(log.t), 1)
     assert np.array_equal(content["t"], log.t)
@@ -67,7 +67,7 @@ def test_killed_run_is_exported(make_run: MakeRun, format: str) -> None:
     run = make_run(duration=1.0, status=None)
     content = (run / "log.mcap").read_bytes()
     (run / "log.mcap").write_bytes(content[:-3])
-    assert export_run(run, format).stat().st_size > 1000
+    assert export_run(run, format).path.stat().st_size > 1000
     if format == "npz":
         with np.load(run / "log.npz") as arrays:
             assert len(arrays["t"]) == 999
@@ -76,7 +76,7 @@ def test_killed_run_is_exported(make_run: MakeRun, format: str) -> None:
 def test_parquet_round_trip(run: Path, log: Log) -> None:
     import pyarrow.parquet as pq
 
-    table = pq.read_table(export_run(run, "parquet"))
+    table = pq.read_table(export_run(run, "parquet").path)
     assert table.column_names == ["cycle", "t", *(column.name for column in log.columns)]
     assert np.array_equal(table["cycle"], log.cycle)
     assert np.array_equal(table["t"], log.t)
@@ -89,7 +89,7 @@ def test_mcap_with_an_index_is_read_backwards(run: Path, log: Log) -> None:
     from mcap.reader import SeekingReader
     from mcap_ros2.decoder import DecoderFactory
 
-    with export_run(run, "mcap").open("rb") as stream:
+    with export_run(run, "mcap").path.open("rb") as stream:
         reader = SeekingReader(stream, decoder_factories=[DecoderFactory()])
         summary = reader.get_summary()
         assert summary is not None and summary.statistics is not None

@@ -1,5 +1,6 @@
 """The steps of a cycle: what each does, and the times that are noted with it."""
 
+import contextlib
 import inspect
 from types import SimpleNamespace
 
@@ -167,6 +168,35 @@ def test_a_stop_that_comes_while_the_rig_is_made_safe_does_not_interrupt_it():
     bench.device.make_safe = lambda: (inside.append(stop.in_loop), plain())
     bench.run(stop)
     assert inside == [True] * SAFE_CYCLES
+
+
+def test_each_cycle_hears_the_requests_that_came_before_it():
+    bench, stop, heard = Bench(), StopRequests(), []
+
+    def busy():
+        heard.append((stop.heard, stop.in_cycles))
+        stop.count += len(heard) == 4
+
+    bench.recorder.busy = busy
+    bench.run(stop)
+    assert heard[:4] == [(0, True)] * 4 and set(heard[4:]) == {(1, True)}
+    assert not stop.in_cycles
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_nothing_of_a_cycle_that_was_torn_is_left_when_the_rig_is_made_safe(error):
+    bench, stop, inside = Bench(), StopRequests(), []
+    plain = bench.device.make_safe
+    bench.device.make_safe = lambda: (inside.append(stop.in_cycles), plain())
+
+    def update(*_):
+        raise error
+
+    bench.controller.update = update
+    with contextlib.suppress(KeyboardInterrupt):
+        bench.run(stop)
+    assert len(inside) >= SAFE_CYCLES and not any(inside)
+    assert not stop.in_loop
 
 
 def test_buses_are_drained_while_the_rig_is_made_safe():

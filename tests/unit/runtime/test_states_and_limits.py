@@ -2,6 +2,7 @@
 
 import math
 import os
+import random
 import signal
 import threading
 
@@ -10,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rig.hal import DeviceFault, LimitExceeded
+from rig.runtime import stop as stop_module
 from rig.runtime.limits import VectorLimiter
 from rig.runtime.states import IllegalMove, RigState, StateMachine
-from rig.runtime.stop import StopRequests
+from rig.runtime.stop import PATIENCE, UNHEARD, StopRequests
 
 
 def test_fault_is_latched():
@@ -53,7 +55,7 @@ def test_requests_count_in_the_loop_interrupt_outside_and_are_put_back():
         stop.in_loop = False
         stop.shield()
         os.kill(os.getpid(), signal.SIGINT)
-        assert stop.count == 3
+        assert stop.count == 3 and not stop.in_cycles
     assert signal.getsignal(signal.SIGINT) is before
 
 
@@ -82,6 +84,89 @@ def test_a_request_while_nothing_may_be_interrupted_interrupts_as_soon_as_it_may
     with pytest.raises(KeyboardInterrupt):
         stop.expose()
     assert not stop.shielded
+
+
+@pytest.fixture
+def at(monkeypatch):
+    """Send this process Ctrl-C at a given time, s, or ask for a stop in another way."""
+    now = []
+    monkeypatch.setattr(stop_module, "monotonic", lambda: now[-1])
+
+    def send(t, ask=lambda: os.kill(os.getpid(), signal.SIGINT)):
+        now.append(t)
+        ask()
+
+    return send
+
+
+def in_a_cycle(stop):
+    stop.in_loop = stop.in_cycles = True
+    return stop
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_further_request_interrupts_a_cycle_that_hears_none(seed, at):
+    drawn = random.Random(seed)
+    t = drawn.uniform(0.0, 1e5)
+    with in_a_cycle(StopRequests()) as stop:
+        at(t)
+        for wait in sorted(drawn.uniform(0.0, PATIENCE) for _ in range(3)):
+            at(t + 0.999 * wait)  # two in haste are no reason to tear a cycle
+        assert stop.count == 4
+        t += drawn.uniform(PATIENCE + 1e-3, 60.0)
+        with pytest.raises(KeyboardInterrupt, match=f"^{UNHEARD}$"):
+            at(t)
+        at(t + drawn.uniform(0.0, 0.999))  # what follows has this time to make the rig safe
+        with pytest.raises(KeyboardInterrupt, match=UNHEARD):
+            at(t + drawn.uniform(PATIENCE + 1e-3, 60.0))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_who_presses_in_haste_waits_no_longer(seed, at):
+    drawn = random.Random(seed)
+    with in_a_cycle(StopRequests()):
+        at(t := drawn.uniform(0.0, 1e5))
+        at(t + drawn.uniform(0.5, 0.9))
+        with pytest.raises(KeyboardInterrupt):
+            at(t + drawn.uniform(1.01, 1.4))
+
+
+def test_patience_is_a_second_and_ends_with_it(at):
+    with in_a_cycle(StopRequests()):
+        at(64.0)
+        with pytest.raises(KeyboardInterrupt):
+            at(65.0)
+    assert UNHEARD == "in a cycle that did not end"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_requests_that_are_heard_interrupt_nothing(seed, at):
+    drawn = random.Random(seed)
+    t = 0.0
+    with in_a_cycle(StopRequests()) as stop:
+        for count in range(1, 6):
+            at(t := t + drawn.uniform(2.0, 60.0))
+            assert stop.count == count
+            stop.heard = stop.count
+        at(t + 5.0)
+        with pytest.raises(KeyboardInterrupt):  # the one before was not heard
+            at(t + 7.0)
+
+
+def test_what_makes_safe_is_not_interrupted_and_keeps_nobody_waiting(at):
+    with in_a_cycle(StopRequests()) as stop:
+        at(0.0)
+        stop.in_cycles = False
+        at(30.0)
+        at(60.0)
+        assert stop.count == 3
+
+
+def test_a_request_of_another_thread_that_is_not_heard_counts_as_well(at):
+    with in_a_cycle(StopRequests()) as stop:
+        at(8.0, stop.request)
+        with pytest.raises(KeyboardInterrupt):
+            at(9.5)
 
 
 PRESSURE = st.floats(-1e7, 1e7)
