@@ -24,6 +24,8 @@ class StationFaults:
         It hears and says nothing, as with a broken wire.
     ``corrupted``, ``truncated``, ``doubled`` (value: s, default for ever)
         So do its answers come; in a fast reply, where each has its place, none can double.
+    ``deaf`` (value: s, default for ever)
+        What is written to several servos at once, as setpoints are, passes it by.
     ``same_id``
         A second servo with its id answers at the same time.
     ``overheated``, ``warm``
@@ -56,7 +58,8 @@ class StationFaults:
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` understands."""
         return (
-            *("silent", "corrupted", "truncated", "doubled", "same_id", "overheated", "warm"),
+            *("silent", "corrupted", "truncated", "doubled", "deaf", "same_id"),
+            *("overheated", "warm"),
             *_HARDWARE_BITS,
             *ServoEncoder.lies,
             *("rebooted", "repair"),
@@ -77,6 +80,8 @@ class StationFaults:
                 station.silence(self._duration(fault, value))
             case "corrupted" | "truncated" | "doubled":
                 station.distort(_DISTORTIONS[fault], self._duration(fault, value))
+            case "deaf":
+                station.deafen(self._duration(fault, value))
             case "same_id":
                 station.twin = self._make_twin()
             case "overheated":

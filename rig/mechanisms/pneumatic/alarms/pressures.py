@@ -157,9 +157,8 @@ class PressureWatch:
                 channel.jump = off - before
             channel.mean += mean * (off - channel.mean)
             channel.usual += usual * (off - channel.usual)
-            lag = slow - expected
-            channel.lag_mean += mean * (abs(lag) - channel.lag_mean)
-            if not channel.compare(lag, share, bounds):
+            channel.lag_mean += mean * (abs(slow - expected) - channel.lag_mean)
+            if not channel.compare(slow - expected, share, bounds):
                 channel.quick_at = now
             if now - channel.quick_at > self._mean_time or not (
                 abs(channel.mean - channel.usual) <= channel.most_mean(bounds)
