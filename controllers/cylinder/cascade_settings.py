@@ -54,8 +54,10 @@ class CascadeSettings:
         linearity and hysteresis, because a pressure that does not follow is not to be chased.
     delay : float, optional
         From the readings to the moment that they are used for, s: the state is predicted over
-        it and over the regulators' dead time. None: one period, as on a bus that is read at the
-        end of a cycle.
+        it. None: one period, as on a bus that is read at the end of a cycle.
+    anticipation : float
+        Share of the regulators' dead time by which the state and the reference are predicted
+        besides: what is asked for now acts only then. The shipped gains were tuned without.
     pressure_floor : float
         No setpoint goes below, Pa gauge, so that no wire goes slack.
     differential_limit : float, optional
@@ -79,6 +81,7 @@ class CascadeSettings:
     trim_rate: Annotated[float, Unit("rad/s"), Ge(0), Le(30)] = 3.0
     trim_limit: Annotated[float, Unit("Pa"), Ge(0)] = 15e3
     delay: Annotated[float, Unit("s"), Ge(0)] | None = None
+    anticipation: Annotated[float, Ge(0), Le(2)] = 0.0
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
     differential_limit: Annotated[float, Unit("Pa"), Gt(0)] | None = None
     feedforward: FeedforwardSettings = field(

@@ -74,6 +74,8 @@ class SerialBus:
         The slowest answer that is accepted while connecting, s.
     request_time : float
         When the last reading was asked for, which is when the servos sampled, s.
+    lost_setpoints : list of callable
+        Each returns how many setpoints of a servo left no trace.
     """
 
     def __init__(
@@ -91,6 +93,7 @@ class SerialBus:
         self.max_latency = min(settings.max_latency, period or settings.max_latency)
         self.read = CyclicRead(fast=settings.fast_sync, fault_after=settings.fault_after)
         self.request_time = -inf
+        self.lost_setpoints: list[Callable[[], int]] = []
         self._open_port = open_port
         self._port: SerialPort | None = None
         self._parser = StatusParser()
@@ -198,7 +201,7 @@ class SerialBus:
 
     def statistics(self) -> dict[str, float]:
         """Return counters for the run's manifest."""
-        return {
+        found = {
             "bytes_in": self._bytes_in,
             "bytes_out": self._bytes_out,
             "refused": self._refused,
@@ -206,6 +209,9 @@ class SerialBus:
             "noise": self._parser.noise,
             **self.read.statistics(),
         }
+        if self.lost_setpoints:
+            found["lost_setpoints"] = sum(lost() for lost in self.lost_setpoints)
+        return found
 
     # Configuration --------------------------------------------------------------------
 

@@ -1,10 +1,11 @@
-"""Find one servo, make sure that it is the right one, and set it up; torque stays off."""
+"""Find one servo, make sure that it is the right one, set it up, and switch its torque on."""
 
 import struct
 from math import ceil
 
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.client import RegisterClient
+from drivers.dynamixel.scaling import AxisScale, encode_position
 from drivers.dynamixel.settings import DynamixelAxisSettings, DynamixelSettings
 
 
@@ -41,7 +42,31 @@ def configure_servo(
     _limit(client, settings, joint)
     _tune(client, settings, joint)
     if settings.health:
-        _map_health(client, settings.model_of(joint).indirect_data)
+        _map_block(client, settings.block, settings.model_of(joint).indirect_data)
+
+
+def energise_servo(
+    client: RegisterClient, settings: DynamixelSettings, scale: AxisScale, position: float
+) -> None:
+    """Switch the torque of a servo on, where its joint stands (rad).
+
+    Raises
+    ------
+    ConnectionFailed
+        That is outside the joint's limits, or the servo refuses.
+    """
+    low, high = settings.joints[client.joint].limits
+    margin = abs(scale.step)
+    if not low - margin <= position <= high + margin:
+        raise client.failed(
+            "the joint stands outside its limits; move it by hand",
+            register=str(table.PRESENT_POSITION),
+            value=f"{position:.4g} rad",
+            bound=f"{low:.4g} … {high:.4g} rad",
+        )
+    if settings.mode != "velocity":
+        client.write(settings.goal, encode_position(scale, position))
+    client.write(table.TORQUE_ENABLE, 1)
 
 
 def watchdog_units(watchdog: float) -> int:
@@ -130,13 +155,11 @@ def _tune(
             client.write(register, value)
 
 
-def _map_health(client: RegisterClient, indirect_data: int) -> None:
+def _map_block(
+    client: RegisterClient, block: tuple[table.Register, ...], indirect_data: int
+) -> None:
     """Lay what is read each cycle side by side, in the servo's indirect data."""
-    addresses = [
-        register.address + k
-        for register in (*table.MOTION, *table.HEALTH)
-        for k in range(register.size)
-    ]
+    addresses = [register.address + k for register in block for k in range(register.size)]
     client.write_bytes(
         table.INDIRECT_ADDRESS,
         struct.pack(f"<{len(addresses)}H", *addresses),

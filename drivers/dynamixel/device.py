@@ -15,11 +15,12 @@ from typing import Final
 from drivers.dynamixel import registers as table
 from drivers.dynamixel.bus import SerialBus, SyncWrite
 from drivers.dynamixel.client import RegisterClient
-from drivers.dynamixel.configure import configure_servo, watchdog_units
+from drivers.dynamixel.configure import configure_servo, energise_servo, watchdog_units
+from drivers.dynamixel.goal_echo import GoalEcho
 from drivers.dynamixel.health import Health, HealthWatch, decode_health
 from drivers.dynamixel.motion import MotionWatch
 from drivers.dynamixel.payload import SyncPayload
-from drivers.dynamixel.scaling import AxisScale, encode_position, encode_velocity, joint_scale
+from drivers.dynamixel.scaling import encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.axis_guard import AxisGuard
 from drivers.servos.velocity_reference import VelocityReference
@@ -73,13 +74,14 @@ class DynamixelServos(ServoBus):
             RegisterClient(name, label, joint.id, bus) for label, joint in joints.items()
         )
 
-        block = (*table.MOTION, *table.HEALTH) if settings.health else table.MOTION
+        block = settings.block
         self._unpack = struct.Struct("<" + "".join(register.code for register in block)).unpack
         self._block_address = models[0].indirect_data if settings.health else block[0].address
         self._block_name = f"{block[0]} … {block[-1]}"
 
-        goal = table.GOAL_VELOCITY if self._is_velocity else table.GOAL_POSITION
+        goal = settings.goal
         self._goal = SyncPayload(goal, ids)
+        self._echo = GoalEcho(goal, bus, len(joints) if settings.echo else 0)
         self._torque = SyncPayload(table.TORQUE_ENABLE, ids)
         self._watchdog = SyncPayload(table.BUS_WATCHDOG, ids)
         self._watchdog_units = watchdog_units(settings.watchdog)
@@ -136,7 +138,7 @@ class DynamixelServos(ServoBus):
         for client, scale, position in zip(
             self._clients, self._scales, self._positions.value, strict=True
         ):
-            self._energise(client, scale, position)
+            energise_servo(client, self.settings, scale, position)
         self._hold_here()
         self._goals.active = True
         self._release.active = False
@@ -254,7 +256,7 @@ class DynamixelServos(ServoBus):
         ):
             counts = round(position / step + origin)
             goals.append(first if counts < first else min(counts, last))
-        self._goals.payload = self._goal.pack(goals)
+        self._aim(goals)
 
     def command_velocities(self, velocities: Vector) -> None:
         """Take velocity setpoints for this cycle, rad/s, shape (n,); ignored unless enabled.
@@ -280,8 +282,8 @@ class DynamixelServos(ServoBus):
         ------
         DeviceFault
             A hardware error, a tripped or lost watchdog, temperature or voltage out of
-            range, a joint that does not follow, answers missing, damaged or doubled. The
-            message says joint, id and register, in words.
+            range, a joint that does not follow or does not get its setpoints, answers
+            missing, damaged or doubled. The message says joint, id and register, in words.
         """
         if not self._armed:
             return
@@ -291,6 +293,7 @@ class DynamixelServos(ServoBus):
             if link.missed or link.doubled:
                 read.check(link)
         if self._enabled:
+            self._echo.check(self._health)
             if not self._is_velocity:
                 self._motion.refer(self._guard.positions)
             self._motion.check(self._positions, self._velocities.value)
@@ -316,6 +319,7 @@ class DynamixelServos(ServoBus):
             positions.append(step * (sample[2] - origin))
         if self._enabled:
             self._motion.find_jump(self._positions, positions, t)
+            self._echo.hear(samples)
         self._positions = Reading(tuple(positions), t)
         self._velocities = Reading(tuple(velocities), t)
         self._torques = Reading(tuple(torques), t)
@@ -329,8 +333,8 @@ class DynamixelServos(ServoBus):
                 if link.alert:
                     health.accept_alert(k)
             return True
-        for k, (_, _, _, error, watchdog, voltage, temperature) in enumerate(samples):
-            trusted &= health.accept(k, error, watchdog, voltage, temperature)
+        for k, sample in enumerate(samples):
+            trusted &= health.accept(k, *sample[-len(table.HEALTH) :])
         return trusted
 
     def _start_reading(self) -> None:
@@ -353,24 +357,10 @@ class DynamixelServos(ServoBus):
             f"it sends no readings{hint}", register=self._block_name
         )
 
-    def _energise(self, client: RegisterClient, scale: AxisScale, position: float) -> None:
-        """Switch the torque of one servo on, where it stands."""
-        low, high = self.settings.joints[client.joint].limits
-        margin = abs(scale.step)
-        if not low - margin <= position <= high + margin:
-            raise client.failed(
-                "the joint stands outside its limits; move it by hand",
-                register=str(table.PRESENT_POSITION),
-                value=f"{position:.4g} rad",
-                bound=f"{low:.4g} … {high:.4g} rad",
-            )
-        if not self._is_velocity:
-            client.write(self._goal.register, encode_position(scale, position))
-        client.write(table.TORQUE_ENABLE, 1)
-
     def _hold_here(self) -> None:
         """Make the present positions, or standstill, the setpoints: the first makes no bump."""
         positions = self._guard.positions = self._positions.value
+        self._echo.reset()
         if self._is_velocity:
             self._goals.payload = self._goal.same(0)
         else:
@@ -378,9 +368,14 @@ class DynamixelServos(ServoBus):
         self._velocity_reference.reset()
         self._motion.reset(positions, self._bus.clock.now())
 
+    def _aim(self, goals: Sequence[int]) -> None:
+        """Make counts of the goal's register the setpoints of this cycle."""
+        self._goals.payload = self._goal.pack(goals)
+        self._echo.send(goals)
+
     def _send(self, velocities: Sequence[float]) -> None:
         """Make velocities the setpoints of servos in velocity mode, rad/s."""
-        self._goals.payload = self._goal.pack(map(encode_velocity, self._scales, velocities))
+        self._aim(list(map(encode_velocity, self._scales, velocities)))
         self._motion.drift(velocities, self._positions.value, self._period)
 
     def _rest(self) -> None:

@@ -10,12 +10,15 @@ from drivers.dynamixel.codec import MAX_ID
 from drivers.dynamixel.registers import (
     COUNT_AT_ZERO,
     COUNTS_PER_TURN,
+    GOAL_POSITION,
+    GOAL_VELOCITY,
     HEALTH,
     MODELS,
     MOTION,
     Mode,
     Model,
     ModelName,
+    Register,
 )
 from drivers.servos.axis_settings import AxisSettings, bounds_of
 from rig.hal import Address, BusSettings, DriverSettings, Endpoint
@@ -171,6 +174,9 @@ class DynamixelSettings(DriverSettings):
         cycle (15 bytes instead of 10). False for chains whose time does not allow it; a
         hardware error then shows only as such, a tripped watchdog as a joint that does not
         follow.
+    echo : bool
+        Read each servo's goal in every cycle, too (4 bytes more), and compare it with the
+        setpoints that were sent: one that does not get them is found. Takes `health`.
     max_temperature : float
         Above it is a fault, K.
     voltage : tuple of float
@@ -191,6 +197,7 @@ class DynamixelSettings(DriverSettings):
     position_gain: Annotated[float, Unit("1/s"), Gt(0)] = 10.0
     after_stop: Literal["hold", "release"] = "hold"
     health: bool = True
+    echo: bool = False
     max_temperature: Annotated[float, Unit("K"), Interval(ge=293.15, le=373.15)] = 343.15
     voltage: tuple[Annotated[float, Unit("V"), Ge(0)], Annotated[float, Unit("V"), Ge(0)]] = (
         4.5,
@@ -213,6 +220,8 @@ class DynamixelSettings(DriverSettings):
             )
         if not self.voltage[0] < self.voltage[1]:
             raise ValueError("voltage is not a rising pair of numbers.")
+        if self.echo and not self.health:
+            raise ValueError("echo takes health: a goal stands apart from the motion.")
         if (self.goal_current is None) == (self.mode == "current_based_position"):
             raise ValueError("goal_current belongs to mode current_based_position, which needs it.")
         for name, value in (
@@ -262,5 +271,16 @@ class DynamixelSettings(DriverSettings):
     @property
     def block_size(self) -> int:
         """Return the bytes that each servo sends in every cycle."""
-        registers = (*MOTION, *HEALTH) if self.health else MOTION
-        return sum(register.size for register in registers)
+        return sum(register.size for register in self.block)
+
+    @property
+    def block(self) -> tuple[Register, ...]:
+        """Return what each servo sends in every cycle: motion, goal, health."""
+        if not self.health:
+            return MOTION
+        return (*MOTION, *((self.goal,) if self.echo else ()), *HEALTH)
+
+    @property
+    def goal(self) -> Register:
+        """Return the register that setpoints are written to."""
+        return GOAL_VELOCITY if self.mode == "velocity" else GOAL_POSITION

@@ -7,7 +7,7 @@ _PATIENCE: Final = 0.03  # s, for a drive that holds its joint meanwhile
 _EXACT_PATIENCE: Final = 0.01  # s, for a device whose last setpoint goes on to act
 _PERIODS: Final = 3
 _TRANSIT: Final = 2
-"""Periods until a setpoint can be echoed: sent in one, obeyed to the end of the next."""
+"""Periods until a setpoint can be echoed, as a rule: sent in one, obeyed to the end of the next."""
 _CONFIRMED: Final = 2  # echoes in a row: one may fall between two setpoints of a reversal
 
 
@@ -27,6 +27,8 @@ class SetpointEcho:
         Of the demand, in the unit of the setpoints: rounding.
     exact : bool
         The device interpolates nothing: what it reports is one of the setpoints.
+    transit : int
+        Periods until a setpoint is echoed. 1: the echo is asked for behind the setpoint.
 
     Attributes
     ----------
@@ -34,11 +36,14 @@ class SetpointEcho:
         Setpoints that differed from those before them and left no trace in the demand.
     """
 
-    __slots__ = ("_echo", "_exact", "_outside", "_sent", "_slack", "lost")
+    __slots__ = ("_echo", "_exact", "_outside", "_sent", "_slack", "_transit", "lost")
 
-    def __init__(self, period: float, slack: float, *, exact: bool = False) -> None:
+    def __init__(
+        self, period: float, slack: float, *, exact: bool = False, transit: int = _TRANSIT
+    ) -> None:
         patience = _EXACT_PATIENCE if exact else _PATIENCE
-        cycles = max(_PERIODS, round(patience / period) if period else 0) + _TRANSIT
+        cycles = max(_PERIODS, round(patience / period) if period else 0) + transit
+        self._transit = transit
         self._slack = slack
         self._exact = exact
         self._sent: deque[float] = deque(maxlen=cycles)
@@ -61,15 +66,15 @@ class SetpointEcho:
 
     def hear(self, demand: float) -> None:
         """Take the demand of a new sample; call it before the cycle's setpoint is sent."""
-        sent, slack = self._sent, self._slack
+        sent, slack, transit = self._sent, self._slack, self._transit
         before, self._echo = self._echo, demand
-        if len(sent) < _TRANSIT + 1:
+        if len(sent) < transit + 1:
             return
         # A demand from before the reset is none of these, and may come as late as any other.
         is_judged = len(sent) == sent.maxlen
         self._outside = 0 if not is_judged or self._is_among(demand) else self._outside + 1
         stands = before is not None and abs(demand - before) <= slack
-        if stands and abs(sent[-_TRANSIT] - sent[-_TRANSIT - 1]) > 2.0 * slack:
+        if stands and abs(sent[-transit] - sent[-transit - 1]) > 2.0 * slack:
             self.lost += 1
 
     def _is_among(self, demand: float) -> bool:

@@ -182,6 +182,8 @@ def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
 _UNTIL_MOVED = 2.0
 """s: a setpoint that rests tells nothing, and moves in the orderly stop at the latest, which a
 case asks for after a second."""
+_TUBE = 1.5e-8
+"""m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
 _MOMENT = Magnitudes(1e-3, 1.0, "s")
 _CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
@@ -200,13 +202,16 @@ PNEUMATIC = (
     _of_device("monitor_frozen", "A pressure monitor repeats its value.", either, 1.0,
                ("monitor",), why="the loop closes over the rods, and a pressure may rest"),
     _of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
-               magnitude=Magnitudes(1e-11, 1e-9, "m3/(s Pa)"),
+               magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
+    _of_device("leak", "The tube of a chamber is off.", _is_felt(_TUBE), 0.3,
+               magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
+               why="less than 1.5e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
+               "stay where they do when nothing leaks"),
     _of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
               forgives=_ALONE),
     _of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
               why="a shut chamber is a spring, and holds where it is", forgives=_ALONE),
-    _of_plant("leak", "The tube of a chamber is off.", safe, 0.3),
     _of_plant("wire_cut", "A wire breaks.", safe, 0.1, ("wire",), forgives=_ON_A_WIRE),
     _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
               forgives=_ON_A_WIRE),
@@ -309,6 +314,8 @@ SERVOS = (
                lasts=_MOMENT, why="as a gap"),
     _of_device("doubled", "A servo answers twice.", either, 0.2, lasts=_MOMENT,
                why="the second answer is not asked for"),
+    _of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=_MOMENT,
+               why="a joint that is not asked to move does not show it"),
     _of_device("same_id", "Two servos have one id.", safe, 0.5),
     _of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
     _of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),

@@ -66,7 +66,7 @@ def supply(rng, channel):
 
 
 FAULTS = {
-    "tube-off": on_plant("leak", 1e-8, 3e-8),
+    "tube-off": on_plant("leak", 2e-8, 5e-8),
     "slow": on_plant("regulator_slow", 2.0, 4.0),
     "monitor-off": off_monitor(22e3, 60e3),
     "stuck-held": on_plant("regulator_stuck"),
@@ -79,6 +79,8 @@ FAULTS = {
     "scale": on_encoder("scale", 1.2, 1.6),
     "supply-lost": supply,
     "wire-cut": by_channel("wire_cut", "the wire of {} is slack or cut"),
+    "narrow-tube-off": on_plant("leak", 1.5e-8, 2e-8),
+    "small-leak": on_plant("leak", 1e-9, 1.5e-8),
 }
 
 

@@ -45,17 +45,17 @@ FAULTS = {
     "regulator-open": (
         plant("regulator_open", 0),
         PRESSURE,  # or sooner: its rod runs away
-        ("regulators: the regulator of ch1 is stuck open", "kPa", "12 kPa"),
+        ("regulators: the regulator of ch1 is stuck open", "kPa off what is usual, at most"),
     ),
     "regulator-closed": (
         plant("regulator_closed", 1),
         PRESSURE + 0.25,  # its setpoint must first ask for another pressure, see below
-        ("regulators: the regulator of ch2 is stuck closed", "kPa", "12 kPa"),
+        ("regulators: the regulator of ch2 is stuck closed", "kPa off what is usual, at most"),
     ),
     "supply-lost": (
         plant("supply_lost"),
         PRESSURE + 0.05,
-        ("regulators: the supply pressure is lost", "fall short", "12 kPa"),
+        ("regulators: the supply pressure is lost", "fall short", "kPa off what is usual"),
     ),
     "encoder-frozen": (
         device("encoder-2", "frozen"),

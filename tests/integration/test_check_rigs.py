@@ -26,7 +26,7 @@ def test_every_rig_is_shown_to_people_and_to_programs(capsys, name):
 
 
 @pytest.mark.parametrize("name", RIGS)
-def test_check_says_what_a_cut_wire_comes_to(capsys, name):
+def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
     """Servos have no wires."""
     assert invoke(["check", name, "--configs", str(CONFIGS)]) == 0
     shown = capsys.readouterr().out
@@ -34,7 +34,9 @@ def test_check_says_what_a_cut_wire_comes_to(capsys, name):
     expected = json.loads(capsys.readouterr().out)["profile"]["expected"]
     pneumatic = name.startswith(("cylinder", "joint"))
     assert [item["unit"] for item in expected] == (
-        ["m/s", "J", "Pa", "m/s", "J", "Pa", "N s/m"] if pneumatic else []
+        ["m/s", "J", "Pa", "m/s", "J", "Pa", "N s/m", "Pa", "s", "Pa", "1", "Pa"]
+        if pneumatic
+        else []
     )
     assert ("what to expect if a part breaks" in shown) is pneumatic
     assert all(item["name"] in shown for item in expected)

@@ -26,6 +26,7 @@ class Station:
         self._silent_until = -inf
         self._distortion: Distortion | None = None
         self._distorted_until = -inf
+        self._deaf_until = -inf
 
     def servos(self) -> tuple[EmulatedServo, ...]:
         """Return who answers here."""
@@ -42,6 +43,11 @@ class Station:
         """Return whether anything is heard and said here."""
         return self._now >= self._silent_until
 
+    @property
+    def is_deaf(self) -> bool:
+        """Return whether what is written to several servos at once does not reach this one."""
+        return self._now < self._deaf_until
+
     def say(self, answers: Sequence[bytes]) -> bytes:
         """Return what is heard when all who are here speak at once."""
         said = answers[0]
@@ -55,13 +61,17 @@ class Station:
         """Cut the servo off for so long, s."""
         self._silent_until = self._now + duration
 
+    def deafen(self, duration: float) -> None:
+        """Have what is written to several servos at once pass it by for so long, s."""
+        self._deaf_until = self._now + duration
+
     def distort(self, distortion: Distortion, duration: float) -> None:
         """Change what it says for so long, s."""
         self._distortion, self._distorted_until = distortion, self._now + duration
 
     def repair(self) -> None:
         """Put everything on the line right."""
-        self._silent_until = self._distorted_until = -inf
+        self._silent_until = self._distorted_until = self._deaf_until = -inf
         self.twin = None
 
 
@@ -191,7 +201,7 @@ class EmulatedChain:
         stride = size + 1
         for at in range(4, len(parameters) - size, stride):
             station = self._station(parameters[at])
-            if station is not None:
+            if station is not None and not station.is_deaf:
                 for servo in station.servos():
                     servo.write(address, parameters[at + 1 : at + stride])
 

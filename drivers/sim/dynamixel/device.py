@@ -25,6 +25,8 @@ class StationFaults(Breakable):
         It hears and says nothing, as with a broken wire.
     ``corrupted``, ``truncated``, ``doubled`` (value: s, default for ever)
         So do its answers come; in a fast reply, where each has its place, none can double.
+    ``deaf`` (value: s, default for ever)
+        What is written to several servos at once, as setpoints are, passes it by.
     ``same_id``
         A second servo with its id answers at the same time.
     ``overheated``, ``warm``
@@ -57,6 +59,7 @@ class StationFaults(Breakable):
         self.add_fault("silent", self._silence)
         for fault, distortion in _DISTORTIONS.items():
             self.add_fault(fault, partial(self._distort, fault, distortion))
+        self.add_fault("deaf", self._deafen)
         self.add_fault("same_id", self._double)
         for fault, celsius in _TEMPERATURES.items():
             self.add_fault(fault, partial(self._heat, celsius))
@@ -73,6 +76,9 @@ class StationFaults(Breakable):
 
     def _silence(self, duration: float | None) -> None:
         self._station.silence(self.lasting_time("silent", duration))
+
+    def _deafen(self, duration: float | None) -> None:
+        self._station.deafen(self.lasting_time("deaf", duration))
 
     def _distort(self, fault: str, distortion: Distortion, duration: float | None) -> None:
         self._station.distort(distortion, self.lasting_time(fault, duration))

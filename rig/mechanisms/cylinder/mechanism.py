@@ -17,13 +17,14 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Margin
+from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.cylinder.references import PairMotion
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.targets import PairTargets
 from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
+from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
 from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -99,6 +100,12 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._watch = PairWatch(
             settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )
+
+    @classmethod
+    def expected_of(cls, settings: CylinderSettings) -> tuple[Expected, ...]:
+        """Return what a cut wire comes to, and from where on pressures are an alarm."""
+        bounds = derive_bounds(settings.alarms.pressure, settings)
+        return (*super().expected_of(settings), *expect_bounds(bounds))
 
     @classmethod
     def assemble(

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from controllers.cylinder.types import PairState
 from rig.hal import DeviceFault, LimitExceeded, SafetyError
 from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
@@ -70,7 +71,10 @@ class PairWatch:
         self._bound = settings.most_disagreement
         self._frozen = alarms.frozen
         self._pressures = PressureWatch(
-            alarms.pressure, settings.regulator_response, CHANNELS, regulators
+            derive_bounds(alarms.pressure, settings),
+            settings.regulator_response,
+            CHANNELS,
+            regulators,
         )
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)

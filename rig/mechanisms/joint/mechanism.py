@@ -28,7 +28,7 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Margin
+from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
@@ -37,6 +37,7 @@ from rig.mechanisms.joint.motion import JointMotion, PosedMotion, checker, plan_
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.joint.targets import PoseTargets
 from rig.mechanisms.joint.watch import JointWatch
+from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
 from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
@@ -112,6 +113,12 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             settings.limits.following,
             settings.alarms.oscillation,
         )
+
+    @classmethod
+    def expected_of(cls, settings: JointSettings) -> tuple[Expected, ...]:
+        """Return what a cut wire comes to, and from where on pressures are an alarm."""
+        bounds = derive_bounds(settings.alarms.pressure, settings)
+        return (*super().expected_of(settings), *expect_bounds(bounds))
 
     @classmethod
     def assemble(

@@ -12,6 +12,7 @@ from rig.mechanisms.joint.alarms.camera import MarkerWatch
 from rig.mechanisms.joint.alarms.wires import WireLimits, WireWatch
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.work import WorkWatch
 
@@ -52,7 +53,10 @@ class JointWatch:
         self._encoders = tuple(encoders)
         self._give = settings.area / settings.wire_stiffness
         self._pressures = PressureWatch(
-            alarms.pressure, settings.regulator_response, CHANNELS, regulators
+            derive_bounds(alarms.pressure, settings),
+            settings.regulator_response,
+            CHANNELS,
+            regulators,
         )
         self._wires = WireWatch(
             settings.geometry,

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Le, Unit
+from annotated_types import Ge, Gt, Le, Lt, Unit
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
@@ -40,12 +40,17 @@ class RegulatorModel:
     damping : float
         Damping ratio.
     dead_time : float
-        From a setpoint until the pressure begins to follow it, s.
+        Until anything is seen of a setpoint, s: bus, converter, valve, monitor. Alarms allow for
+        it.
+    spread : float
+        How far a healthy regulator's bandwidth may be off, over it: no two are alike, and air
+        fills faster than it leaves. Alarms allow for it.
     """
 
     bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     damping: Annotated[float, Gt(0)] = 1.0
-    dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 0.0
+    dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 5e-3
+    spread: Annotated[float, Ge(0), Lt(1)] = 0.15
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,8 +23,10 @@ from pneumatic_fakes import (
 )
 
 from rig.hal import ConfigurationError
+from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.mechanism import SphericalJoint
 from rig.mechanisms.joint.settings import JointFriction, JointLimits, JointSettings
+from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 
 
 def test_controllers_are_told_what_the_profile_says():
@@ -104,7 +106,7 @@ def test_what_a_profile_leaves_out_is_as_its_documentation_says():
     assert limits.free_wires
     assert (limits.residual, limits.disagreement, limits.grace) == (1e-3, 3e-3, 0.05)
     alarms = joint_settings().alarms
-    assert (alarms.pressure.deviation, alarms.pressure.time) == (40e3, 0.05)
+    assert JointAlarmSettings().pressure == PressureAlarm(None, None, None, None)
     assert (alarms.frozen.distance, alarms.frozen.time) == (0.4e-3, 0.05)
     assert (alarms.swapped.distance, alarms.swapped.share) == (1e-3, 0.25)
     assert (alarms.twist.limit, alarms.twist.time) == (math.radians(10.0), 0.1)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from rig.hal import SafetyError
-from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 _ALIKE = 0.5
@@ -14,14 +14,15 @@ _MOVED = 0.25
 _JUMPED = 0.7
 """A monitor jumps by this share of what it is off in one cycle; air takes a few."""
 _MEAN = 4.0
-"""Time constants of the regulator over which the mean deviation is taken."""
+"""Time constants of the regulator over which the mean deviation is taken, and for which it must be
+slow: at the beginning of a step dead time looks the same."""
 _USUAL = 5.0
 """Time over which a deviation becomes the usual one, s: that of an uncalibrated regulator is."""
 _SLOW = 1.0
 """Time over which a deviation is compared with that of a slow regulator, s."""
-_LEAST_LAG = 5e3
-"""A slow regulator would be off by this, rms (Pa), or the motion cannot show that it is slow: at
-less, what a healthy one is off by hysteresis and overlap looks the same."""
+_LEAST_LAG = 2.0
+"""A slow regulator would be off by so many times the hysteresis, rms, or the motion cannot show
+that it is slow."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -33,29 +34,39 @@ class _Channel:
     """
 
     __slots__ = (
-        "expected", "held", "jump", "lag_power", "likeness", "mean", "off", "power", "rate",
-        "slow", "slow_rate", "usual", "well_at",
+        "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "off", "power",
+        "quick_at", "rate", "slow", "slow_rate", "usual", "well_at",
     )  # fmt: skip
 
     def __init__(self, pressure: float, now: float) -> None:
         self.expected = self.slow = self.held = pressure
         self.rate = self.slow_rate = 0.0
         self.off = self.mean = self.usual = self.jump = 0.0
-        self.lag_power = self.likeness = self.power = 0.0
-        self.well_at = now
+        self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
+        self.well_at = self.quick_at = now
 
-    def compare(self, lag: float, share: float, bound: float) -> bool:
+    def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
         """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
         off = self.off - self.usual
         self.lag_power = power = self.lag_power + share * (lag * lag - self.lag_power)
         self.likeness = likeness = self.likeness + share * (lag * off - self.likeness)
         self.power += share * (off * off - self.power)
-        return power > _LEAST_LAG**2 and likeness > bound * power
+        # The cheap half first: most of the time a regulator is far from slow.
+        return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)
 
-    @property
-    def slowness(self) -> float:
-        """Share of a slow regulator's deviation that this one has; 0 if the motion shows none."""
-        return self.likeness / self.lag_power if self.lag_power > _LEAST_LAG**2 else 0.0
+    def slowness(self, bounds: PressureBounds) -> float:
+        """Return which share of a slow regulator's deviation this has; 0: the motion shows none."""
+        least = _LEAST_LAG * bounds.loop
+        return self.likeness / self.lag_power if self.lag_power > least * least else 0.0
+
+    def most_slow(self, bounds: PressureBounds) -> float:
+        """Return the permitted share: the hysteresis hides the more, the less there is to see."""
+        power = self.lag_power
+        return bounds.slow + bounds.loop / math.sqrt(power) if power > 0.0 else math.inf
+
+    def most_mean(self, bounds: PressureBounds) -> float:
+        """Return how far the mean may be off what is usual, Pa."""
+        return bounds.offset + bounds.slow * self.lag_mean
 
 
 class PressureWatch:
@@ -67,7 +78,7 @@ class PressureWatch:
 
     Parameters
     ----------
-    settings : PressureAlarm
+    bounds : PressureBounds
         How far and how long.
     response : RegulatorModel
         Of a healthy regulator: second order.
@@ -79,12 +90,12 @@ class PressureWatch:
 
     def __init__(
         self,
-        settings: PressureAlarm,
+        bounds: PressureBounds,
         response: RegulatorModel,
         channels: Sequence[str],
         device: str,
     ) -> None:
-        self._settings = settings
+        self._bounds = bounds
         self._stiffness = response.bandwidth**2
         self._drag = 2.0 * response.damping * response.bandwidth
         self._mean_time = _MEAN / response.bandwidth
@@ -115,14 +126,14 @@ class PressureWatch:
             self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
             self._began = now
             return
-        settings = self._settings
-        deviation, alike = settings.deviation, _ALIKE * settings.deviation
+        bounds = self._bounds
+        deviation, alike = bounds.deviation, _ALIKE * bounds.deviation
         pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
         slow_pull, slow_brake = 0.25 * pull, 1.0 / (1.0 + 0.5 * step * self._drag)
         mean = step / (self._mean_time + step)
         usual = step / (min(now - self._began + self._mean_time, _USUAL) + step)
         share = step / (_SLOW + step)
-        most = settings.offset
+        most = bounds.offset
         long_off = strange = False
         for k, channel in enumerate(self._channels):
             expected, slow, pressure, before = (
@@ -138,7 +149,7 @@ class PressureWatch:
                 channel.held = pressure
             if -deviation <= off <= deviation:
                 channel.well_at = now
-            elif now - channel.well_at > settings.time:
+            elif now - channel.well_at > bounds.time:
                 long_off = True
             if -most < off - channel.usual < most:
                 channel.jump = 0.0
@@ -146,8 +157,11 @@ class PressureWatch:
                 channel.jump = off - before
             channel.mean += mean * (off - channel.mean)
             channel.usual += usual * (off - channel.usual)
-            if channel.compare(slow - expected, share, settings.slow) or not (
-                -most <= channel.mean - channel.usual <= most
+            channel.lag_mean += mean * (abs(slow - expected) - channel.lag_mean)
+            if not channel.compare(slow - expected, share, bounds):
+                channel.quick_at = now
+            if now - channel.quick_at > self._mean_time or not (
+                abs(channel.mean - channel.usual) <= channel.most_mean(bounds)
             ):
                 strange = True
         if long_off:
@@ -156,7 +170,7 @@ class PressureWatch:
             self._raise_strange()
 
     def _raise_off(self, now: float) -> None:
-        settings = self._settings
+        bounds = self._bounds
         k = min(range(len(self._channels)), key=lambda k: self._channels[k].well_at)
         channel = self._channels[k]
         raise SafetyError(
@@ -164,16 +178,16 @@ class PressureWatch:
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
             f"healthy regulator for {now - channel.well_at:.3f} s, at most "
-            f"{settings.deviation * 1e-3:.0f} kPa for {settings.time:g} s]"
+            f"{bounds.deviation * 1e-3:.0f} kPa for {bounds.time:g} s]"
         )
 
     def _raise_strange(self) -> None:
-        settings, channels = self._settings, self._channels
+        bounds, channels = self._bounds, self._channels
         k = max(
             range(len(channels)),
             key=lambda k: max(
-                abs(channels[k].mean - channels[k].usual) / settings.offset,
-                channels[k].slowness / settings.slow,
+                abs(channels[k].mean - channels[k].usual) / channels[k].most_mean(bounds),
+                channels[k].slowness(bounds) / channels[k].most_slow(bounds),
             ),
         )
         name, channel = self._names[k], channels[k]
@@ -182,13 +196,14 @@ class PressureWatch:
             f"{self._device}: {self._explain_strange(k)} [{name}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint {self._setpoints[k] * 1e-3:.0f} kPa; "
             f"the mean is {moved:+.1f} kPa off what is usual, at most "
-            f"{settings.offset * 1e-3:g} kPa; as far off as {channel.slowness:.2f} of a regulator "
-            f"of half the bandwidth, at most {settings.slow:g}]"
+            f"{channel.most_mean(bounds) * 1e-3:.3g} kPa; as far off as "
+            f"{channel.slowness(bounds):.2f} of a regulator of half the bandwidth, at most "
+            f"{channel.most_slow(bounds):.2f}]"
         )
 
     def _explain_strange(self, k: int) -> str:
         name, channel, channels = self._names[k], self._channels[k], self._channels
-        bound = self._settings.offset
+        bound = self._bounds.offset
         if self._is_slow(channel):
             return f"the regulator of {name} is slow"
         low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
@@ -196,31 +211,31 @@ class PressureWatch:
             return (
                 f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
             )
-        if abs(channel.off) > _ALIKE * self._settings.deviation:
+        if abs(channel.off) > _ALIKE * self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
         return f"the regulator or the monitor of {name} is off, or its chamber leaks"
 
     def _is_slow(self, channel: _Channel) -> bool:
         """Return whether a deviation is that of a slow regulator in size and in shape."""
-        if channel.slowness <= self._settings.slow:
+        if channel.slowness(self._bounds) <= channel.most_slow(self._bounds):
             return False
         return channel.likeness > math.sqrt(_LIKE_SLOW * channel.lag_power * channel.power)
 
     def suspicion(self) -> str | None:
         """Return what looks wrong now, before it has lasted; None if nothing does."""
         worst = max((abs(channel.off) for channel in self._channels), default=0.0)
-        if worst <= _ALIKE * self._settings.deviation:
+        if worst <= _ALIKE * self._bounds.deviation:
             return None
         k = max(range(len(self._channels)), key=lambda k: abs(self._channels[k].off))
         return (
             f"{self._device}: {self._explain()} [{self._names[k]}: "
             f"{self._channels[k].off * 1e-3:+.0f} kPa off a healthy regulator, at most "
-            f"{self._settings.deviation * 1e-3:.0f} kPa]"
+            f"{self._bounds.deviation * 1e-3:.0f} kPa]"
         )
 
     def _explain(self) -> str:
         channels, names = self._channels, self._names
-        alike = _ALIKE * self._settings.deviation
+        alike = _ALIKE * self._bounds.deviation
         low = [k for k, channel in enumerate(channels) if channel.off < -alike]
         worst = max(range(len(channels)), key=lambda k: abs(channels[k].off))
         channel, name = channels[worst], names[worst]
@@ -235,7 +250,7 @@ class PressureWatch:
         alone = all(pressure <= here + alike for pressure in self._pressures)
         supply = ", or the supply pressure is lost" if alone else ""
         change = here - channel.held
-        moved = _MOVED * self._settings.deviation
+        moved = _MOVED * self._bounds.deviation
         if channel.off > 0.0:
             if change > moved:
                 return f"the regulator of {name} is stuck open: its pressure rises{monitor}"

@@ -10,27 +10,37 @@ from annotated_types import Ge, Gt, Le, Unit
 class PressureAlarm:
     """A chamber is not where its regulator should have it by now.
 
-    The monitor is compared with the setpoints as they pass through `regulator_response`.
+    The monitor is compared with the setpoints as they pass through `regulator_response`. What is
+    not given follows from the profile, with w its bandwidth, z its damping, D its dead time, e its
+    spread, and R the range of ``limits.pressure``; `rig check` shows the numbers.
 
     Parameters
     ----------
-    deviation : float
-        Permitted distance, Pa. In the shipped experiments a healthy regulator stays below 20 kPa,
-        with 30 % more friction and before its calibration, too: this is twice as much.
-    time : float
-        For how long it may be exceeded, s: two time constants of a regulator of 40 rad/s.
-    offset : float
-        Permitted distance of the mean over four time constants from what is usual, Pa. A healthy
-        mean wanders by 8 kPa (hysteresis, bow, valve overlap, piston); this is half as much again.
-    slow : float
-        Permitted share of the deviation that a regulator of half the bandwidth would have. In the
-        experiments a healthy one has up to 0.54, one that takes twice as long at least 1.17.
+    deviation : float, optional
+        Permitted distance, Pa. None: what a healthy regulator may be off at rest, and what the
+        slowest healthy one, w (1 - e) and D late, is off after a step from the base pressure to
+        the furthest that a chamber is given. For z = 1 that is about (0.54 e + 0.37 w D) of the
+        step. A limit on the pressure's rate that is worth having makes it no smaller.
+    time : float, optional
+        For how long it may be exceeded, s. None: 2 / w, after which a regulator has made up for
+        most of what a piston or a lost frame has done.
+    offset : float, optional
+        Permitted distance of the mean over four time constants from what is usual, Pa, at rest;
+        while the pressure moves, `slow` of what a regulator of half the bandwidth is off comes to
+        it. None: 2.2 % of R, linearity, hysteresis, repeatability and sensitivity by catalogue.
+        The noise of a monitor, 0.05 % of R, is nothing beside it.
+    slow : float, optional
+        Permitted share of the deviation that a regulator of half the bandwidth would have. That
+        one takes 2 z / w longer. None: e / (1 - e) + D w / (2 z), what the slowest healthy one
+        takes longer in that measure. Beside it 0.5 % of R, the hysteresis, is permitted: the more
+        a motion asks of the regulators, the less of a slow one is hidden by it. It must be slow
+        for 4 / w.
     """
 
-    deviation: Annotated[float, Unit("Pa"), Gt(0)] = 40e3
-    time: Annotated[float, Unit("s"), Gt(0)] = 0.05
-    offset: Annotated[float, Unit("Pa"), Gt(0)] = 12e3
-    slow: Annotated[float, Unit("1"), Gt(0)] = 0.75
+    deviation: Annotated[float, Unit("Pa"), Gt(0)] | None = None
+    time: Annotated[float, Unit("s"), Gt(0)] | None = None
+    offset: Annotated[float, Unit("Pa"), Gt(0)] | None = None
+    slow: Annotated[float, Unit("1"), Gt(0)] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,6 +69,7 @@ class Response(PneumaticProcedure):
         rests: list[Array] = []
         panels: list[Panel] = []
         means: list[Array] = []
+        sides_found: list[tuple[float, float]] = []
         model = profile.mechanism_settings.regulator_response
         for channel in channels:
             found: dict[str, Array] = {}
@@ -92,11 +93,16 @@ class Response(PneumaticProcedure):
                 up, down = (rows[:, index].tolist() for rows in found.values())
                 estimates.append(middle_of(f"{channel}.{name}", unit, up, down))
             means.append(np.array([e.value for e in estimates[-3:]]))
+            sides_found += [(rows[:, 0].mean(), rows[:, 2].mean()) for rows in found.values()]
         bandwidth, damping, _ = np.mean(means, axis=0)
+        bandwidths, dead_times = np.transpose(sides_found)
         values = {
             "regulator_response": {
                 "bandwidth": float(f"{bandwidth:.6g}"),
                 "damping": float(f"{damping:.6g}"),
+                # Of every chamber, whichever way its pressure goes.
+                "dead_time": float(f"{dead_times.max():.3g}"),
+                "spread": float(f"{np.abs(bandwidths / bandwidth - 1.0).max():.3g}"),
             }
         }
         residuals = np.concatenate(rests)

@@ -1,0 +1,107 @@
+"""Bounds of the pressure alarms, from what a profile knows of its regulators."""
+
+from typing import Final, NamedTuple
+
+from rig.hal.mechanism import Expected
+from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
+from rig.mechanisms.pneumatic.settings import PneumaticSettings, RegulatorModel
+
+_STATIC: Final = 0.022
+"""Share of the pressure range by which a regulator at rest is off: linearity 1 %, hysteresis and
+repeatability 0.5 % each, sensitivity 0.2 %. C: electro-pneumatic regulators of 0.5 MPa."""
+_LOOP: Final = 0.005
+"""Share of the range that is lost where the setpoint turns round: the width of the hysteresis."""
+_SETTLING: Final = 2.0
+"""Time constants after which a pressure that was pushed away is back, for the most part."""
+_FINE: Final = 0.01
+"""Steps of a response that is worked out, in time constants …"""
+_LONG: Final = 12.0
+"""… and for how many of them: it is over."""
+
+
+class PressureBounds(NamedTuple):
+    """Bounds in force: what the profile says, else what follows; see `PressureAlarm`.
+
+    Parameters
+    ----------
+    deviation : float
+        Pa.
+    time : float
+        s.
+    offset : float
+        Pa.
+    slow : float
+        Share of the deviation of a regulator of half the bandwidth.
+    loop : float
+        Pa; by it and `slow` times that deviation a healthy regulator may be off while it moves.
+    """
+
+    deviation: float
+    time: float
+    offset: float
+    slow: float
+    loop: float
+
+
+def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> PressureBounds:
+    """Return the bounds in force; `PressureAlarm` says how they follow."""
+    response = settings.regulator_response
+    low, high = settings.limits.pressure
+    static = _STATIC * (high - low)
+    base = settings.base_pressure
+    step = max(settings.greatest_pressure - base, base - low)
+    slowest = response.spread / (1.0 - response.spread)
+    late = 0.5 * response.dead_time * response.bandwidth / response.damping
+    return PressureBounds(
+        _chosen(alarm.deviation, static + step * greatest_difference(response)),
+        _chosen(alarm.time, _SETTLING / response.bandwidth),
+        _chosen(alarm.offset, static),
+        _chosen(alarm.slow, slowest + late),
+        _LOOP * (high - low),
+    )
+
+
+def expect_bounds(bounds: PressureBounds) -> tuple[Expected, ...]:
+    """Return what `rig check` says of them."""
+    return (
+        Expected("alarm: a pressure off a healthy regulator by", bounds.deviation, "Pa"),
+        Expected("alarm: and for longer than", bounds.time, "s"),
+        Expected("alarm: the mean of a pressure at rest off by", bounds.offset, "Pa"),
+        Expected("alarm: a regulator slower, in share of its time, by", bounds.slow, "1"),
+        Expected("alarm: and off, where it turns round, by", bounds.loop, "Pa"),
+    )
+
+
+def greatest_difference(response: RegulatorModel) -> float:
+    """Return how far the slowest healthy regulator is off the model after a step, over the step.
+
+    It has the model's bandwidth less the spread, and answers after the dead time.
+    """
+    time = _FINE / response.bandwidth
+    slowed = 1.0 - response.spread
+    dead = round(response.dead_time / time)
+    model, late = _Answer(_FINE, response.damping), _Answer(_FINE * slowed, response.damping)
+    greatest = 0.0
+    for k in range(round(_LONG / _FINE)):
+        model.step()
+        if k >= dead:
+            late.step()
+        greatest = max(greatest, model.value - late.value)
+    return greatest
+
+
+class _Answer:
+    """Answer of a second order to a step of 1; `turn`: its bandwidth times the time of a step."""
+
+    def __init__(self, turn: float, damping: float) -> None:
+        self.value = self._rate = 0.0
+        self._turn, self._brake = turn, 1.0 / (1.0 + 2.0 * damping * turn)
+
+    def step(self) -> None:
+        """Go on by one step."""
+        self._rate = (self._rate + self._turn * (1.0 - self.value)) * self._brake
+        self.value += self._turn * self._rate
+
+
+def _chosen(said: float | None, follows: float) -> float:
+    return follows if said is None else said
