@@ -7,6 +7,7 @@ an error from deep inside, which is then told from a bug of this program by whos
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import is_dataclass
+from functools import cache
 from importlib.metadata import entry_points
 from types import FrameType
 from typing import TypeVar, get_type_hints
@@ -146,10 +147,16 @@ def ask(what: str, protocol: type, method: str, thing: object, *arguments: objec
         It returns something of another type than the protocol says.
     """
     found: object = getattr(thing, method)(*arguments)
-    hint = get_type_hints(getattr(protocol, method))["return"]
+    hint = _promised(protocol, method)
     if not fits(found, hint):
         raise ContractBroken(f"{what}: {method} returned {shown(found)}, and no {plain(hint)}")
     return found
+
+
+@cache
+def _promised(protocol: type, method: str) -> object:
+    """Return the type of what a method of a protocol returns."""
+    return get_type_hints(getattr(protocol, method))["return"]
 
 
 def make(what: str, kind: Callable[..., Thing], *arguments: object, **named: object) -> Thing:

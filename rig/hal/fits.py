@@ -3,6 +3,7 @@
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import is_dataclass
+from functools import cache
 from numbers import Real
 from typing import ClassVar, Union, get_args, get_origin, get_type_hints
 
@@ -117,6 +118,7 @@ def _fields_fit(value: object, kind: type, given: Mapping[object, object]) -> bo
     )
 
 
+@cache
 def _hints(kind: type) -> Mapping[str, object]:
     try:
         return get_type_hints(kind)
@@ -124,6 +126,7 @@ def _hints(kind: type) -> Mapping[str, object]:
         return {}
 
 
+@cache
 def _declared(protocol: type) -> Mapping[str, object]:
     """Return the types of the attributes that a protocol asks for."""
     found: dict[str, object] = {}

@@ -106,11 +106,7 @@ def _start(setup: WorkerSetup) -> tuple["subprocess.Popen[bytes]", socket.socket
     path = os.pathsep.join(entry or str(Path.cwd()) for entry in sys.path)
     environment = {**os.environ, **dict.fromkeys(_ONE_THREAD, "1"), "PYTHONPATH": path}
     with theirs:
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "rig.sweeping.server", str(theirs.fileno())],
-            pass_fds=[theirs.fileno()], env=environment,
-            start_new_session=True,  # Ctrl-C is for the sweep, which ends its workers
-        )  # fmt: skip
+        process = _start_server(theirs.fileno(), environment)
     with contextlib.suppress(OSError):
         send_setup(ours, setup)
     answer = ours.recv(4096)
@@ -121,3 +117,11 @@ def _start(setup: WorkerSetup) -> tuple["subprocess.Popen[bytes]", socket.socket
         why = answer.decode(errors="replace") or f"it ended with {process.returncode}"
         raise SweepStopped("workers", f"cannot be started: {why}")
     return process, ours
+
+
+def _start_server(descriptor: int, environment: dict[str, str]) -> "subprocess.Popen[bytes]":
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "rig.sweeping.server", str(descriptor)],
+        pass_fds=[descriptor], env=environment,
+        start_new_session=True,  # Ctrl-C is for the sweep, which ends its workers
+    )  # fmt: skip

@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+import warm_start
 from broken_package import plug_in
 
 from rig.experiment import frozen
@@ -28,3 +29,19 @@ def _remembered_freezes(monkeypatch):
         return _FREEZES[key]
 
     monkeypatch.setattr(frozen, "longest_freeze", remembered)
+
+
+@pytest.fixture
+def warm_workers(monkeypatch):
+    """Fork the servers of workers, which import all that a run might, from one that has.
+
+    How Python starts them is seen where a sweep has a process of its own (`test_sweep_kills.py`).
+    """
+    program = "import os; os.setsid(); from rig.sweeping.server import main; main(3)"
+
+    def start_server(descriptor, environment):
+        return warm_start.WarmProcess(
+            (), program, stdout=1, stderr=2, environment=environment, more=[descriptor]
+        )
+
+    monkeypatch.setattr("rig.sweeping.pool._start_server", start_server)

@@ -8,6 +8,8 @@ import sysconfig
 import tomllib
 from pathlib import Path
 
+import warm_start
+
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "tests" / "stranger"
 SOURCE = PACKAGE / "src"
@@ -15,9 +17,13 @@ PROJECT = tomllib.loads((PACKAGE / "pyproject.toml").read_text())["project"]
 
 
 class Lab:
-    """A folder with the package's configurations, where its commands are run."""
+    """A folder with the package's configurations, where its commands are run.
 
-    def __init__(self, folder, python, paths):
+    Without a Python of its own it shares this one's modules; they are imported once for all of
+    its commands.
+    """
+
+    def __init__(self, folder, paths, python=None):
         self.folder = folder
         self.python = python
         self.environment = {
@@ -30,14 +36,16 @@ class Lab:
     def python_run(self, *arguments):
         """Run Python and return what came of it."""
         return subprocess.run(
-            [self.python, *map(str, arguments)],
+            [self.python or sys.executable, *map(str, arguments)],
             cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=600,
             check=False,
         )  # fmt: skip
 
     def rig(self, *arguments):
         """Run a command of the program; the folder's `configs` are found by themselves."""
-        return self.python_run("-m", "rig", *arguments)
+        if self.python is not None:
+            return self.python_run("-m", "rig", *arguments)
+        return warm_start.run(arguments, folder=self.folder, environment=self.environment)
 
     def run(self, experiment, *options):
         """Run an experiment and return its run folder."""

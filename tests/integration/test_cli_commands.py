@@ -4,9 +4,11 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
+from warm_start import WarmProcess
 
 from rig.cli import invoke
 from rig.hal.columns import Column
@@ -278,11 +280,14 @@ def test_linear_algebra_runs_in_one_thread():
 
 
 def test_a_reader_that_leaves_is_no_error():
-    command = [sys.executable, "-c", "from rig.cli import main; main()", "schema", "profile"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-        process.stdout.close()
-        assert process.stderr.read() == b""
+    reader, writer = os.pipe()
+    os.close(reader)
+    with tempfile.TemporaryFile() as said:
+        process = WarmProcess(["schema", "profile"], stdout=writer, stderr=said)
+        os.close(writer)
         assert process.wait() == 0
+        said.seek(0)
+        assert said.read() == b""
 
 
 def test_names_are_completed(tmp_path, monkeypatch):
@@ -335,6 +340,7 @@ def compare(capsys, out, *options):
     )  # fmt: skip
 
 
+@pytest.mark.usefixtures("warm_workers")
 def test_compare_runs_controllers_side_by_side(tmp_path, capsys):
     code, out, err = compare(capsys, tmp_path, "--controllers", "pid,cascade")
     content = json.loads(out)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from warm_start import WarmProcess
 
 from rig.assembly import Backend
 from rig.experiment import run as run_module
@@ -22,6 +23,7 @@ from rig.runtime.log import read_log
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
 SHORT = ["reference.tones=[{frequency: 1 Hz, periods: 3}]", "approach=0.5 s", "metrics={}"]
+RIG = [sys.executable, "-m", "rig"]
 WORDS = ["--configs", str(CONFIGS), *[word for option in SHORT for word in ("--set", option)]]
 GENERATOR = np.random.default_rng(14)
 MISSED = ["--no-report", "--set", "metrics={tracking_rms: {max: 1e-9 m}}"]
@@ -29,17 +31,7 @@ FAULT = "simulation.faults=[{at: 2, device: regulators, fault: emergency}]"
 
 
 def rig_run(out, *options):
-    return [
-        sys.executable,
-        "-m",
-        "rig",
-        "run",
-        "cylinder-sine",
-        "--out",
-        str(out),
-        *WORDS,
-        *options,
-    ]
+    return ["run", "cylinder-sine", "--out", str(out), *WORDS, *options]
 
 
 def manifest_of(out):
@@ -138,12 +130,12 @@ def test_a_request_while_the_folder_is_made_waits_until_it_is_whole(tmp_path, mo
 )
 def test_nobody_listens_any_more(tmp_path, gone, options, code, status):
     reader, writer = os.pipe()
-    process = subprocess.Popen(rig_run(tmp_path, *options), stdout=writer, stderr=writer)
+    process = WarmProcess(rig_run(tmp_path, *options), stdout=writer, stderr=writer)
     os.close(writer)
     if gone == "later":
         assert b"recording to" in os.read(reader, 4096)
     os.close(reader)
-    assert process.wait(60) == code
+    assert process.wait() == code
     manifest = manifest_of(tmp_path)
     assert (manifest["status"], manifest["exit_code"]) == (status, code)
     assert "pipe" not in str(manifest["message"])
@@ -152,13 +144,11 @@ def test_nobody_listens_any_more(tmp_path, gone, options, code, status):
 
 
 BUG = """
-    import sys
     from controllers.cylinder.pid import PidController as law
     from rig.cli import main
     def update(self, state, reference):
         raise ZeroDivisionError("1 / 0")
     law.update = update
-    sys.argv[1:] = {words}
     main()
 """
 
@@ -167,17 +157,17 @@ BUG = """
 def test_a_bug_in_a_process_of_its_own_exits_with_70(tmp_path, heard):
     plan = load_plan("cylinder-sine", SHORT, configs=CONFIGS)
     law = type(plan.controller)
-    program = textwrap.dedent(BUG).format(words=rig_run(tmp_path)[3:])
+    program = textwrap.dedent(BUG)
     program = program.replace("controllers.cylinder.pid", law.__module__)
     program = program.replace("PidController", law.__qualname__)
     reader, writer = os.pipe()
-    process = subprocess.Popen([sys.executable, "-c", program], stdout=writer, stderr=writer)
+    process = WarmProcess(rig_run(tmp_path), program, stdout=writer, stderr=writer)
     os.close(writer)
     said = b""
     while heard and (some := os.read(reader, 65536)):
         said += some
     os.close(reader)
-    assert process.wait(60) == 70
+    assert process.wait() == 70
     assert not heard or (b"ZeroDivisionError" in said and b"bug in rig" in said)
     manifest = manifest_of(tmp_path)
     assert (manifest["status"], manifest["exit_code"]) == ("crashed", 70)
@@ -206,7 +196,7 @@ def test_a_full_disk_is_named_with_what_is_lost(tmp_path, size):
     kept.mkdir()
     if not may_mount(disk):
         pytest.skip("this machine lets nobody mount a small disk")
-    done = on_a_small_disk(f"{size}k", disk, kept, rig_run(disk))
+    done = on_a_small_disk(f"{size}k", disk, kept, [*RIG, *rig_run(disk)])
     assert done.returncode == 4, done.stderr
     assert "Traceback" not in done.stderr
     manifest = manifest_of(kept)

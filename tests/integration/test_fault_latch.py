@@ -5,13 +5,12 @@ The hardware is emulated nodes in virtual time, which the program takes for real
 
 import os
 import signal
-import subprocess
-import sys
 import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
+import warm_start
 
 from rig.assembly import Backend, build_rig
 from rig.assembly.simulated import build_virtual
@@ -146,7 +145,7 @@ def test_a_rig_without_a_contact_asks_for_its_name(rig, capsys):
 
 
 KILLED = """
-    import os, signal, sys
+    import os, signal
     from rig.assembly import Backend
     from rig.assembly.simulated import build_virtual
     import rig.experiment.run as run
@@ -161,7 +160,7 @@ KILLED = """
             os.kill(os.getpid(), signal.SIGKILL)
     ProgressLine.progressed = progressed
     from rig.cli import main
-    main({words})
+    main()
 """
 
 
@@ -169,8 +168,8 @@ def test_a_program_that_was_killed_leaves_the_rig_latched(rig, tmp_path, capsys)
     words = ["run", "cylinder-sine", "--on", "hardware", "--yes", "cylinder", "--no-report"]
     words += ["--configs", str(CONFIGS), "--out", str(tmp_path / "runs")]
     words += [word for option in SHORT for word in ("--set", option)]
-    program = textwrap.dedent(KILLED).format(when=GENERATOR.uniform(-1.0, 0.9), words=words)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=False)
+    program = textwrap.dedent(KILLED).format(when=GENERATOR.uniform(-1.0, 0.9))
+    done = warm_start.run(words, program)
     assert done.returncode == -signal.SIGKILL, done.stderr
     assert rig("run") == 3
     assert "ended while the rig was energised" in " ".join(capsys.readouterr().err.split())

@@ -1,11 +1,10 @@
 """Before a real rig is opened, a simulated one is held: its loop finds everything compiled."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+import warm_start
 
 from rig.assembly import Backend
 from rig.experiment import run as running
@@ -55,10 +54,8 @@ SHORT = {
     ],
 )
 def test_nothing_is_compiled_in_the_loop_after_a_rehearsal(experiment, tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, experiment, str(tmp_path), *SHORT.get(experiment, ())],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    done = warm_start.run([experiment, tmp_path, *SHORT.get(experiment, ())], SCRIPT)
+    assert done.returncode == 0, done.stderr
     rehearsed, ran, code = json.loads(done.stdout)  # arms and legs compile when they plan
     assert rehearsed > 0
     assert ran == 0

@@ -1,13 +1,11 @@
 """What the machine around a run may lack: an interface, a place to write, room on the disk."""
 
 import json
-import resource
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+import warm_start
 
 from rig.cli import invoke
 from rig.run_folder import RunFolder
@@ -62,13 +60,8 @@ def test_place_that_cannot_be_written_is_refused_before_anything_opens(capsys):
 
 
 def test_full_disk_ends_the_run_safe_with_everything_that_fitted(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "rig", *BASE, "--out", str(tmp_path)],
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LIMIT, LIMIT)),
-    )
+    limited = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({LIMIT}, {LIMIT}))"
+    done = warm_start.run([*BASE, "--out", tmp_path], f"{limited}\n{warm_start.RIG}")
     assert done.returncode == 4, done.stderr
     assert "log.mcap" in done.stderr
     assert "Traceback" not in done.stderr

@@ -5,12 +5,12 @@ other master sends is put into what the bus receives.
 """
 
 import os
-import subprocess
-import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
+from warm_start import WarmProcess
 
 from drivers.canopen.settings import CanBusSettings
 from rig.assembly import Backend
@@ -130,7 +130,8 @@ HOLDER = """
     import sys, time
     from drivers.canopen.settings import CanBusSettings
     from rig.assembly.interface_lock import InterfaceLocks
-    InterfaceLocks().take("can0", CanBusSettings("socketcan", sys.argv[1]))
+    locks = InterfaceLocks()
+    locks.take("can0", CanBusSettings("socketcan", sys.argv[1]))
     print("held", flush=True)
     time.sleep(600)
 """
@@ -142,15 +143,13 @@ def holder(tmp_path, monkeypatch):
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr("tempfile.tempdir", None)
     channel = f"can{os.getpid()}"
-    program = "\n".join(line.strip() for line in HOLDER.splitlines())
-    command = [sys.executable, "-c", "locks = None\n" + program, channel]
-    command[2] = command[2].replace("InterfaceLocks().take", "locks = InterfaceLocks(); locks.take")
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "held\n"
-    yield channel, process
-    process.kill()
-    process.wait()
-    process.stdout.close()
+    reader, writer = os.pipe()
+    with os.fdopen(reader) as said, os.fdopen(writer, "w") as saying:
+        process = WarmProcess([channel], textwrap.dedent(HOLDER), stdout=saying, stderr=2)
+        assert said.readline() == "held\n"
+        yield channel, process
+        process.kill()
+        process.wait()
 
 
 def test_an_interface_has_one_master_on_a_host(holder, tmp_path, capsys):

@@ -7,7 +7,6 @@ only logged, a regulator with a code of its own, a law and a path for mechanisms
 import importlib.util
 import json
 import shutil
-import sys
 
 import numpy as np
 import pytest
@@ -23,10 +22,10 @@ def lab(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("lab")
     shutil.copytree(SOURCE / "crank_rig" / "configs", folder / "configs")
     if request.param == "path":
-        return Lab(folder, sys.executable, beside_the_source(folder / "site"))
+        return Lab(folder, beside_the_source(folder / "site"))
     if importlib.util.find_spec("hatchling") is None:
         pytest.skip("hatchling is not installed, which builds the package")
-    return Lab(folder, in_an_environment(folder / "venv"), [])
+    return Lab(folder, [], in_an_environment(folder / "venv"))
 
 
 @pytest.fixture(scope="module")

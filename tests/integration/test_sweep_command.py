@@ -15,6 +15,7 @@ from rig.experiment.run import run_experiment
 from rig.sweeping.api import sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs"
+pytestmark = pytest.mark.usefixtures("warm_workers")
 SHORT = ("--on", "sim", "--configs", CONFIGS, "--set", "loop.rate=200")
 AXES = ("--vary", "plant.friction_scale=0.9,1.1", "--seeds", "0:2")
 

@@ -15,6 +15,7 @@ import sweep_stub
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.result import SweepEnd
 
+pytestmark = pytest.mark.usefixtures("warm_workers")
 STUB = Path(__file__).with_name("sweep_stub.py")
 POINTS = 60
 FILES = ("sweep.csv", "sweep.parquet")

@@ -5,6 +5,7 @@ rest, so nothing has to happen for that: half a metre a second is passed before 
 measured. Venting comes too late to change the speed, and the profile's numbers alone say it.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 from rig.hal.mechanism import Expected
@@ -53,23 +54,34 @@ def compute_whip(settings: PneumaticSettings, wires: int, pressure: float) -> Wh
     """
     friction, response = settings.friction, settings.regulator_response
     # One of the pair's two rods slides on, with half of the pair's friction.
-    coulomb, viscous = 0.5 * friction.coulomb, 0.5 * friction.viscous
-    mass = 2.0 * _PART * settings.moving_mass
-    pull, drag = _STEP * response.bandwidth**2, 2.0 * response.damping * response.bandwidth
+    fastest = _fastest(
+        pressure, settings.area, 2.0 * _PART * settings.moving_mass, settings.stroke,
+        0.5 * friction.coulomb, 0.5 * friction.viscous, response.bandwidth, response.damping,
+    )  # fmt: skip
+    # All pistons but the one whose wire is cut, and what they move, at that rod's speed.
+    moves = wires * _PART * settings.moving_mass
+    return Whip(fastest, _SWING * 0.5 * moves * fastest**2)
+
+
+@lru_cache  # a profile is checked several times on its way to a run
+def _fastest(
+    pressure: float, area: float, mass: float, stroke: float,
+    coulomb: float, viscous: float, bandwidth: float, damping: float,
+) -> float:  # fmt: skip
+    """Return the greatest speed of a rod on its way to the end of its stroke, m/s."""
+    pull, drag = _STEP * bandwidth**2, 2.0 * damping * bandwidth
     here, rate, speed, way, fastest = pressure, 0.0, 0.0, 0.0, 0.0
     for k in range(round(_LONGEST / _STEP)):
         if k * _STEP >= _SEEN:
             rate = (rate - pull * here) / (1.0 + _STEP * drag)
             here += _STEP * rate
-        force = settings.area * here - coulomb
+        force = area * here - coulomb
         speed = max((speed + _STEP * force / mass) / (1.0 + _STEP * viscous / mass), 0.0)
         way += _STEP * speed
         fastest = max(fastest, speed)
-        if way > settings.stroke:
+        if way > stroke:
             break
-    # All pistons but the one whose wire is cut, and what they move, at that rod's speed.
-    moves = wires * _PART * settings.moving_mass
-    return Whip(fastest, _SWING * 0.5 * moves * fastest**2)
+    return fastest
 
 
 def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
