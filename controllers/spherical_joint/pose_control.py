@@ -214,6 +214,11 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
         self.marker = MarkerEstimate(_ZERO, _ZERO, _ZERO, _ZERO, 0.0, math.inf, ())
         """The estimate of the marker with its bias and its alarms."""
 
+    @property
+    def pair_law(self) -> AnyPairLaw:
+        """The law of the first pair; that of the other one has the same settings and model."""
+        return self._laws[0]
+
     @abstractmethod
     def _pair_law(self, pair: PairModel) -> AnyPairLaw:
         """Return the law of a pair, made from the settings."""

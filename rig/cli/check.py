@@ -50,6 +50,7 @@ def check(
     from rig.cli.description import (
         describe_experiment,
         describe_frozen,
+        describe_loop,
         describe_profile,
         experiment_tables,
         profile_tables,
@@ -66,6 +67,7 @@ def check(
         tables = profile_tables(described)
     else:
         experiment = describe_experiment(plan)
+        experiment["loop"] = describe_loop(plan)
         experiment["frozen"] = describe_frozen(plan)
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]

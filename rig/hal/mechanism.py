@@ -36,6 +36,30 @@ class Expected(NamedTuple):
     unit: str
 
 
+class ClosedLoop(NamedTuple):
+    """How far the loop that a controller closes is from instability, as a linear model says.
+
+    Parameters
+    ----------
+    stable : bool
+        Without the friction that a linear model leaves out.
+    crossover : float
+        Greatest frequency at which the loop's gain is 1, rad/s; 0 if it never is.
+    phase : float
+        Phase margin, rad; negative where it is not stable.
+    delay : float
+        Dead time that it bears beyond what the profile says, s; 0 where it is not stable.
+    sensitivity : float
+        Greatest sensitivity.
+    """
+
+    stable: bool
+    crossover: float
+    phase: float
+    delay: float
+    sensitivity: float
+
+
 class Margin(NamedTuple):
     """The distance of a quantity from its limit: 1 is far, 0 is on it."""
 
@@ -120,6 +144,19 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     def expected_of(cls, settings: Settings) -> tuple[Expected, ...]:
         """Return what else `rig check` shows: what the settings lead to if something breaks."""
         return ()
+
+    @classmethod
+    def closed_loop(cls, settings: Settings, controller: object) -> ClosedLoop | None:
+        """Return the margins of the loop that a controller closes; None: nothing is known of it.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's settings.
+        controller : Controller
+            As the profile has it; it is not changed.
+        """
+        return None
 
     @classmethod
     def unfit(cls, settings: Settings) -> str | None:

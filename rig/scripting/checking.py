@@ -28,11 +28,20 @@ def check(
         It is not valid; with every error of the file, or why its motion cannot be.
     """
     from rig.cli.check import load
-    from rig.cli.description import describe_experiment, describe_frozen, describe_profile
+    from rig.cli.description import (
+        describe_experiment,
+        describe_frozen,
+        describe_loop,
+        describe_profile,
+    )
 
     profile, plan = load(str(source), as_options(set), None if configs is None else Path(configs))
     described = dict(describe_profile(profile))
     if plan is None:
         return described
-    experiment = {**describe_experiment(plan), "frozen": describe_frozen(plan)}
+    experiment = {
+        **describe_experiment(plan),
+        "loop": describe_loop(plan),
+        "frozen": describe_frozen(plan),
+    }
     return {"experiment": experiment, "profile": described}

@@ -40,3 +40,22 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
     )
     assert ("what to expect if a part breaks" in shown) is pneumatic
     assert all(item["name"] in shown for item in expected)
+
+
+@pytest.mark.parametrize(
+    ("experiment", "known"),
+    [("cylinder-sine", True), ("joint-circle", True), ("arm-elbow-circle", False)],
+)
+def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
+    capsys, experiment, known
+):
+    assert invoke(["check", experiment, "--configs", str(CONFIGS)]) == 0
+    shown = capsys.readouterr().out
+    assert ("the loop that" in shown) is known
+    assert invoke(["check", experiment, "--configs", str(CONFIGS), "--json"]) == 0
+    loop = json.loads(capsys.readouterr().out)["experiment"]["loop"]
+    assert (loop is not None) is known
+    if loop is not None:
+        assert set(loop) == {"stable", "crossover", "phase", "delay", "sensitivity"}
+        assert (loop["phase"] > 0.0) == loop["stable"]
+        assert ("friction holds it" in shown) is not loop["stable"]

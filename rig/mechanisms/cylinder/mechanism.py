@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from controllers.cylinder.law import PairLaw
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
 from controllers.minimum_jerk import minimum_jerk
 from rig.hal import (
@@ -17,7 +18,7 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
-from rig.hal.mechanism import Expected, Margin
+from rig.hal.mechanism import ClosedLoop, Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.cylinder.references import PairMotion
@@ -27,6 +28,7 @@ from rig.mechanisms.cylinder.watch import CHANNELS, PairWatch
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
 from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
+from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -106,6 +108,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """Return what a cut wire comes to, and from where on pressures are an alarm."""
         bounds = derive_bounds(settings.alarms.pressure, settings)
         return (*super().expected_of(settings), *expect_bounds(bounds))
+
+    @classmethod
+    def closed_loop(cls, settings: CylinderSettings, controller: object) -> ClosedLoop | None:
+        """Return the margins of a law of ours; see `Mechanism.closed_loop`."""
+        return loop_of(controller) if isinstance(controller, PairLaw) else None
 
     @classmethod
     def assemble(

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.learning import LapLearning
+from controllers.spherical_joint.pose_control import PoseController
 from controllers.spherical_joint.poses import natural_rotation
 from controllers.spherical_joint.tension import TensionDistribution
 from controllers.spherical_joint.types import (
@@ -28,7 +29,7 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Expected, Margin
+from rig.hal.mechanism import ClosedLoop, Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
@@ -40,6 +41,7 @@ from rig.mechanisms.joint.watch import JointWatch
 from rig.mechanisms.pneumatic.alarms.bounds import derive_bounds, expect_bounds
 from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
+from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
@@ -119,6 +121,11 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Return what a cut wire comes to, and from where on pressures are an alarm."""
         bounds = derive_bounds(settings.alarms.pressure, settings)
         return (*super().expected_of(settings), *expect_bounds(bounds))
+
+    @classmethod
+    def closed_loop(cls, settings: JointSettings, controller: object) -> ClosedLoop | None:
+        """Return the margins of one pair of the joint; see `Mechanism.closed_loop`."""
+        return loop_of(controller.pair_law) if isinstance(controller, PoseController) else None
 
     @classmethod
     def assemble(

@@ -1,0 +1,244 @@
+"""Margins of the loop that a pair's law closes, on the linear part of a pair.
+
+A law is linearised as it runs, about a steady motion: its own step is differentiated with respect
+to everything that it remembers. The pair is a mass with viscous friction behind regulators of
+second order with a dead time. Coulomb friction is left out: it damps, so a loop that is stable here
+is so with any seals, and one that is not lives on its friction.
+
+References
+----------
+K. J. Åström, R. M. Murray, "Feedback systems", 2nd ed., 2021, section 10.3: phase margin, delay
+margin and greatest sensitivity.
+"""
+
+import copy
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.cylinder.law import AnyPairLaw
+from controllers.cylinder.types import PairModel, PairReference, PairState
+
+_SPEED = 20e-3
+"""Of the steady motion, m/s: the seals slide."""
+_WARM = 400
+"""Cycles until what a law remembers has settled on that motion."""
+_SHARE = 1e-3
+"""Of what a memory changes by in a cycle: by so much it is varied."""
+_POINTS = 1500
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Path = tuple[str, ...]
+
+
+class LoopMargins(NamedTuple):
+    """How far a loop is from instability.
+
+    Parameters
+    ----------
+    stable : bool
+        Without Coulomb friction.
+    crossover : float
+        Greatest frequency at which the loop's gain is 1, rad/s; 0 if it never is.
+    phase : float
+        Least phase margin, rad; negative: of a loop that is not stable.
+    delay : float
+        Dead time that the loop bears beyond the model's, s; 0: it is not stable as it is.
+    sensitivity : float
+        Greatest sensitivity: 1 over the least distance from -1.
+    """
+
+    stable: bool
+    crossover: float
+    phase: float
+    delay: float
+    sensitivity: float
+
+
+class _Linear(NamedTuple):
+    """``x' = a x + b y``, ``u = c x + d y`` of a law; y: position (m) and difference (Pa)."""
+
+    a: Array
+    b: Array
+    c: Array
+    d: Array
+
+
+def loop_margins(law: AnyPairLaw, model: PairModel) -> LoopMargins:
+    """Return the margins of the loop that a law closes around a pair as the model says it is.
+
+    Parameters
+    ----------
+    law : PairLaw
+        It is not changed.
+    model : PairModel
+        The pair.
+    """
+    linear = _linearise(law, model)
+    pair = _Pair(model, law.period)
+    closed = pair.closed(linear)
+    stable = bool(np.max(np.abs(np.linalg.eigvals(closed))) < 1.0)
+    w = np.geomspace(1.0, 0.999 * math.pi / law.period, _POINTS)
+    loop = pair.loop(linear, np.exp(1j * w * law.period))
+    sensitivity = float(np.max(1.0 / np.abs(1.0 + loop)))
+    gain = np.log(np.abs(loop))
+    crossings = np.flatnonzero(gain[:-1] * gain[1:] < 0.0)
+    if not len(crossings):
+        return LoopMargins(stable, 0.0, math.pi, math.inf if stable else 0.0, sensitivity)
+    share = gain[crossings] / (gain[crossings] - gain[crossings + 1])
+    at = w[crossings] * (w[crossings + 1] / w[crossings]) ** share
+    left = np.angle(-pair.loop(linear, np.exp(1j * at * law.period)))
+    phase = float(left[np.argmin(np.abs(left))])
+    delay = float(np.min(np.mod(left, 2.0 * math.pi) / at)) if stable else 0.0
+    return LoopMargins(stable, float(at[-1]), abs(phase) if stable else -abs(phase), delay,
+                       sensitivity)  # fmt: skip
+
+
+class _Pair:
+    """A pair in discrete time: regulators, mass, and the cycle that a reading is old."""
+
+    def __init__(self, model: PairModel, period: float) -> None:
+        w, z = model.regulator_bandwidth, model.regulator_damping
+        flow = np.zeros((4, 4))  # difference of the pressures, its rate, position, velocity
+        flow[0, 1] = flow[2, 3] = 1.0
+        flow[1, :2] = -w * w, -2.0 * z * w
+        flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
+        push = np.array([0.0, w * w, 0.0, 0.0])
+        whole, part = divmod(model.regulator_dead_time / period, 1.0)
+        self._late = int(whole)
+        self._step, _ = _held(flow, push, period)
+        settled, self._now = _held(flow, push, (1.0 - part) * period)
+        self._before = settled @ _held(flow, push, part * period)[1]
+
+    def loop(self, law: _Linear, z: Complex) -> Complex:
+        """Return the frequency response, broken at the setpoint; -1 is the critical point."""
+        late = z[:, None] ** self._late
+        push = (self._now + self._before / z[:, None]) / late
+        moved = _solve(z, self._step, push)
+        seen = moved[:, [2, 0]] / z[:, None]
+        inner = _solve(z, law.a, seen @ law.b.T)
+        return np.asarray(-(inner @ law.c + seen @ law.d))
+
+    def closed(self, law: _Linear) -> Array:
+        """Return the matrix of a cycle of the closed loop."""
+        n, waiting = len(law.a), self._late + 1  # setpoints that have not acted yet
+        size = 4 + 2 + waiting + n
+        seen, queue, memory = slice(4, 6), 6, slice(6 + waiting, size)
+        u = np.zeros(size)  # this cycle's setpoint from what is known
+        u[seen], u[memory] = law.d, law.c
+        setpoints = np.vstack([u, np.eye(size)[queue : queue + waiting]])  # the newest first
+        matrix = np.zeros((size, size))
+        matrix[:4, :4] = self._step
+        matrix[:4] += np.outer(self._now, setpoints[self._late])
+        matrix[:4] += np.outer(self._before, setpoints[self._late + 1])
+        matrix[4, 2] = matrix[5, 0] = 1.0
+        matrix[queue : queue + waiting] = setpoints[:waiting]
+        matrix[memory, seen], matrix[memory, memory] = law.b, law.a
+        return matrix
+
+
+def _solve(z: Complex, matrix: Array, right: Complex) -> Complex:
+    """Return the solutions x of ``(z - matrix) x = right``, one row for each z."""
+    systems = z[:, None, None] * np.eye(len(matrix)) - matrix
+    return np.asarray(np.linalg.solve(systems, right[..., None])[..., 0])
+
+
+def _held(flow: Array, push: Array, time: float) -> tuple[Array, Array]:
+    """Return what a linear system comes to in a time, of its state and of a constant input."""
+    from scipy.linalg import expm
+
+    n = len(flow)
+    both = np.zeros((n + 1, n + 1))
+    both[:n, :n], both[:n, n] = flow, push
+    come = expm(both * time)
+    return come[:n, :n], come[:n, n]
+
+
+def _linearise(law: AnyPairLaw, model: PairModel) -> _Linear:
+    """Return a law's linear part about a steady motion."""
+    fresh = type(law)(law.settings, model, law.period)
+    motion = _Motion(fresh, model)
+    for _ in range(_WARM):
+        motion.step(fresh, 0.0, 0.0)
+    changes = _changes(fresh, motion)
+    paths = list(changes)
+    at = np.array([_get(fresh, path) for path in paths])
+    n = len(paths)
+    found = np.zeros((n + 1, n + 2))
+    widths = [_SHARE * changes[path] for path in paths]
+    for k in range(n + 2):
+        ends = []
+        width = widths[k] if k < n else (1e-8, 1e-1)[k - n]
+        for side in (width, -width):
+            other, then = copy.deepcopy((fresh, motion))
+            if k < n:
+                _set(other, paths[k], float(at[k]) + side)
+            u = then.step(other, *(side if k == n + y else 0.0 for y in range(2)))
+            ends.append(np.array([*(_get(other, path) for path in paths), u]))
+        found[:, k] = (ends[0] - ends[1]) / (2.0 * width)
+    return _Linear(found[:n, :n], found[:n, n:], found[n, :n], found[n, n:])
+
+
+class _Motion:
+    """A steady motion, followed exactly with the pressures that it takes."""
+
+    def __init__(self, law: AnyPairLaw, model: PairModel) -> None:
+        self._period = law.period
+        self._base = model.base_pressure
+        self._difference = (model.coulomb + model.viscous * _SPEED) / model.area
+        self._t = 0.0
+        law.reset(self._state(0.0, 0.0))
+
+    def step(self, law: AnyPairLaw, position: float, difference: float) -> float:
+        """Advance by a cycle, measured off by this much (m, Pa); return the setpoints' difference.
+
+        A reading is a cycle old: so is the position that it shows.
+        """
+        self._t += self._period
+        wanted = PairReference(_SPEED * self._t, _SPEED, 0.0)
+        first, second = law.update(self._state(position, difference), wanted)
+        return first - second
+
+    def _state(self, position: float, difference: float) -> PairState:
+        half = 0.5 * (self._difference + difference)
+        measured = _SPEED * (self._t - self._period) + position
+        return PairState(self._t, measured, self._base + half, self._base - half)
+
+
+def _changes(law: AnyPairLaw, motion: _Motion) -> dict[Path, float]:
+    """Return by how much every number that a law remembers changes in a cycle."""
+    other, then = copy.deepcopy((law, motion))
+    before = {path: _get(other, path) for path in _numbers(other)}
+    changes = dict.fromkeys(before, 0.0)
+    for k in range(1, 9):
+        then.step(other, 1e-6 * math.sin(2.3 * k), 1e3 * math.cos(1.7 * k))
+        for path, was in before.items():
+            now = _get(other, path)
+            changes[path] = max(changes[path], abs(now - was))
+            before[path] = now
+    return {path: change for path, change in changes.items() if change > 0.0}
+
+
+def _numbers(item: object, path: Path = ()) -> Iterator[Path]:
+    for name, value in getattr(item, "__dict__", {}).items():
+        if isinstance(value, float):
+            yield (*path, name)
+        elif hasattr(value, "__dict__") and not isinstance(value, type) and not callable(value):
+            yield from _numbers(value, (*path, name))
+
+
+def _get(item: object, path: Path) -> float:
+    for name in path:
+        item = getattr(item, name)
+    assert isinstance(item, float)
+    return item
+
+
+def _set(item: object, path: Path, value: float) -> None:
+    for name in path[:-1]:
+        item = getattr(item, name)
+    setattr(item, path[-1], value)

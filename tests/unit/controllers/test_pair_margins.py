@@ -1,0 +1,158 @@
+"""Margins of a pair's loop against what the same loop does in time, integrated on its own."""
+
+import math
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from controllers.cylinder.cascade import Cascade
+from controllers.cylinder.cascade_settings import CascadeSettings
+from controllers.cylinder.margins import loop_margins
+from controllers.cylinder.pid import Pid, PidSettings
+from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings
+from controllers.cylinder.types import PairModel, PairReference, PairState
+
+PERIOD, FINE, SPEED = 1e-3, 2e-5, 20e-3
+MODEL = PairModel(
+    area=181.4e-6, mass=0.138, base_pressure=200e3, pressure_min=0.0, pressure_max=500e3,
+    regulator_bandwidth=40.0, regulator_damping=1.0, coulomb=0.0, breakaway=0.0,
+    stribeck_velocity=8e-3, viscous=50.0, regulator_dead_time=2e-3,
+)  # fmt: skip
+
+
+def draw(seed):
+    """Return a law and what it was told, drawn; some are stable and some are not."""
+    drawn = np.random.default_rng(seed)
+    model = replace(
+        MODEL,
+        viscous=float(drawn.uniform(25.0, 90.0)),
+        regulator_bandwidth=float(drawn.uniform(25.0, 80.0)),
+        regulator_damping=float(drawn.uniform(0.7, 1.2)),
+        regulator_dead_time=float(drawn.choice([0.0, drawn.uniform(0.2e-3, 8e-3)])),
+    )
+    kind = drawn.integers(3)
+    if kind == 0:
+        settings = CascadeSettings(
+            position_rate=float(drawn.uniform(20.0, 90.0)),
+            velocity_rate=float(drawn.uniform(60.0, 350.0)),
+            lead_bandwidth=float(drawn.uniform(150.0, 600.0)),
+            observer_bandwidth=float(drawn.uniform(300.0, 1200.0)),
+            force_trust=float(drawn.uniform(0.0, 0.5)),
+            anticipation=float(drawn.uniform(0.0, 1.0)),
+            trim_rate=0.0,
+        )
+        return Cascade(settings, model, PERIOD), model
+    if kind == 1:
+        settings = PidSettings(
+            proportional=float(10 ** drawn.uniform(6.5, 7.8)),
+            integral=float(10 ** drawn.uniform(7.0, 8.0)),
+            derivative=float(10 ** drawn.uniform(4.0, 5.8)),
+            derivative_time=float(drawn.uniform(0.5e-3, 4e-3)),
+        )
+        return Pid(settings, model, PERIOD), model
+    settings = PidFrictionSettings(
+        proportional=float(10 ** drawn.uniform(7.0, 8.0)),
+        integral=float(10 ** drawn.uniform(7.0, 8.5)),
+        lead_bandwidth=float(drawn.uniform(150.0, 600.0)),
+        dither_amplitude=0.0,
+    )
+    return PidFriction(settings, model, PERIOD), model
+
+
+def several(step, push, count):
+    """Return what so many steps with one setpoint come to."""
+    steps, pushes = np.eye(4), np.zeros(4)
+    for _ in range(count):
+        steps, pushes = step @ steps, step @ pushes + push
+    return steps, pushes
+
+
+def growth(law, model, extra):
+    """Return by what share the error of a steady motion has grown, with that much more dead time.
+
+    The pair is integrated in steps of 20 µs, by the midpoint rule; a reading is a cycle old. Small
+    enough a push leaves every limit alone.
+    """
+    law = type(law)(law.settings, model, PERIOD)
+    w, z = model.regulator_bandwidth, model.regulator_damping
+    still = model.viscous * SPEED / model.area
+    flow = np.zeros((4, 4))
+    flow[0, 1] = flow[2, 3] = 1.0
+    flow[1, :2] = -w * w, -2.0 * z * w
+    flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
+    step = np.linalg.solve(np.eye(4) - 0.5 * FINE * flow, np.eye(4) + 0.5 * FINE * flow)
+    push = np.linalg.solve(np.eye(4) - 0.5 * FINE * flow, FINE * np.array([0.0, w * w, 0.0, 0.0]))
+    state = np.array([still, 0.0, 0.0, SPEED])
+    each = round(PERIOD / FINE)
+    whole, part = divmod(round((model.regulator_dead_time + extra) / FINE), each)
+    # A cycle begins with the setpoint before for `part` steps.
+    pieces = [several(step, push, count) for count in (part, each - part)]
+    queue = deque([still] * (whole + 2), maxlen=whole + 2)
+    law.reset(PairState(0.0, 0.0, model.base_pressure + still / 2, model.base_pressure - still / 2))
+    errors, seen = [], state.copy()
+    cycles = 3000
+    for k in range(cycles):
+        half = 0.5 * seen[0]
+        read = PairState(
+            k * PERIOD, float(seen[2]), model.base_pressure + half, model.base_pressure - half
+        )
+        seen = state.copy()
+        first, second = law.update(read, PairReference(SPEED * k * PERIOD, SPEED, 0.0))
+        setpoint = first - second + (10.0 if k == 1000 else 0.0)
+        queue.append(setpoint)
+        for (steps, pushes), acts in zip(pieces, (queue[0], queue[1]), strict=True):
+            state = steps @ state + pushes * acts
+        errors.append(state[2] - SPEED * (k + 1) * PERIOD)
+        if abs(errors[-1]) > 0.05:
+            return math.inf
+    # Swings alone: what an integral still has to settle is no oscillation.
+    swings = np.diff(np.array(errors[1000:]), 2)
+    early, late = (np.ptp(part) for part in (swings[100:600], swings[-500:]))
+    return late / early
+
+
+KEPT = 0.96
+"""A swing that dies away in two seconds has less than this of itself left; one that stays, or has
+grown to where the setpoints end, has more."""
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_a_drawn_loop_bears_as_much_more_dead_time_as_its_margin_says(seed):
+    law, model = draw(seed)
+    margins = loop_margins(law, model)
+    if not margins.stable:
+        assert margins.delay == 0.0
+        assert margins.phase <= 0.0
+        if margins.phase < -0.1:
+            assert growth(law, model, 0.0) > KEPT
+        return
+    assert margins.sensitivity >= 1.0
+    assert growth(law, model, 0.8 * margins.delay - 2 * FINE) < KEPT
+    assert growth(law, model, 1.25 * margins.delay + 2 * FINE) > KEPT
+
+
+def test_the_draws_are_of_both_kinds():
+    found = [loop_margins(*draw(seed)).stable for seed in range(24)]
+    assert 6 < sum(found) < 22
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_law_is_left_as_it_was(seed):
+    law, model = draw(seed)
+    start = PairState(0.0, 1e-3, 210e3, 190e3)
+    law.reset(start)
+    first = law.update(start, PairReference(2e-3, 0.0, 0.0))
+    law.reset(start)
+    loop_margins(law, model)
+    assert law.update(start, PairReference(2e-3, 0.0, 0.0)) == first
+
+
+def test_more_told_dead_time_leaves_less_margin():
+    laws = [
+        replace(MODEL, regulator_dead_time=dead) for dead in (0.0, 0.5e-3, 1e-3, 1.5e-3)
+    ]  # fractions of a cycle, too
+    settings = PidFrictionSettings(dither_amplitude=0.0)
+    delays = [loop_margins(PidFriction(settings, m, PERIOD), m).delay for m in laws]
+    assert np.allclose(np.diff(delays), -0.5e-3, atol=0.03e-3)
