@@ -8,6 +8,7 @@ CiA 301 V4.2, sections 7.2.2 (PDO), 7.2.8 (NMT), 7.5.2 (communication objects).
 import struct
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any, Final, TypeVar
 
 from drivers.canopen.asked import AskedObjects
@@ -44,11 +45,17 @@ class CanopenNode:
         Its number, 1 … 127.
     bus : CanopenBus
         The bus that it hangs on.
+
+    Attributes
+    ----------
+    failed : callable
+        Takes what is wrong, and `object`, `value` and `bound`; returns the error for the node.
     """
 
     def __init__(self, name: str, node: int, bus: CanopenBus) -> None:
         self.name = name
         self.node = node
+        self.failed = partial(ConnectionFailed, name, node=node)
         self.heartbeat = HeartbeatWatch(name, node, bus.settings.heartbeat_timeout)
         self.emergency = EmergencyLatch()
         self._bus = bus
@@ -97,7 +104,7 @@ class CanopenNode:
         self._compare_identity(vendor=vendor, product=product, serial=serial)
         register = self.read(0x1001, 0, "u8")
         if register:
-            raise self._failed(
+            raise self.failed(
                 "it reports an error before it is used",
                 object="0x1001:00",
                 value=f"0x{register:02X} ({describe_register(int(register))})",
@@ -160,9 +167,9 @@ class CanopenNode:
             ):
                 break
         if emergency.active is not None:
-            raise self._failed(str(emergency.active))
+            raise self.failed(str(emergency.active))
         if watch.state != NmtState.OPERATIONAL or watch.boots != boots:
-            raise self._failed(
+            raise self.failed(
                 "it did not enter OPERATIONAL",
                 value=describe_state(watch.state),
                 bound="OPERATIONAL",
@@ -207,7 +214,7 @@ class CanopenNode:
         """
         data = self._transfer("read", index, sub, lambda: self._sdo.upload(index, sub))
         if len(data) != SIZES[type]:
-            raise self._failed(
+            raise self.failed(
                 "an object has another size than its type",
                 object=f"0x{index:04X}:{sub:02X}",
                 value=f"{len(data)} bytes",
@@ -254,7 +261,7 @@ class CanopenNode:
         kept = self.read(index, sub, type)
         expected = struct.unpack("<" + STRUCT_CODES[type], data)[0]
         if not (kept == expected if mask is None else int(kept) & mask == int(expected) & mask):
-            raise self._failed(
+            raise self.failed(
                 "it took a setting but reads back another; it must not be used like this",
                 object=f"0x{index:04X}:{sub:02X}",
                 value=_show(kept),
@@ -281,7 +288,7 @@ class CanopenNode:
         """Raise if more answers came than there were questions, but for a stray one."""
         surplus = self._bus.network.surplus(self.node)
         if surplus > 1:
-            raise self._failed(
+            raise self.failed(
                 "several devices have this node number; take all but one off the bus, and give "
                 "them others",
                 value=f"{surplus} answers more than there were questions",
@@ -290,7 +297,7 @@ class CanopenNode:
     def _identify(self, profile: int) -> int:
         device_type = int(self.read(0x1000, 0, "u32"))
         if device_type & 0xFFFF != profile:
-            raise self._failed(
+            raise self.failed(
                 "it is another kind of device",
                 object="0x1000:00",
                 value=f"CiA {device_type & 0xFFFF} (0x{device_type:08X})",
@@ -305,7 +312,7 @@ class CanopenNode:
                 continue
             found = self.read(0x1018, sub, "u32")
             if found != expected:
-                raise self._failed(
+                raise self.failed(
                     f"its {what} number is not the profile's",
                     object=f"0x1018:{sub:02X}",
                     value=_show(found),
@@ -331,7 +338,7 @@ class CanopenNode:
         found = [int(self.read(mapping, sub, "u32")) for sub in range(1, count + 1)]
         expected = [entry.code for entry in layout]
         if found != expected:
-            raise self._failed(
+            raise self.failed(
                 "its fixed mapping is not what the profile needs",
                 object=f"0x{mapping:04X}",
                 value=" ".join(f"{code:08X}" for code in found) or "nothing",
@@ -350,7 +357,7 @@ class CanopenNode:
         try:
             self._bus.send(can_id, data)
         except Exception as error:
-            raise self._failed(f"the interface refused a frame: {error}") from error
+            raise self.failed(f"the interface refused a frame: {error}") from error
 
     def _transfer(self, done: str, index: int, sub: int, action: Callable[[], Result]) -> Result:
         from canopen import SdoAbortedError
@@ -360,7 +367,7 @@ class CanopenNode:
             return action()
         except SdoAbortedError as error:
             text = SdoAbortedError.CODES.get(error.code, "unknown reason")
-            raise self._failed(
+            raise self.failed(
                 f"it refused to have an object {done}: {text} (abort 0x{error.code:08X})",
                 object=thing,
             ) from error
@@ -368,23 +375,11 @@ class CanopenNode:
             raise
         except Exception as error:  # no answer, a broken answer, or a refused frame
             self._check_alone()
-            raise self._failed(
+            raise self.failed(
                 f"it did not answer when an object was to be {done} ({error}); "
                 "is it powered, and are its node number and bit rate right?",
                 object=thing,
             ) from error
-
-    def _failed(
-        self,
-        what: str,
-        *,
-        object: str | None = None,
-        value: str | None = None,
-        bound: str | None = None,
-    ) -> ConnectionFailed:
-        return ConnectionFailed(
-            self.name, what, node=self.node, object=object, value=value, bound=bound
-        )
 
 
 def pdo_id(number: int, node: int) -> int:

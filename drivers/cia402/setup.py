@@ -225,11 +225,9 @@ def refuse_fault(node: CanopenNode, error: ConnectionFailed) -> ConnectionFailed
     code = int(node.read_if_present(0x603F, 0, "u16") or 0)
     status = int(node.read(0x6041, 0, "u16"))
     words = f"{describe_error(code)} (error code 0x{code:04X})" if code else error.what
-    return ConnectionFailed(
-        node.name,
+    return node.failed(
         f"it reports a fault before it is used: {words}, {describe_status(status)}; "
         "remove the cause and reset the drive",
-        node=node.node,
         object=error.object,
         value=error.value,
     )
@@ -248,11 +246,9 @@ def reset_fault(node: CanopenNode) -> None:
     status = int(node.read(0x6041, 0, "u16"))
     if decode_state(status) in FAULTY:
         code = int(node.read_if_present(0x603F, 0, "u16") or 0)
-        raise ConnectionFailed(
-            node.name,
+        raise node.failed(
             f"it stays in its fault: {describe_error(code)} (error code 0x{code:04X}), "
             f"{describe_status(status)}",
-            node=node.node,
             object="0x6041:00",
         )
     node.emergency.clear()
@@ -270,4 +266,4 @@ def _clamp(value: float, kind: str) -> int:
 
 
 def _refused(node: CanopenNode, what: str, thing: str, value: str, bound: str) -> ConnectionFailed:
-    return ConnectionFailed(node.name, what, node=node.node, object=thing, value=value, bound=bound)
+    return node.failed(what, object=thing, value=value, bound=bound)

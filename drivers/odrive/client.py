@@ -6,6 +6,7 @@ is read back.
 
 import struct
 from collections.abc import Callable
+from functools import partial
 from math import inf
 from typing import Final
 
@@ -55,11 +56,14 @@ class OdriveClient:
         When the last one came, s.
     serials : set of int
         Serial numbers of all that answered under this number.
+    failed : callable
+        Takes what is wrong, and `object`, `value` and `bound`; returns the error for the axis.
     """
 
     def __init__(self, name: str, node: int, bus: OdriveBus) -> None:
         self.name = name
         self.node = node
+        self.failed = partial(ConnectionFailed, name, node=node)
         self.heartbeat: Heartbeat | None = None
         self.heartbeats = 0
         self.heard = -inf
@@ -290,19 +294,6 @@ class OdriveClient:
     def answered(self, endpoint: int, size: int) -> bytes:
         """Return the value of the parameter that was asked for last; empty while none came."""
         return self._kept(endpoint, size)
-
-    def failed(
-        self,
-        what: str,
-        *,
-        object: str | None = None,
-        value: str | None = None,
-        bound: str | None = None,
-    ) -> ConnectionFailed:
-        """Return an error that names device, joint and node."""
-        return ConnectionFailed(
-            self.name, what, node=self.node, object=object, value=value, bound=bound
-        )
 
     # Inside ---------------------------------------------------------------------------
 

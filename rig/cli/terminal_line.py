@@ -3,7 +3,6 @@
 import contextlib
 import os
 import sys
-from types import TracebackType
 from typing import Self
 
 
@@ -25,12 +24,7 @@ class TerminalLine:
                 )
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.draw("")
         if self._fd is not None:
             os.close(self._fd)

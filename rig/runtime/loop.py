@@ -9,6 +9,7 @@ and told so for several cycles, before anything else happens.
 import contextlib
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Generic, NamedTuple
 
 from rig.hal import Clock, CyclicBus, Device
@@ -61,6 +62,7 @@ class Outcome(NamedTuple):
     unsafe: tuple[str, ...] = ()
 
 
+@dataclass(eq=False, kw_only=True)
 class Loop(Generic[State, Reference, Command]):
     """Runs one motion on one rig.
 
@@ -87,34 +89,20 @@ class Loop(Generic[State, Reference, Command]):
         In simulation: the plant's true values, appended to each row.
     """
 
-    def __init__(
-        self,
-        *,
-        clock: Clock,
-        period: float,
-        buses: Sequence[CyclicBus],
-        devices: Sequence[Device],
-        mechanism: Mechanism[Any, State, Reference, Command],
-        controller: Controller[Reference, State, Command],
-        states: StateMachine,
-        max_missed: int = 5,
-        safe_within: float = 1.0,
-        truth: Callable[[], tuple[float, ...]] = tuple,
-    ) -> None:
-        self.clock = clock
-        self.period = period
-        self.buses = buses
-        self.devices = devices
-        self.mechanism = mechanism
-        self.controller = controller
-        self.states = states
-        self.max_missed = max_missed
-        self.safe_within = safe_within
-        self.truth = truth
-        self.t: float | None = None
-        """Time since the first cycle, s; None before it."""
-        self.phases: Phases[State, Reference, Command] | None = None
-        """The way of the run, also after it; None before it."""
+    clock: Clock
+    period: float
+    buses: Sequence[CyclicBus]
+    devices: Sequence[Device]
+    mechanism: Mechanism[Any, State, Reference, Command]
+    controller: Controller[Reference, State, Command]
+    states: StateMachine
+    max_missed: int = 5
+    safe_within: float = 1.0
+    truth: Callable[[], tuple[float, ...]] = tuple
+    t: float | None = field(init=False, default=None)
+    """Time since the first cycle, s; None before it."""
+    phases: Phases[State, Reference, Command] | None = field(init=False, default=None)
+    """The way of the run, also after it; None before it."""
 
     def run(
         self,

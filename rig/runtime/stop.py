@@ -3,7 +3,7 @@
 import signal
 import threading
 from time import monotonic
-from types import FrameType, TracebackType
+from types import FrameType
 
 PATIENCE = 1.0
 """A cycle that has not heard a request for so long does not end by itself, s."""
@@ -64,11 +64,6 @@ class StopRequests:
             self._previous[number] = signal.signal(number, self._handle)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         for number, handler in self._previous.items():
             signal.signal(number, handler)  # type: ignore[arg-type]

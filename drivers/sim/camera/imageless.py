@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.marker_camera.device import MarkerCameraDriver
-from drivers.marker_camera.link import Event, Ready
+from drivers.marker_camera.link import Event
 from drivers.marker_camera.sighting import Sight, Sighting
-from drivers.sim.camera.faults import UNPLUGGED, CameraFaults
 from drivers.sim.camera.lens import believed_ray
-from drivers.sim.camera.ports import CameraBuild, Delivery, MarkerPort
+from drivers.sim.camera.ports import CameraBuild, MarkerPort
 from drivers.sim.camera.poses import rotation_matrix, twist_of
+from drivers.sim.camera.simulated_link import SimulatedLink
 from rig.hal import Clock
 
 Position = tuple[float, float, float]
@@ -24,19 +24,15 @@ _NOISE_BLOCK = 256
 """Frames whose noise is drawn at a time."""
 
 
-class _ImagelessLink:
+class _ImagelessLink(SimulatedLink):
     """Gives what a detector would, straight from the plant, which is at the time of `poll`."""
 
-    def __init__(self, build: CameraBuild, plant: MarkerPort, faults: CameraFaults) -> None:
+    def __init__(self, build: CameraBuild, plant: MarkerPort) -> None:
+        super().__init__(build, plant)
         settings, scene, optics = build.settings, build.scene, build.optics
-        self._settings = settings
-        self._plant = plant
-        self._faults = faults
-        self._serial = build.serial
         self._noise = optics.noise
         self._generator = np.random.default_rng(build.seed)
         self._draws: list[list[float]] = []
-        self._delivery = Delivery(build)
         calibrated = rotation_matrix(settings.rotation_base_from_camera)
         true = rotation_matrix(scene.rotation_base_from_camera) @ rotation_matrix(
             optics.rotation_error
@@ -49,8 +45,6 @@ class _ImagelessLink:
         self._camera: Position = settings.position_camera_in_base
         x, y, z = (np.array(scene.position_camera_in_base) + optics.position_error).tolist()
         self._true_camera: Position = x, y, z
-        self._start = inf
-        self._frame = -1
         self._due = -inf
         """Before this time there is nothing to do and nothing to tell, s."""
         self._last: Sighting | None = None
@@ -58,69 +52,56 @@ class _ImagelessLink:
 
     def open(self, now: float) -> None:
         """Begin to see frames."""
-        self.close()
+        super().open(now)
         self._due = -inf
-        if self._faults.has("unplugged"):
-            self._delivery.send(UNPLUGGED, now)
-            return
-        self._start = now
-        self._delivery.send(Ready(self._serial), now)
 
     def poll(self, now: float) -> Sequence[Event]:
         """Look at the plant if a frame is due, and return what has arrived."""
         if now < self._due:
             return ()
+        self.now = now
         start, rate = self._start, self._settings.frame_rate
         if now >= start:
             frame = int((now - start) * rate + 1e-9)
-            if frame > self._frame:
-                self._frame = frame
-                self._look(frame, now)
+            if frame >= self._frame:
+                self._frame = frame + 1
+                self._look(frame)
         events = self._delivery.fetch(now)
-        self._due = min(self._start + (self._frame + 1) / rate - 1e-6, self._delivery.next_arrival)
+        self._due = min(self._start + self._frame / rate - 1e-6, self._delivery.next_arrival)
         return events
 
-    def close(self) -> None:
-        """Stop. Idempotent."""
-        self._start = inf
-        self._frame = -1
-        self._delivery.lose()
-
-    def _look(self, frame: int, now: float) -> None:
-        faults = self._faults
-        if faults.has("unplugged"):
-            self.close()
-            self._delivery.send(UNPLUGGED, now)
+    def _look(self, frame: int) -> None:
+        if self._is_unplugged():
             return
-        stamp, arrival = self._delivery.times(now)
-        if self._delivery.is_dropped() or faults.has("stalled"):
+        stamp, arrival = self._delivery.times(self.now)
+        if self._delivery.is_dropped() or self.has("stalled"):
             return
         sighting = self._see()._replace(frame=frame, t=stamp)
         self._last = sighting
-        self._delivery.send(sighting, arrival + faults.delay)
+        self._delivery.send(sighting, arrival + self.delay)
 
     def _see(self) -> Sighting:
         """Return what the detector would say of this instant, its number and time left open."""
-        faults, marker = self._faults, self._settings.marker
+        marker = self._settings.marker
         aruco = marker.kind == "aruco"
-        if faults.has("frozen") and self._last is not None:
+        if self.has("frozen") and self._last is not None:
             self._identical += 1
             if self._identical >= self._settings.max_identical:
                 return Sighting(0, 0.0, Sight.FROZEN, amount=float(self._identical))
             return self._last
         self._identical = 1
-        if faults.has("covered"):
+        if self.has("covered"):
             return Sighting(0, 0.0, Sight.COVERED, amount=0.0)
-        if faults.has("swapped"):
+        if self.has("swapped"):
             amount = float(marker.ids[0] + 1) if aruco else 0.6 * marker.diameter
             return Sighting(0, 0.0, Sight.SWAPPED, amount=amount)
-        if faults.has("mirrored") and aruco:
+        if self.has("mirrored") and aruco:
             return Sighting(0, 0.0, Sight.MIRRORED, amount=float(marker.ids[0]))
         x, y, z = self._plant.marker_position()
         a, b, c = self._camera
-        if faults.has("lost") or x * (a - x) + y * (b - y) + z * (c - z) <= 0.0:
+        if self.has("lost") or x * (a - x) + y * (b - y) + z * (c - z) <= 0.0:
             return Sighting(0, 0.0, Sight.LOST, amount=0.0)
-        if faults.has("mirrored"):
+        if self.has("mirrored"):
             place = np.array((x, y, z))
             place -= 2.0 * ((place - self._camera) @ self._axis_x) * self._axis_x
             x, y, z = place.tolist()
@@ -198,21 +179,15 @@ class SimulatedMarkerCamera(MarkerCameraDriver):
         *,
         required_serial: int | None = None,
     ) -> None:
-        self._faults = CameraFaults(build.name)
-        link = _ImagelessLink(build, plant, self._faults)
+        self._breakable = link = _ImagelessLink(build, plant)
         super().__init__(build.name, build.settings, clock, serial=required_serial, link=link)
 
     @property
     def known_faults(self) -> tuple[str, ...]:
         """Names that `inject` understands."""
-        return self._faults.known
+        return self._breakable.known_faults
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now; see `CameraFaults`."""
-        self._faults.now = self._clock.now()
-        self._faults.inject(fault, value)
-
-    def _take(self) -> None:
-        now = self._faults.now = self._clock.now()
-        for event in self._link.poll(now):
-            self._take_event(event)
+        self._breakable.now = self._clock.now()
+        self._breakable.inject(fault, value)

@@ -34,7 +34,7 @@ main(int(sys.argv[1]), int(sys.argv[2]))
 """
 
 
-class ServedCamera:
+class ServedCamera(CameraFaults):
     """The simulation's side of a camera: tells its process where the marker is.
 
     It is an end for `drivers.sim.wall_clock.WallClockRig` and a camera for
@@ -56,23 +56,21 @@ class ServedCamera:
     """
 
     def __init__(self, build: CameraBuild, plant: MarkerPort, address: str) -> None:
-        self.name = name = build.name
+        super().__init__(build.name)
         self.address = address
         self._plant = plant
         self._rate = build.settings.frame_rate
         self._instants = build.instants
-        self._faults = CameraFaults(name)
         self._start = inf
         self._count = 0  # of the instants since the start
         self._wanted: bool | None = None
         self._origin = 0.0
-        self._now = 0.0
         with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
             try:
                 listener.bind(address)
             except OSError as error:
                 raise ConnectionFailed(
-                    name,
+                    self.name,
                     "another program simulates it on this interface already; end that one "
                     "or take another interface",
                     object=address[1:],
@@ -90,7 +88,7 @@ class ServedCamera:
                 )
         self._send(build)
         if self._socket.recv(1) != READY:
-            raise ConnectionFailed(name, "the process that makes its frames has ended")
+            raise ConnectionFailed(self.name, "the process that makes its frames has ended")
         self._socket.setblocking(False)
 
     # An end of the wall clock -----------------------------------------------------------
@@ -136,7 +134,7 @@ class ServedCamera:
     def due(self) -> float:
         """When the plant is looked at next, s; infinite while nobody has the camera."""
         if self._wanted is not None:
-            return self._now
+            return self.now
         frame, instant = divmod(self._count, len(self._instants))
         return self._start + frame / self._rate + self._instants[instant]
 
@@ -158,17 +156,12 @@ class ServedCamera:
 
     def tell(self, now: float) -> None:
         """Take the time, s."""
-        self._now = self._faults.now = now
-
-    @property
-    def known_faults(self) -> tuple[str, ...]:
-        """Names that `inject` understands."""
-        return self._faults.known
+        self.now = now
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now; see `CameraFaults`."""
-        self._faults.inject(fault, value)  # refuses what does not fit
-        self._send(("fault", self._origin, self._now, fault, value))
+        super().inject(fault, value)  # refuses what does not fit
+        self._send(("fault", self._origin, self.now, fault, value))
 
     def _send(self, message: CameraBuild | tuple[Any, ...]) -> bool:
         """Tell the process; return whether it was told."""

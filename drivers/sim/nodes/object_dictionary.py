@@ -6,7 +6,9 @@ CiA 301 V4.2, sections 7.2.4.3.17 (SDO abort codes) and 7.4 (object dictionary).
 """
 
 from collections.abc import Callable, Iterator
+from dataclasses import KW_ONLY, dataclass, field
 from enum import IntEnum
+from math import inf
 from struct import Struct
 from typing import NamedTuple
 
@@ -87,6 +89,7 @@ BY_NAME = {
 _STRUCTS = {code: Struct("<" + code) for code in "bBhHiIf"}
 
 
+@dataclass(slots=True, eq=False)
 class Variable:
     """One value of the object dictionary.
 
@@ -110,46 +113,24 @@ class Variable:
         Called before an SDO reads, to bring `value` up to date.
     """
 
-    __slots__ = (
-        "access",
-        "changed",
-        "check",
-        "data_type",
-        "default",
-        "high",
-        "index",
-        "low",
-        "mapping",
-        "refresh",
-        "sub",
-        "value",
-    )
+    data_type: DataType
+    default: Value = 0
+    access: str = "rw"
+    _: KW_ONLY
+    low: float = -inf
+    high: float = inf
+    mapping: str = ""
+    check: Callable[[int], None] | None = None
+    changed: Callable[[], None] | None = None
+    refresh: Callable[[], None] | None = None
+    value: Value = field(init=False)
+    index: int = field(init=False, default=0)
+    sub: int = field(init=False, default=0)
 
-    def __init__(
-        self,
-        data_type: DataType,
-        default: Value = 0,
-        access: str = "rw",
-        *,
-        low: float | None = None,
-        high: float | None = None,
-        mapping: str = "",
-        check: Callable[[int], None] | None = None,
-        changed: Callable[[], None] | None = None,
-        refresh: Callable[[], None] | None = None,
-    ) -> None:
-        self.data_type = data_type
-        self.default = default
-        self.value: Value = default
-        self.access = access
-        self.low = data_type.low if low is None else low
-        self.high = data_type.high if high is None else high
-        self.mapping = mapping
-        self.check = check
-        self.changed = changed
-        self.refresh = refresh
-        self.index = 0
-        self.sub = 0
+    def __post_init__(self) -> None:
+        self.value = self.default
+        self.low = max(self.low, self.data_type.low)
+        self.high = min(self.high, self.data_type.high)
 
     @property
     def integer(self) -> int:
