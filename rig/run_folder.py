@@ -77,9 +77,10 @@ MetricRow = TypedDict(
         "pass": bool | None,
         "measure": str,
         "segments": str,
+        "is_nan": bool,
     },
 )
-"""One entry of ``metrics.json``, SI; an older file may lack all but the first three."""
+"""One entry of ``metrics.json``, SI; it may lack all but the first three."""
 
 
 class Event(TypedDict, total=False):

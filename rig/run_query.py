@@ -21,7 +21,7 @@ _TERM: Final = re.compile(r"\s*([A-Za-z][\w.-]*)\s*(<=|>=|!=|==|=|<|>)\s*(.*?)\s
 _AND: Final = re.compile(r"\s+and\s+")
 
 
-class Described(NamedTuple):
+class Candidate(NamedTuple):
     """A run, as it is asked for.
 
     Parameters
@@ -80,14 +80,14 @@ class Term(NamedTuple):
         return not math.isnan(value) and _COMPARE[self.sign](value, asked)
 
 
-def choose(where: str, runs: Sequence[Described]) -> list[bool]:
+def choose(where: str, runs: Sequence[Candidate]) -> list[bool]:
     """Return of each run whether all that is asked is true of it.
 
     Parameters
     ----------
     where : str
         See `parse_query`.
-    runs : sequence of Described
+    runs : sequence of Candidate
         The runs. A metric that none of them has is a slip of the pen, and no answer.
 
     Raises

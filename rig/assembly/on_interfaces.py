@@ -21,9 +21,20 @@ def backend_of(on: str) -> Backend:
     """Return the backend that ``--on`` means, be it one's name or an interface.
 
     An interface that never leaves the host has a simulated rig on it, and any other a real one.
+
+    Raises
+    ------
+    ConfigurationError
+        It can be neither: a channel bears a number (``vcan0``), and anything else has an interface
+        in front of it (``slcan:/dev/ttyACM0``).
     """
     if on in list(Backend):
         return Backend(on)
+    if ":" not in on and not any(map(str.isdigit, on)):
+        raise ConfigurationError(
+            f"{on!r} is neither one of {', '.join(Backend)} nor a CAN interface such as vcan0, "
+            "vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0."
+        )
     first = on.split(",", maxsplit=1)[0]
     interface, channel = _split(first.partition("=")[2] or first)
     stays = interface in _ON_THIS_HOST or channel.startswith(("vcan", "vxcan"))

@@ -151,6 +151,11 @@ class InstalledParts:
         """Return every mechanism's figures by name, which are `rig.report.figure.FigureKind`."""
         return _merged("figure", lambda row: row.figures, mechanism, kind)
 
+    def own_figures(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of one mechanism's figures."""
+        rows = [row for row in _additions() if row.mechanism == mechanism]
+        return tuple(name for row in rows for path in row.figures for name in load(path))
+
     def comparisons(self, mechanism: str | None, kind: type[Thing]) -> tuple[Thing, ...]:
         """Return a mechanism's comparisons, or everybody's; the most particular first."""
         return tuple(

@@ -4,6 +4,7 @@ Its help is printed without click, whose import takes three times as long as all
 the same table of commands and the same introduction that click's group is made of.
 """
 
+import contextlib
 import io
 import os
 import sys
@@ -21,6 +22,7 @@ _OPTIONS = {
     "--version": "Show the version and exit.",
     "-h, --help": "Show this message and exit.",
 }
+_UNWRITTEN = 2  # what the shell was asked for cannot be: usage
 _WIDE_ENOUGH = 80  # columns; the lines above are broken for no less, and click uses no more
 
 
@@ -28,11 +30,43 @@ def main(arguments: list[str] | None = None) -> None:
     """Run the command line and exit with its code.
 
     Exit codes: 0 ok, 1 an acceptance bound missed, 2 usage or configuration, 3 device or
-    preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted.
+    preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted. What
+    would be 0 is 2 if the output cannot be written.
     """
     if sys.stderr is not None:
         sys.stderr = _talk_to(sys.stderr.fileno())
-    sys.exit(invoke(arguments))
+    before = sys.stdout
+    how: tuple[str, str | None] = ("utf-8", None)
+    if before is None:  # closed by the shell: nobody wants it
+        output = _Output(os.devnull, "w")
+    else:
+        output, how = _Output(before.fileno(), "w", closefd=False), (before.encoding, before.errors)
+    sys.stdout = io.TextIOWrapper(io.BufferedWriter(output), *how)
+    code = invoke(arguments)
+    with contextlib.suppress(BrokenPipeError):
+        sys.stdout.flush()
+    sys.exit(code or (_UNWRITTEN if output.is_lost else 0))
+
+
+class _Output(io.FileIO):
+    """Standard output. If it takes nothing, on a full disk say, that is told once, and dropped.
+
+    What the command does is done all the same, and so is its exit code, unless that were 0.
+    """
+
+    is_lost = False
+
+    def write(self, data: "ReadableBuffer", /) -> int:
+        """Write, or drop what cannot be written; a reader that has gone is told as ever."""
+        try:
+            return super().write(data)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            if not self.is_lost and sys.stderr is not None:
+                sys.stderr.write(f"error: cannot write the output: {error.strerror}\n")
+            self.is_lost = True
+            return memoryview(data).nbytes
 
 
 class _Unheard(io.FileIO):

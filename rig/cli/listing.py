@@ -91,9 +91,9 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     found = [describe_run(path) for path in list_runs(out)]
     if where is None:
         return found
-    from rig.run_query import Described, choose
+    from rig.run_query import Candidate, choose
 
-    chosen = choose(where, [Described(run._asdict(), _values(run)) for run in found])
+    chosen = choose(where, [Candidate(run._asdict(), _values(run)) for run in found])
     return list(compress(found, chosen))
 
 
@@ -185,6 +185,7 @@ def _metric_text(metric: Metric | None) -> str:
     from rig.config.formats import format_quantity
 
     value, unit = metric.get("value"), str(metric.get("unit") or "1")
-    text = format_quantity(value, unit) if isinstance(value, int | float) else "never"
+    nothing = "NaN" if metric.get("is_nan") else "never"
+    text = format_quantity(value, unit) if isinstance(value, int | float) else nothing
     verdict = "" if metric.get("pass") is None else " ok" if metric["pass"] else " MISSED"
     return f"{metric.get('name')} {text}{verdict}"

@@ -30,11 +30,7 @@ class _Completed(click.ParamType):  # type: ignore[type-arg, unused-ignore]
 
 
 class OnBackend(_Completed):
-    """One of the backends, or the CAN interface to run on.
-
-    What is neither is told here: a channel bears a number (``vcan0``), and anything else has an
-    interface in front of it (``slcan:/dev/ttyACM0``).
-    """
+    """One of the backends, or the CAN interface to run on; what is neither is told here."""
 
     name = "backend"
 
@@ -47,13 +43,14 @@ class OnBackend(_Completed):
     ) -> str:
         """Return the value if it may be a backend or an interface."""
         text = str(value)
-        if text not in BACKENDS and ":" not in text and not any(map(str.isdigit, text)):
-            self.fail(
-                f"{text!r} is neither one of {', '.join(BACKENDS)} nor a CAN interface such as "
-                "vcan0, vcan0,vcan1, socketcan:can0 or slcan:/dev/ttyACM0.",
-                param,
-                ctx,
-            )
+        if text not in BACKENDS:
+            from rig.assembly import backend_of
+            from rig.hal import ConfigurationError
+
+            try:
+                backend_of(text)
+            except ConfigurationError as error:
+                self.fail(str(error), param, ctx)
         return text
 
     def names(self) -> Iterable[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -147,7 +146,7 @@ def show(result: Result) -> None:
     lines = []
     for metric in result.metrics:
         value, bound = format_against(metric.value, metric.bound, metric.unit)
-        value = "-" if math.isnan(metric.value) else value
+        value = value if metric.is_seen else "-"
         if metric.bound is not None:
             sign = "<=" if metric.bound_kind == "max" else ">="
             bound = f"{sign} {bound}  {_VERDICTS[metric.passed]}"

@@ -46,7 +46,7 @@ def format_against(value: float | None, bound: float | None, unit: str) -> tuple
     Parameters
     ----------
     value : float or None
-        In `unit`; None or infinite for what never happened.
+        In `unit`; None or infinite for what never happened, NaN for what is no number.
     bound : float or None
         In `unit`.
     unit : str
@@ -58,13 +58,14 @@ def format_against(value: float | None, bound: float | None, unit: str) -> tuple
         With four to nine significant digits, such as ``"10.8583 s"`` and ``"10.8603 s"``; the
         second is empty if there is no bound.
     """
+    nothing = "NaN" if value is not None and math.isnan(value) else "never"
     if value is not None and not math.isfinite(value):
         value = None
     if bound is None:
-        return ("never" if value is None else format_quantity(value, unit)), ""
+        return (nothing if value is None else format_quantity(value, unit)), ""
     name, scale = _for_people(bound or value or 0.0, unit)
     if value is None:
-        return "never", f"{bound / scale:.4g} {name}".rstrip()
+        return nothing, f"{bound / scale:.4g} {name}".rstrip()
     for digits in range(4, 10):
         texts = [f"{number / scale:.{digits}g} {name}".rstrip() for number in (value, bound)]
         if value == bound or texts[0] != texts[1]:

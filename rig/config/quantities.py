@@ -97,7 +97,7 @@ _WHOLE: Final[dict[str, Unit]] = {
 }
 
 # What a person would write; those of the wanted dimension are offered in an error.
-_USUAL: Final = (
+USUAL_UNITS: Final = (
     "m", "cm", "mm", "µm", "s", "ms", "µs", "min", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "psi",
     "rad", "mrad", "deg", "rad/s", "deg/s", "rpm", "rad/s^2", "deg/s^2", "m/s", "mm/s", "m/s^2",
     "mm/s^2", "m^2", "mm^2", "cm^2", "m^3", "cm^3", "dm^3", "L", "Pa/s", "kPa/s", "MPa/s",
@@ -209,7 +209,7 @@ def _named(name: str) -> Unit:
 def usual_units(unit: str) -> tuple[str, ...]:
     """Return the units that would do for a field of an SI unit, that one first."""
     dimension = parse_unit(unit).dimension
-    others = [u for u in _USUAL if u != unit and parse_unit(u).dimension == dimension]
+    others = [u for u in USUAL_UNITS if u != unit and parse_unit(u).dimension == dimension]
     return (unit or "1", *(other for other in others if (unit, other) != ("", "1")))
 
 
@@ -265,7 +265,7 @@ def parse_any_quantity(text: str) -> tuple[float, str]:
     """
     number, _, given = _split(text)
     si = next(
-        (u for u in _USUAL if parse_unit(u) == Unit(Fraction(1), given.dimension)),
+        (u for u in USUAL_UNITS if parse_unit(u) == Unit(Fraction(1), given.dimension)),
         " ".join(f"{b}^{e}" for b, e in zip(_BASE, given.dimension, strict=True) if e) or "1",
     )
     return _convert(text, number, given, parse_unit(si)), si

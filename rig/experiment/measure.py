@@ -89,6 +89,10 @@ class Samples:
 _TRUTH = "truth."
 
 
+class NoSuchMotion(ValueError):
+    """No segment has the motion of a measure: without a bound its metric is left out."""
+
+
 class NoTruth(Exception):
     """A measure takes the true state, which only a simulation in the same process records."""
 
@@ -127,6 +131,11 @@ class Window:
         if name.startswith(_TRUTH) and not self._samples.names(_TRUTH):
             raise NoTruth(name)
         return self._samples.column(name)[self._part]
+
+    def before(self, name: str) -> float | None:
+        """Return a column's value just before the window; None where nothing was followed yet."""
+        last = self._part.start - 1
+        return None if last < 0 else float(self._samples.column(name)[last])
 
     def has(self, name: str) -> bool:
         """Return whether the log has a column."""

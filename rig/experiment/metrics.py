@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from rig.assembly import REGISTRY
-from rig.experiment.measure import Measure, NoTruth, Samples, Window
+from rig.experiment.measure import Measure, NoSuchMotion, NoTruth, Samples, Window
 from rig.hal import ContractBroken, RigError
 from rig.hal.fits import is_number, is_ours, shown, where
 from rig.hal.motion import Fact, Segment
@@ -91,8 +91,11 @@ class Metric(NamedTuple):
         return self.value <= self.bound if self.bound_kind == "max" else self.value >= self.bound
 
     def as_json(self) -> dict[str, Any]:
-        """Return the entry of ``metrics.json``; a value that is no finite number is null there."""
-        return {
+        """Return the entry of ``metrics.json``; a value that is no finite number is null there.
+
+        One that was computed and is NaN says so, or it would be taken for what never happened.
+        """
+        entry: dict[str, Any] = {
             "name": self.name,
             "value": self.value if math.isfinite(self.value) else None,
             "unit": self.unit,
@@ -102,6 +105,7 @@ class Metric(NamedTuple):
             "measure": self.measure,
             "segments": self.segments,
         }
+        return {**entry, "is_nan": True} if self.is_seen and math.isnan(self.value) else entry
 
 
 def evaluate(
@@ -133,7 +137,8 @@ def evaluate(
     Returns
     -------
     list of Metric
-        In the order of `specs`.
+        In the order of `specs`, without those about a motion that no segment has and that nothing
+        is asked of.
 
     Raises
     ------
@@ -163,6 +168,8 @@ def evaluate(
             metrics += _bounded(name, spec, measure_name, math.nan, measure.unit, is_seen=False)
             continue
         except (ValueError, LogError) as error:
+            if isinstance(error, NoSuchMotion) and spec.max is None and spec.min is None:
+                continue
             raise MetricError(f"metric {name}: {error}") from error
         except RigError:
             raise

@@ -19,6 +19,13 @@ def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
     return {**REGISTRY.figures(mechanism, FigureKind), **TIMING_FIGURES}
 
 
+def own_figures(mechanism: str | None) -> tuple[str, ...]:
+    """Return the names of the figures that are of a mechanism's runs; all if it is not known."""
+    if mechanism is None:
+        return tuple(known_figures(None))
+    return (*REGISTRY.own_figures(mechanism), *TIMING_FIGURES)
+
+
 class Drawn(NamedTuple):
     """The figures of a run.
 

@@ -1,6 +1,7 @@
 """One page that says what was run, how it went and how to run it again; it needs no network."""
 
 import base64
+import math
 import shlex
 from collections.abc import Iterable, Sequence
 from datetime import datetime
@@ -122,9 +123,8 @@ def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> str:
         return ""
     rows = []
     for metric in metrics:
-        value, bound = format_against(
-            metric["value"], metric.get("bound"), metric.get("unit") or "1"
-        )
+        number = math.nan if metric.get("is_nan") else metric["value"]
+        value, bound = format_against(number, metric.get("bound"), metric.get("unit") or "1")
         sign = {"max": "≤", "min": "≥"}.get(str(metric.get("bound_kind")), "")
         passed = metric.get("pass")
         verdict = "" if passed is None else "pass" if passed else "fail"

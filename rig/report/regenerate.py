@@ -17,7 +17,7 @@ from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.timing import summarise_timing
-from rig.run_folder import EVALUATION, METRICS, TIMING, RunFolder, RunStatus
+from rig.run_folder import EVALUATION, METRICS, TIMING, MetricRow, RunFolder, RunStatus
 from rig.runtime.log import Log, LogError, read_log
 
 
@@ -107,10 +107,15 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
 def _as_recorded(folder: RunFolder, measure: str) -> list[Metric]:
     return [
         Metric(
-            row["name"], math.nan if row["value"] is None else row["value"], row["unit"],
-            row["bound"], row["bound_kind"], measure, row["segments"],
-            is_seen=row["pass"] is not None,
+            row["name"], _number(row), row["unit"], row["bound"], row["bound_kind"], measure,
+            row["segments"], is_seen=row["pass"] is not None or row.get("is_nan", False),
         )
         for row in folder.metrics()
         if row.get("measure") == measure
     ]  # fmt: skip
+
+
+def _number(row: MetricRow) -> float:
+    if row.get("is_nan"):
+        return math.nan
+    return math.inf if row["value"] is None else row["value"]

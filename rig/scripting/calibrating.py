@@ -7,17 +7,19 @@ from pathlib import Path
 
 from rig.assembly import REGISTRY, Backend, backend_of
 from rig.calibration.catalogue import pick
+from rig.calibration.instrument_files import read_file
 from rig.calibration.preview import preview
-from rig.calibration.procedure import FilesOffered
+from rig.calibration.procedure import AnyProcedure, FilesOffered
 from rig.calibration.recording import CalibrationRefused, RigLacks
 from rig.calibration.session import Calibrated, conclude, read_instruments, record, recorded
 from rig.calibration.store import Circumstances
-from rig.config import load_profile
+from rig.config import Profile, load_profile
 from rig.config.names import find_configs
 from rig.experiment.fault_latch import FaultLatch
 from rig.hal import ConfigurationError
 from rig.run_folder import RunStatus
 from rig.scripting.errors import error_of
+from rig.scripting.played import refuse_within_plan
 from rig.scripting.recorded import Run
 from rig.scripting.running import Settings, as_options
 
@@ -74,8 +76,10 @@ def calibrate(
     ConfigurationError, DeviceError
         As for `rig.run`.
     """
+    refuse_within_plan("rig.calibrate")
     if not (isinstance(valid_for, int) and valid_for > 0):
         raise ConfigurationError(f"valid_for is {valid_for!r}, and must be whole days, 1 at least")
+    _check_words(rig, procedure, on, operator, conditions)
     search = find_configs(None if configs is None else Path(configs))
     profile = load_profile(rig, REGISTRY, as_options(set), search)
     (chosen,) = pick(profile, (procedure,))
@@ -90,6 +94,8 @@ def calibrate(
         raise CalibrationRefused(f"{procedure}: {lack}") from lack
     if excitation is None:
         raise ConfigurationError(f"{procedure} moves nothing: rig calibrate {rig} {procedure}")
+    if readings is not None:  # a slip in it is said before the rig moves
+        _check_readings(chosen, profile, readings)
     files = FilesOffered(None, "10x7x8mm", backend.is_simulated, Path(out))
     tuple(preview(chosen, profile, excitation, files))  # refuses what must not be moved
     result, folders = record(
@@ -112,3 +118,29 @@ def calibrate(
         chosen, profile, recorded(folders), folders[-1], shown, circumstances, search,
         replace=replace,
     )  # fmt: skip
+
+
+def _check_words(
+    rig: object, procedure: object, on: object, operator: object, conditions: object
+) -> None:
+    words = {"rig": rig, "procedure": procedure, "on": on, "operator": operator or ""}
+    for name, word in words.items():
+        if not isinstance(word, str):
+            raise ConfigurationError(f"{name} is {word!r}, and must be a word")
+    told = {} if conditions is None else conditions
+    if not isinstance(told, Mapping) or not all(
+        isinstance(word, str) for pair in told.items() for word in pair
+    ):
+        raise ConfigurationError(
+            f"conditions are {told!r}, and must be words by their names, "
+            'as in {"temperature": "21 degC"}'
+        )
+
+
+def _check_readings(chosen: AnyProcedure, profile: Profile, readings: str | Path) -> None:
+    if not isinstance(readings, str | Path):
+        raise ConfigurationError(f"readings is {readings!r}, and no path of a file")
+    wanted = chosen.instruments(profile)
+    if not wanted:
+        raise ConfigurationError(f"{chosen.name} reads no instruments: leave readings out")
+    read_file(wanted, Path(readings))

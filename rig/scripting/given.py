@@ -10,6 +10,7 @@ from rig.assembly import REGISTRY, plan_motion
 from rig.assembly.contract_check import check_offers
 from rig.config import Experiment, Profile, ReferenceEntry
 from rig.config.models import MetricSpec
+from rig.config.quantities import USUAL_UNITS, UnitError, parse_unit
 from rig.experiment.measure import Measure, Windows
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import play_through
@@ -98,6 +99,11 @@ class Given:
         measures = {}
         wanted = dict(experiment.metrics)
         for name, measure in (self.measures or {}).items():
+            if name in wanted:
+                raise ConfigurationError(
+                    f"measure {name}: {plan.experiment.name} has a metric of this name; choose "
+                    f"another name than {', '.join(wanted)}"
+                )
             made, source = _measure(name, measure, sources)
             measures[source] = made
             wanted[name] = MetricSpec(measure=source)
@@ -192,6 +198,11 @@ def _measure(name: str, given: object, sources: dict[str, str]) -> tuple[Measure
         raise ConfigurationError(
             f"measure {name}: {given!r} is neither a function of the data nor (function, unit)"
         )
+    try:
+        parse_unit(unit)
+    except UnitError as error:
+        usual = ", ".join(USUAL_UNITS)
+        raise ConfigurationError(f"measure {name}: {error}; usual units are {usual}") from error
     source = f"code/{keep_source(function, sources)}.py {name}"
 
     def compute(windows: Windows) -> float:

@@ -3,11 +3,12 @@
 import traceback
 from bisect import bisect_right
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextvars import ContextVar
 from itertools import pairwise
 from types import GeneratorType
 from typing import NamedTuple, TypeAlias
 
-from rig.hal import Device, SafetyError
+from rig.hal import ConfigurationError, Device, RigError, SafetyError
 from rig.hal.motion import Motion, Note, Segment
 from rig.hal.targets import Targets
 from rig.scripting.steps import PlanFailed, PlanStep, Steps
@@ -16,6 +17,26 @@ PlanFunction: TypeAlias = Callable[[Steps], Generator[PlanStep, bool, None]]
 """``def plan(rig): yield rig.move(…)``."""
 
 _WHENCE = "as its argument's move(…) and the like return"
+
+
+_asked: ContextVar[str | None] = ContextVar("asked", default=None)
+"""The plan that is asked for its next step at this moment."""
+
+
+def refuse_within_plan(what: str) -> None:
+    """Refuse what would begin a run in the midst of another.
+
+    Raises
+    ------
+    ConfigurationError
+        A plan calls it.
+    """
+    plan = _asked.get()
+    if plan is not None:
+        raise ConfigurationError(
+            f"{what} within the plan {plan}: its own run goes on meanwhile; yield steps, and call "
+            f"{what} after that run"
+        )
 
 
 class PlanRefused(SafetyError):
@@ -148,6 +169,7 @@ class PlayedPlan(Motion[object]):
             return ()
         if t >= self._most:
             raise PlanRefused(f"the plan {self.name} takes longer than {self._most:g} s")
+        token = _asked.set(self.name)
         try:
             if self._next is not None:
                 self._check(t)
@@ -158,8 +180,10 @@ class PlayedPlan(Motion[object]):
                 self._go_on(t, here)
         except PlanRefused:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # sys.exit() must not end it with the rig moving
             raise PlanRefused(f"the plan {self.name}{self._line(error)}: {_said(error)}") from error
+        finally:
+            _asked.reset(token)
         notes, steps.notes = tuple(steps.notes), []
         return notes
 
@@ -211,7 +235,7 @@ class PlayedPlan(Motion[object]):
         self._now = _Played(t, t + step.duration, step)
         self._steps.notes.append(Note("plan", step.what))
 
-    def _line(self, error: Exception) -> str:
+    def _line(self, error: BaseException) -> str:
         """Return the line of the plan that asked for it."""
         playing = self._playing
         frame = playing.gi_frame if isinstance(playing, GeneratorType) else None
@@ -230,6 +254,8 @@ def _mark_of(step: PlanStep) -> str:
     return f"{step.what} {places}"
 
 
-def _said(error: Exception) -> str:
-    plain = isinstance(error, PlanFailed | ValueError)
+def _said(error: BaseException) -> str:
+    if isinstance(error, SystemExit):
+        return f"it wants to end the program ({type(error).__name__}: {error})"
+    plain = isinstance(error, PlanFailed | RigError | ValueError)
     return str(error) if plain else f"{type(error).__name__}: {error}"

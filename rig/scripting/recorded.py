@@ -11,7 +11,7 @@ import numpy as np
 from rig.hal import ConfigurationError
 from rig.hal.motion import Segment
 from rig.report.data import RunData, load_run
-from rig.report.figures import known_figures
+from rig.report.figures import known_figures, own_figures
 from rig.report.style import paper_style
 from rig.run_folder import REPORT, Event, Manifest, RunFolder, RunStatus
 from rig.runtime.log import Log
@@ -35,12 +35,15 @@ class MetricValue(NamedTuple):
         SI.
     passed : bool or None
         None without a bound.
+    is_nan : bool
+        It was computed, and is not a number.
     """
 
     value: float
     unit: str
     bound: float | None
     passed: bool | None
+    is_nan: bool = False
 
     def __float__(self) -> float:
         return self.value
@@ -48,7 +51,8 @@ class MetricValue(NamedTuple):
     def __str__(self) -> str:
         from rig.config.formats import format_against
 
-        value, bound = format_against(self.value, self.bound, self.unit)
+        number = None if np.isnan(self.value) and not self.is_nan else self.value
+        value, bound = format_against(number, self.bound, self.unit)
         return value if self.bound is None else f"{value} (bound {bound})"
 
 
@@ -121,7 +125,7 @@ class Run:
             {
                 row["name"]: MetricValue(
                     np.nan if row["value"] is None else row["value"], row.get("unit", ""),
-                    row.get("bound"), row.get("pass"),
+                    row.get("bound"), row.get("pass"), row.get("is_nan", False),
                 )
                 for row in self._folder.metrics()
             }
@@ -175,7 +179,8 @@ class Run:
 
         kinds = known_figures(self._data.mechanism)
         if name not in kinds:
-            raise ConfigurationError(f"there is no figure {name!r}; there are {', '.join(kinds)}")
+            of_it = ", ".join(self.figures)
+            raise ConfigurationError(f"there is no figure {name!r}; there are {of_it}")
         with paper_style():
             figure = kinds[name].draw(self._data)
         if not isinstance(figure, Figure):
@@ -184,8 +189,8 @@ class Run:
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """The names of the figures that may be drawn."""
-        return tuple(known_figures(self._data.mechanism))
+        """The names of its rig's figures; what it has not recorded cannot be drawn."""
+        return own_figures(self._data.mechanism)
 
     @property
     def report(self) -> Path:

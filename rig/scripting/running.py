@@ -14,11 +14,11 @@ from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
 from rig.run_folder import MANIFEST
-from rig.run_query import Described, choose
+from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
 from rig.scripting.errors import error_of
 from rig.scripting.given import MOST, Given
-from rig.scripting.played import PlanFunction
+from rig.scripting.played import PlanFunction, refuse_within_plan
 from rig.scripting.recorded import Run
 
 Settings = Mapping[str, object]
@@ -96,6 +96,7 @@ def run(
     DeviceError
         Hardware was refused before there was a run.
     """
+    refuse_within_plan("rig.run")
     if not isinstance(experiment, str | Path) or not isinstance(on, str):
         raise ConfigurationError(
             f"experiment and on are {experiment!r} and {on!r}: names, or the path of a file"
@@ -163,16 +164,16 @@ def runs(out: str | Path = "runs", where: str | Callable[[Run], bool] | None = N
             continue  # a manifest that is torn is no run that could be looked at
         found.append(one)
     if isinstance(where, str):
-        return list(compress(found, choose(where, [_described(one) for one in found])))
+        return list(compress(found, choose(where, [_candidate(one) for one in found])))
     return found if where is None else [one for one in found if where(one)]
 
 
-def _described(run: Run) -> Described:
+def _candidate(run: Run) -> Candidate:
     try:
         metrics = {name: (metric.value, metric.unit) for name, metric in run.metrics.items()}
     except ConfigurationError:  # nothing is known of it
         metrics = {}
-    return Described({**run.manifest, "name": run.path.name}, metrics)
+    return Candidate({**run.manifest, "name": run.path.name}, metrics)
 
 
 def as_options(settings: Settings | None) -> list[str]:

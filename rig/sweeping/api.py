@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rig.scripting.played import refuse_within_plan
 from rig.sweeping.progress import SweepProgress
 from rig.sweeping.request import SweepRequest, as_options
 from rig.sweeping.result import Sweep
@@ -81,6 +82,7 @@ def sweep(
         Another sweep works in the folder, the disk is full, or the cluster has gone; what is
         finished is kept.
     """
+    refuse_within_plan("rig.sweep")
     seconds, points = parse_budget(budget) if budget is not None else (None, None)
     request = SweepRequest(
         experiment=str(experiment),

@@ -4,6 +4,7 @@ import math
 import os
 import random
 import signal
+import sys
 import threading
 import time
 
@@ -149,6 +150,30 @@ def backwards(r):
     yield r.move(1e-3, -1.0)
 
 
+def leaves(r):
+    yield r.hold(0.01)
+    sys.exit(7)
+
+
+def nested(r):
+    yield r.hold(0.01)
+    rig.run("cylinder-step", on="sim")
+
+
+def no_plan_but_a_run(r):
+    rig.run("cylinder-step", on="sim")
+
+
+def swept(r):
+    yield r.hold(0.01)
+    rig.sweep("cylinder-step", seeds=range(2), on="sim")
+
+
+def calibrates(r):
+    yield r.hold(0.01)
+    rig.calibrate("cylinder", "friction", on="sim")
+
+
 @pytest.mark.parametrize(
     ("plan", "said"),
     [
@@ -163,6 +188,11 @@ def backwards(r):
         (elsewhere, "starts 0.00.* away from where the rig is"),
         (never, "takes longer than 3 s"),
         (backwards, "the duration of a move is -1.0"),
+        (leaves, "line .*it wants to end the program .SystemExit: 7"),
+        (nested, "line .*rig.run within the plan nested: its own run goes on"),
+        (no_plan_but_a_run, "line .*rig.run within the plan no_plan_but_a_run"),
+        (swept, "line .*rig.sweep within the plan swept"),
+        (calibrates, "line .*rig.calibrate within the plan calibrates"),
     ],
 )
 def test_what_cannot_be_is_refused_before_anything_moves(out, plan, said):
@@ -199,6 +229,44 @@ def test_a_simulated_fault_is_not_rehearsed(out):
     with pytest.raises(rig.RunFaulted, match="emergency stop"):
         rig.run("cylinder-staircase", on="virtual", plan=levels, out=out,
                 set={**FAST, "simulation.faults": fault})  # fmt: skip
+
+
+def test_a_run_may_follow_a_plan_that_wanted_one(out):
+    with pytest.raises(rig.RunFaulted, match=r"rig\.run within the plan nested"):
+        follow(nested, out)
+    assert rig.run("cylinder-staircase", on="sim", set=FAST, out=out).status == "ok"
+
+
+def test_the_end_of_the_program_that_a_plan_wants_is_a_fault_made_safe(out):
+    with pytest.raises(rig.RunFaulted, match=r"line \d+: it wants to end the program"):
+        follow(leaves, out)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_only_steps_of_a_plan_have_a_step_response(out, seed):
+    drawn = random.Random(seed)
+    near, far = drawn.uniform(1e-3, 2e-3), drawn.uniform(3e-3, 4e-3)
+
+    def moves(r):
+        r.mark("go")
+        yield r.move(near, 0.4)
+        r.mark("stay")
+        yield r.hold(0.5)
+
+    def steps(r):
+        yield from moves(r)
+        r.mark("jump")
+        yield r.step(far, 1.0)
+
+    smooth, sudden = (rig.run("cylinder-step", on="sim", plan=plan, set=FAST, out=out)
+                      for plan in (moves, steps))  # fmt: skip
+    assert not {"overshoot", "rise_time", "settling_time"} & set(smooth.metrics)
+    assert "pressure_min" in smooth.metrics
+    data = sudden.data[sudden.data["phase"] == 1]
+    jump = data[data["reference.position"] == far]
+    start = jump["reading.position"][0]
+    share = (jump["reading.position"].max() - start) / (far - start) - 1.0
+    assert sudden.metrics["overshoot"].value == pytest.approx(max(share, 0.0), abs=2e-3)
 
 
 # Interrupts -------------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """`import rig`: runs from Python, and what becomes of their exceptions."""
 
+import json
+import math
 import shutil
 import subprocess
 import sys
@@ -12,6 +14,7 @@ import pytest
 
 import rig
 from controllers.cylinder.pid import Pid
+from rig.cli import invoke
 from rig.mechanisms.cylinder.references import Sine, SineTone
 
 SHORT = {"approach": 0.5, "reference.levels": "[0, 2 mm]", "reference.dwell": 0.5}
@@ -55,7 +58,9 @@ def test_a_run_tells_what_was_recorded(recorded):
     assert recorded.report.read_text().startswith("<!DOCTYPE html>")
     with pytest.raises(KeyError, match="hold_rms"):
         recorded.metrics["marker_rms"]
-    with pytest.raises(rig.ConfigurationError, match="there are tracking"):
+    with pytest.raises(
+        rig.ConfigurationError, match=r"there are tracking, error, pressures, phase, timing$"
+    ):
         recorded.figure("nothing")
     with pytest.raises(rig.ConfigurationError, match="has not recorded what marker-track shows"):
         recorded.figure("marker-track")
@@ -103,6 +108,29 @@ def test_a_check_says_what_a_file_says():
     assert rig.check("cylinder-sine")["experiment"]["name"] == "cylinder-sine"
     with pytest.raises(rig.ConfigurationError, match="did you mean"):
         rig.check("cylindre")
+
+
+@pytest.mark.parametrize(
+    ("rig_name", "wrong", "said"),
+    [
+        ("cylinder", {"readings": "no-such-file.csv"}, "cannot read the readings no-such-file.csv"),
+        ("cylinder", {"readings": 3}, "readings is 3, and no path"),
+        ("cylinder", {"procedure": "friction", "readings": "x.csv"}, "friction reads no instrum"),
+        ("cylinder", {"conditions": ["hot"]}, "conditions are .*must be words by their names"),
+        ("cylinder", {"conditions": {"temperature": 21.0}}, "conditions are"),
+        ("cylinder", {"operator": 7}, "operator is 7"),
+        ("cylinder", {"procedure": 7}, "procedure is 7"),
+        (7, {}, "rig is 7"), ("cylinder", {"on": "mars"}, "'mars' is neither"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_of_a_calibration_is_said_before_anything_moves(
+    rig_name, wrong, said, tmp_path
+):
+    with pytest.raises(rig.ConfigurationError, match=said):
+        rig.calibrate(
+            rig_name, **{"procedure": "regulators", "on": "sim", "out": tmp_path, **wrong}
+        )
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_calibration_is_written(tmp_path):
@@ -153,6 +181,11 @@ def test_a_fault_is_an_exception_with_its_run(out):
         ({"plan": 3}, "no function of the rig"),
         ({"plan": lambda r: None, "reference": object()}, "not both"),
         ({"measures": {"m": "text"}}, "measure m"),
+        ({"measures": {"hold_rms": len}}, "cylinder-staircase has a metric of this name"),
+        ({"measures": {"m": (len, "parsec")}}, "measure m: .*parsec.*usual units are m, cm"),
+        ({"measures": {"m": (len, "m/s/")}}, "measure m: .*usual units are"),
+        ({"on": "mars"}, "'mars' is neither one of sim, virtual, vcan, hardware nor a CAN inter"),
+        ({"on": "Sim"}, "'Sim' is neither one of sim"),
         ({"on": "hardware", "set": {"cylinder.limits.stop_energy": "1 J"}}, "yes='cylinder'"),
     ],
 )
@@ -175,21 +208,21 @@ class Halved(Pid):
         return type(command)(*(mean + 0.5 * (side - mean) for side in command))
 
 
-def overshoot(data):
+def excursion(data):
     """How far beyond the last level, m."""
     return np.max(data["reading.position"]) - data["reference.position"][-1]
 
 
 def test_a_law_and_a_measure_in_python(out):
-    wanted = {"overshoot": (overshoot, "m"), "cycles": len}
+    wanted = {"excursion": (excursion, "m"), "cycles": len}
     run, other = (
         rig.run("cylinder-staircase", on="sim", set=SHORT, controller=law, measures=wanted, out=out)
         for law in (Halved, Pid)
     )
     assert float(run.metrics["hold_rms"]) != float(other.metrics["hold_rms"])
-    assert run.metrics["overshoot"].unit == "m"
+    assert run.metrics["excursion"].unit == "m"
     followed = run.data[run.data["phase"] == 1]
-    assert float(run.metrics["overshoot"]) == overshoot(followed)
+    assert float(run.metrics["excursion"]) == excursion(followed)
     assert float(run.metrics["cycles"]) == len(followed)
     kept = (run.path / "code" / "Halved.py").read_text()
     assert "Half of what a PID wants." in kept
@@ -203,6 +236,22 @@ def test_a_measure_that_raises_names_itself(out):
     with pytest.raises(rig.RigError, match="metric bad: ZeroDivisionError"):
         rig.run("cylinder-staircase", on="sim", set=SHORT, out=out,
                 measures={"bad": lambda data: 1 / 0})  # fmt: skip
+
+
+def test_a_measure_that_is_nan_says_so_and_one_that_never_came_does_not(out, capsys):
+    wanted = {"strange": lambda data: math.nan, "late": lambda data: math.inf}
+    run = rig.run("cylinder-staircase", on="sim", set=SHORT, out=out, measures=wanted)
+    assert str(run.metrics["strange"]) == "NaN" and str(run.metrics["late"]) == "never"
+    page = run.report.read_text()
+    assert "NaN</td>" in page and "never</td>" in page
+    again = rig.load(run.path).metrics
+    assert str(again["strange"]) == "NaN" and str(again["late"]) == "never"
+    (run.path / "metrics.json").write_text(json.dumps({"metrics": [
+        row for row in json.loads((run.path / "metrics.json").read_text())["metrics"]
+        if row["name"] == "strange"]}))  # fmt: skip
+    capsys.readouterr()
+    assert invoke(["list", "runs", "--out", str(out)]) == 0
+    assert "strange NaN" in capsys.readouterr().out
 
 
 def test_a_reference_in_python_is_checked_like_ours(out):

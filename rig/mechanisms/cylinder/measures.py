@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.experiment.measure import Measure, Window, Windows, greatest, pooled, rms, rms_of
+from rig.experiment.measure import (
+    Measure,
+    NoSuchMotion,
+    Window,
+    Windows,
+    greatest,
+    pooled,
+    rms,
+    rms_of,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +32,8 @@ MOVING_RATIO = 0.5
 because any motion is slow where it turns."""
 SETTLING_BAND = 0.02
 """Share of the step within which it is settled (the usual 2 % criterion)."""
+JUMP_RATIO = 0.5
+"""A reference that jumps by less than this share of the way to it is only held."""
 BREAKAWAY_TRAVEL = 20e-6
 """Travel after which a pair is called moving, m: ten times what noise and quantisation show."""
 
@@ -59,7 +70,7 @@ def stick_share(windows: Windows) -> float:
 def rise_time(windows: Windows) -> float:
     """Return the longest time from 10 % to 90 % of a step, s."""
     times = []
-    for window in windows:
+    for window in _steps(windows):
         done = _step_response(window)
         low, high = _first_time(window.t, done >= 0.1), _first_time(window.t, done >= 0.9)
         times.append(high - low if math.isfinite(high) else math.inf)
@@ -68,13 +79,13 @@ def rise_time(windows: Windows) -> float:
 
 def overshoot(windows: Windows) -> float:
     """Return the greatest overshoot as a share of its step."""
-    return max(max(0.0, float(_step_response(window).max()) - 1.0) for window in windows)
+    return max(max(0.0, float(_step_response(window).max()) - 1.0) for window in _steps(windows))
 
 
 def settling_time(windows: Windows) -> float:
     """Return the longest time after which a step stays within 2 % of its size, s."""
     times = []
-    for window in windows:
+    for window in _steps(windows):
         outside = np.flatnonzero(np.abs(_step_response(window) - 1.0) > SETTLING_BAND)
         if len(outside) == 0:
             times.append(0.0)
@@ -130,6 +141,31 @@ PAIR_MEASURES: dict[str, Measure] = {
 
 def _position(window: Window) -> "Array":
     return window.column("reading.position")
+
+
+def _steps(windows: Windows) -> list[Window]:
+    """Return the windows that begin with a jump of the reference, which then stays.
+
+    Raises
+    ------
+    NoSuchMotion
+        None does: a smooth move or a hold has no step response.
+    """
+    steps = [window for window in windows if _is_step(window)]
+    if not steps:
+        raise NoSuchMotion("no segment is a step")
+    return steps
+
+
+def _is_step(window: Window) -> bool:
+    reference, before = window.column("reference.position"), window.before("reference.position")
+    start, end = float(_position(window)[0]), float(reference[-1])
+    least = JUMP_RATIO * abs(end - start)
+    # Rounding may take a sample from before the jump, and a mark is one cycle before its step.
+    stays = float(
+        np.ptp(reference[2:] if len(reference) > 2 else reference)
+    ) <= SETTLING_BAND * abs(end - start)
+    return stays and abs(end - (start if before is None else before)) >= least
 
 
 def _step_response(window: Window) -> "Array":

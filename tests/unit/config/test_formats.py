@@ -22,6 +22,8 @@ from rig.config.formats import format_against, format_to
         (2e-3, None, "m", ("2 mm", "")),
         (None, 0.5, "s", ("never", "0.5 s")),
         (math.inf, None, "s", ("never", "")),
+        (math.nan, None, "s", ("NaN", "")),
+        (math.nan, 2e-3, "m", ("NaN", "2 mm")),
     ],
 )
 def test_a_number_and_its_bound_are_told_apart(value, bound, unit, texts):

@@ -110,6 +110,19 @@ def test_step_that_never_arrives_is_infinite_and_fails() -> None:
         assert metric.as_json()["value"] is None
 
 
+@pytest.mark.parametrize("measure", ["rise_time", "settling_time", "overshoot"])
+def test_a_segment_that_is_no_step_has_no_step_response(measure: str) -> None:
+    held = make_log(lambda t: np.where(t < 1.0, 2e-3, 4e-3), lambda t: np.full_like(t, 3.99e-3))
+    moving = make_log(sine, sine)
+    hold, whole = Segment("hold", 2.0, 3.0), Segment("all", 0.0, 4.0)
+    for log, segment in ((held, hold), (moving, whole), (held, whole)):
+        assert evaluate(log, (segment,), {measure: spec()}) == []
+        with pytest.raises(MetricError, match=f"{measure}: no segment is a step"):
+            evaluate(log, (segment,), {measure: spec(max=1.0)})
+    step = Segment("step", 1.0, 2.0)
+    assert value(held, measure, hold, step) == value(held, measure, step)
+
+
 def test_velocity_measures_of_a_stick_slip_ramp() -> None:
     """Half of each 0.4 s it stands, half it moves at twice the speed."""
     speed = 2e-3
