@@ -124,11 +124,13 @@ class EmulatedBus(LossyBus):
         extended, remote = bool(flagged_id & EXTENDED_FLAG), bool(flagged_id & REMOTE_FLAG)
         if self._lost():
             return
-        for delay, changed in self.faults.apply(can_id, data):
+        for delay, changed, is_foreign in self.faults.apply(can_id, data):
 
-            def arrive(now: float, data: bytes = changed) -> None:
+            def arrive(now: float, data: bytes = changed, is_foreign: bool = is_foreign) -> None:
                 self._now = now
-                if self.monitor is not None:
+                if is_foreign:
+                    self._to_master(can_id, data, now, extended=extended)
+                elif self.monitor is not None:
                     self.monitor(now, can_id, data)
                 for node in self.nodes:
                     node.receive(can_id, data, now, extended=extended, remote=remote)
@@ -141,7 +143,7 @@ class EmulatedBus(LossyBus):
         def send(can_id: int, data: bytes) -> None:
             if self._lost():
                 return
-            for delay, changed in self.faults.apply(can_id, data):
+            for delay, changed, _ in self.faults.apply(can_id, data):
                 if delay:
                     self._post(delay, partial(self._from_node, others, can_id, changed))
                 else:

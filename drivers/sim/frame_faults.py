@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from drivers.sim.nodes.bus_node import BusNode
 
@@ -57,6 +57,24 @@ class FrameFault:
     value: float = 0.0
 
 
+class Arrival(NamedTuple):
+    """A frame that comes of one that was sent.
+
+    Parameters
+    ----------
+    delay : float
+        Until it arrives, s.
+    data : bytes
+        What arrives.
+    is_foreign : bool
+        Whether somebody else sent it, so that whoever sent the first one hears it, too.
+    """
+
+    delay: float
+    data: bytes
+    is_foreign: bool = False
+
+
 class FrameFaults:
     """The frame faults of one bus; costs one dictionary look-up where there are none."""
 
@@ -97,16 +115,16 @@ class FrameFaults:
         for can_id in node.transmit_ids:
             self.add(FrameFault(kind, can_id, count=count, value=setting))
 
-    def apply(self, can_id: int, data: bytes) -> list[tuple[float, bytes]]:
-        """Return what becomes of a frame: a delay (s) and the data of each that arrives."""
+    def apply(self, can_id: int, data: bytes) -> list[Arrival]:
+        """Return what becomes of a frame: each that arrives."""
         if not self._faults or can_id not in self._faults:
-            return [(0.0, data)]
-        frames = [(0.0, data)]
+            return [Arrival(0.0, data)]
+        frames = [Arrival(0.0, data)]
         for fault, seen in self._faults[can_id]:
             seen[0] += 1
             if fault.after < seen[0] <= fault.after + fault.count:
                 odd = bool(seen[0] % 2)
-                frames = [item for frame in frames for item in _happen(fault, *frame, odd)]
+                frames = [item for frame in frames for item in _happen(fault, frame, odd)]
         self._faults[can_id] = [
             (fault, seen)
             for fault, seen in self._faults[can_id]
@@ -117,22 +135,23 @@ class FrameFaults:
         return frames
 
 
-def _happen(fault: FrameFault, delay: float, data: bytes, odd: bool) -> list[tuple[float, bytes]]:
+def _happen(fault: FrameFault, frame: Arrival, odd: bool) -> list[Arrival]:
+    delay, data, _ = frame
     match fault.kind:
         case "drop":
             return []
         case "delay":
-            return [(delay + fault.value, data)]
+            return [frame._replace(delay=delay + fault.value)]
         case "duplicate":
-            return [(delay, data), (delay, data)]
+            return [frame, frame]
         case "truncate":
-            return [(delay, data[: int(fault.value)])]
+            return [frame._replace(data=data[: int(fault.value)])]
         case "corrupt":
             changed = bytearray(data)
             if changed:
                 changed[int(fault.value) % len(changed)] ^= 0xFF
-            return [(delay, bytes(changed))]
+            return [frame._replace(data=bytes(changed))]
         case "reorder":
-            return [(delay + (fault.value if odd else 0.0), data)]
+            return [frame._replace(delay=delay + (fault.value if odd else 0.0))]
         case "spoof":
-            return [(delay, data), (delay, bytes(byte ^ 0xFF for byte in data))]
+            return [frame, Arrival(delay, bytes(byte ^ 0xFF for byte in data), is_foreign=True)]

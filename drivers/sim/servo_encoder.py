@@ -1,5 +1,6 @@
 """The encoder that a servo drive closes its position loop over, and how it may lie."""
 
+import random
 from collections.abc import Callable
 
 from drivers.sim.servo_port import ServoPort
@@ -7,7 +8,7 @@ from drivers.sim.servo_port import ServoPort
 SERVO_PERIOD = 1e-3
 """Of a drive's own loop, s; one whose encoder lies repeats its command as often."""
 
-_JUMP, _DRIFT, _SCALE = 0.5, 0.05, 1.5
+_JUMP, _DRIFT, _SCALE, _NOISE = 0.5, 0.05, 1.5, 5e-3
 
 
 class ServoEncoder(ServoPort):
@@ -28,6 +29,8 @@ class ServoEncoder(ServoPort):
         Its zero wanders.
     ``encoder_scale`` (value: ratio, default 1.5)
         From here on it counts so many times the way.
+    ``encoder_noisy`` (value: rad, default 0.005)
+        Each sample is off by normal noise of this standard deviation.
 
     Parameters
     ----------
@@ -42,7 +45,14 @@ class ServoEncoder(ServoPort):
         Whether the drive's position loop is closed; else its reference is the motor's own angle.
     """
 
-    lies = ("encoder_jump", "encoder_frozen", "encoder_mirrored", "encoder_drift", "encoder_scale")
+    lies = (
+        "encoder_jump",
+        "encoder_frozen",
+        "encoder_mirrored",
+        "encoder_drift",
+        "encoder_scale",
+        "encoder_noisy",
+    )
 
     def __init__(self, port: ServoPort, now: Callable[[], float]) -> None:
         self._port = port
@@ -55,9 +65,14 @@ class ServoEncoder(ServoPort):
         self.lying = False
         self._offset = self._drift = self._pivot = self._since = 0.0
         self._gain = 1.0
+        self._noise = 0.0
+        self._random = random.Random("noise of an encoder")
 
     def lie(self, channel: int, how: str, value: float | None = None) -> None:
         """Begin one of `lies`; what is shown does not step but in a jump."""
+        if how == "encoder_noisy":
+            self.lying, self._noise = True, _NOISE if value is None else value
+            return
         shown = self.joint_position(channel)
         self._offset, self._since = shown, self._now()
         self._pivot = self._port.joint_position(channel)
@@ -88,7 +103,8 @@ class ServoEncoder(ServoPort):
         if not self.lying:
             return true
         wandered = self._drift * (self._now() - self._since)
-        return self._offset + self._gain * (true - self._pivot) + wandered
+        shown = self._offset + self._gain * (true - self._pivot) + wandered
+        return shown + self._random.gauss(0.0, self._noise) if self._noise else shown
 
     def motor_position(self, channel: int) -> float:
         """Return the angle that a drive's velocity loop starts from, rad."""

@@ -1,4 +1,4 @@
-"""Where a servo whose encoder lies lets legs fall, and nothing could have held them."""
+"""Hazards that nothing could have kept off: where they are forgiven, and why."""
 
 from rig.faults.kind import Plight
 
@@ -9,6 +9,14 @@ _SHOWS = 5e-3
 _ROOM = 0.3
 """rad: by so much a servo of legs may be told another angle for the one where it stands, since
 its own limits are no nearer; a jump that goes beyond them turns the joint by the rest."""
+ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension", "end stop hit"})
+"""What a wire that lets go does before anybody can act: the mechanical stop bears it."""
+_TOPPLING_PUSH = 0.3
+"""N s: moves the mass of the legs by 50 mm/s and their capture point by 8 mm, what a step may have of margin."""
+_OVERPOWERING = 10.0
+"""N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
+_OVERPOWERING_WIRES = 2.0
+"""N s, 20 N for a tenth of a second: as much as chambers can pull that have 110 kPa to give."""
 
 
 def lets_fall(plight: Plight) -> frozenset[str]:
@@ -35,3 +43,21 @@ def lets_fall_far(plight: Plight) -> frozenset[str]:
     is_far = abs(plight.sizes.magnitude or 0.0) > _ROOM
     is_late = plight.left < _LATE_CYCLES * plight.subject.period
     return lets_fall(plight) if is_far or is_late else frozenset()
+
+
+def topples(plight: Plight) -> frozenset[str]:
+    """Forgive a fall after a push that legs cannot stand which know nothing of it."""
+    too_much = abs(plight.sizes.magnitude or 0.0) > _TOPPLING_PUSH
+    return frozenset({"fall"}) if too_much else frozenset()
+
+
+def overpowers(plight: Plight) -> frozenset[str]:
+    """Forgive speeds and ways of axes whose drives are weaker than who pushes."""
+    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING
+    return frozenset({"rate", "range"}) if too_much else frozenset()
+
+
+def overpowers_wires(plight: Plight) -> frozenset[str]:
+    """Forgive what a push does that is stronger than the chambers: the mechanical stop bears it."""
+    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES
+    return ON_A_WIRE if too_much else frozenset()

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Literal
 
-from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either
+from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 from rig.hal.world import Frames
@@ -124,6 +124,13 @@ KINDS = (
           _unless_short, 0.2, why=_SHORT, magnitude=_BYTE),
     _kind("setpoints_short", "Setpoints lack bytes.", "to", "truncate", _unless_short, 0.2,
           why=_SHORT, magnitude=_BYTE),
+    _kind("setpoints_twice", "Setpoints arrive twice.", "to", "duplicate", ride, 0.1,
+          why="the second copy asks for nothing new"),
+    _kind("setpoints_out_of_order", "Every other setpoint arrives after its successor.", "to",
+          "reorder", either, 0.2, why="the older one acts for one cycle at most",
+          magnitude=Magnitudes(0.2e-3, 2e-3, "s")),
+    _kind("setpoints_spoofed", "Somebody else sends under the setpoints' identifier.", "to",
+          "spoof", _unless_bridged, 0.05, why=_BRIDGED),
     _kind("heartbeats_lost", "A device's heartbeats do not arrive.", "alive", "drop", either, 0.3,
           why="a device that measures is alive", lasts=_LASTING),
     _kind("sync_lost", "SYNC does not arrive.", "sync", "drop", _unless_bridged, 0.1,

@@ -1,5 +1,6 @@
 """What came of a case, and whether that is what had to come of it."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from math import inf
@@ -173,4 +174,5 @@ def how_soon(case: Case, subject: Subject) -> float:
 def _is_named(case: Case, ending: CaseEnding, subject: Subject) -> bool:
     said = ending.message.lower()
     words = [name for item in case.breaks for name in item.place(subject).names]
-    return any(word.lower() in said for word in words)
+    # A name may go on (wire, wires) but not begin within another one (agonist, antagonist).
+    return any(re.search(rf"(?<!\w){re.escape(word.lower())}", said) for word in words)

@@ -7,7 +7,14 @@ has. A row says what must come of it while the rig runs.
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from rig.faults.excuses import lets_fall_far, lets_fall_unseen
+from rig.faults.excuses import (
+    ON_A_WIRE,
+    lets_fall_far,
+    lets_fall_unseen,
+    overpowers,
+    overpowers_wires,
+    topples,
+)
 from rig.faults.kind import (
     Excuse,
     Expect,
@@ -15,7 +22,6 @@ from rig.faults.kind import (
     Magnitudes,
     Must,
     Place,
-    Plight,
     Sizes,
     either,
     no_excuse,
@@ -26,9 +32,7 @@ from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
 _PLANT = "plant"
-_ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension", "end stop hit"})
-"""What a wire that lets go does before anybody can act: the mechanical stop bears it."""
-_ALONE = frozenset({*_ON_A_WIRE, "pressure"})
+_ALONE = frozenset({*ON_A_WIRE, "pressure"})
 """What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
 alone, with what the supply gives, until the mechanical stop bears it."""
 
@@ -96,8 +100,6 @@ def _outlasts_cycle(sizes: Sizes, subject: Subject) -> Must:
 
 HARMLESS_PUSH = 0.05
 """N s: moves the mass of the legs by 8 mm/s, and so their capture point by 1.3 mm."""
-_TOPPLING_PUSH = 0.3
-"""N s: moves it by 50 mm/s and their capture point by 8 mm, what a step may have of margin."""
 _ENOUGH_GRIP = 0.3
 """Coefficient of friction."""
 
@@ -107,22 +109,8 @@ def _rides_up_to(most: float) -> Expect:
     return lambda sizes, subject: Must.RIDE if abs(sizes.magnitude or 0.0) <= most else Must.EITHER
 
 
-def _topples(plight: Plight) -> frozenset[str]:
-    """Forgive a fall after a push that legs cannot stand which know nothing of it."""
-    too_much = abs(plight.sizes.magnitude or 0.0) > _TOPPLING_PUSH
-    return frozenset({"fall"}) if too_much else frozenset()
-
-
 HARMLESS_HAND_PUSH = 0.5
 """N s, 5 N for a tenth of a second: what a cable on the hand does."""
-_OVERPOWERING = 10.0
-"""N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
-
-
-def _overpowers(plight: Plight) -> frozenset[str]:
-    """Forgive speeds and ways of axes whose drives are weaker than who pushes."""
-    too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING
-    return frozenset({"rate", "range"}) if too_much else frozenset()
 
 
 def _grips_enough(sizes: Sizes, subject: Subject) -> Must:
@@ -182,6 +170,8 @@ def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
 _UNTIL_MOVED = 2.0
 """s: a setpoint that rests tells nothing, and moves in the orderly stop at the latest, which a
 case asks for after a second."""
+_REGULATOR_OFF = 60e3
+"""Pa: shows at once, whatever pressures are about to do; less shows while they rest."""
 _TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
 _MOMENT = Magnitudes(1e-3, 1.0, "s")
@@ -196,6 +186,9 @@ PNEUMATIC = (
     _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5),
                _UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
+    _of_device("regulator_offset", "A regulator gives another pressure than it is told.",
+               _is_felt(_REGULATOR_OFF), 1.0, magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
+               why="the loop closes over the rods; so much a regulator is off by catalogue"),
     _of_device("monitor_offset", "A pressure monitor is off.", _is_felt(60e3), 1.0, ("monitor",),
                magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; the pressure is judged, not controlled"),
@@ -212,11 +205,11 @@ PNEUMATIC = (
               forgives=_ALONE),
     _of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
               why="a shut chamber is a spring, and holds where it is", forgives=_ALONE),
-    _of_plant("wire_cut", "A wire breaks.", safe, 0.1, ("wire",), forgives=_ON_A_WIRE),
+    _of_plant("wire_cut", "A wire breaks.", safe, 0.1, forgives=ON_A_WIRE),
     _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
-              forgives=_ON_A_WIRE),
+              forgives=ON_A_WIRE),
     _of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
-              forgives=_ON_A_WIRE),
+              forgives=ON_A_WIRE),
     _kind("supply_lost", "The supply falls to another pressure.",
           partial(_whole, "supply_lost", ("supply", "regulator")), _is_felt(0.0), 0.3,
           magnitude=Magnitudes(1e3, 100e3, "Pa")),
@@ -303,6 +296,9 @@ SERVOS = (
     _of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
                1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
                why="the loop follows it: nothing in the drive says where the joint is"),
+    _of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
+               fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"),
+               why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
     _of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
     _of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
     _of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
@@ -344,11 +340,19 @@ CAMERAS = tuple(
 
 SURROUNDINGS = (
     _of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
-               magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=_topples,
+               magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=topples,
                why="nothing on the rig measures a push; what it moves, the drives bring back"),
     _of_device("hand_push", "Somebody pushes the arm's hand.", _rides_up_to(HARMLESS_HAND_PUSH),
-               1.0, magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=_overpowers,
+               1.0, magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=overpowers,
                why="nothing on the rig measures a push; what it moves, the drives bring back"),
+    *(
+        _of_device(f"{part}_push", f"Somebody pushes the {body}.",
+                   _rides_up_to(HARMLESS_HAND_PUSH), 1.0,
+                   ("pushed", "speed of", "position of the pair", "tilt"),
+                   magnitude=Magnitudes(0.05, 10.0, "N s", signed=True), excuses=overpowers_wires,
+                   why="nothing on the rig measures a push; what it moves, the wires bring back")
+        for part, body in (("carriage", "pair's carriage"), ("ring", "joint's ring"))
+    ),
     FaultKind(name="floor_slips", what="The floor loses its grip for a while.",
               places=partial(_whole, "floor_slippery", ()), apply=_slip, must=_grips_enough,
               magnitude=Magnitudes(3e-3, 0.8, "1"), lasts=Magnitudes(0.05, 2.0, "s"),

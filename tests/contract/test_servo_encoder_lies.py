@@ -138,3 +138,19 @@ def test_sound_encoders_are_believed(kind):
     for seed in range(5):
         _, _, _, go, _ = moving(kind, seed)
         go(60)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("kind", RIGS)
+def test_one_that_scatters_shakes_its_joint_by_as_much_and_stays_where_it_is(kind, seed):
+    rig, axis, _, go, target = moving(kind, seed)
+    size = random.Random(seed).uniform(5e-4, 2e-3)
+    lie(rig, kind, axis, "noisy", size)
+    off = []
+    for _ in range(200):
+        go(1)
+        off.append(rig.driver.positions().value[axis] - rig.plant.angles[axis])
+    mean = sum(off) / len(off)
+    rms = math.sqrt(sum((x - mean) ** 2 for x in off) / len(off))
+    assert 0.8 * size < rms < 3.0 * size + 2e-3
+    assert abs(rig.plant.angles[axis] - target[axis]) < 0.05

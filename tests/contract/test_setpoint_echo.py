@@ -66,3 +66,15 @@ def test_late_setpoints_within_the_bound_are_ridden_through():
 def test_a_demand_in_csv_is_refused():
     with pytest.raises(ValueError, match="demand is a position"):
         cia402_rig(feedback=FEEDBACK, mode="csv")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_setpoints_of_somebody_else_are_heard_and_are_another_masters(seed):
+    axis = seed % 2
+    rig, go, _ = moving(seed, axis)
+    spoil(rig, axis, "spoof")
+    before = rig.clock.now()
+    words = rf"can0: another master .* sends setpoints \(identifier 0x20{axis + 1}\)"
+    with pytest.raises(DeviceFault, match=words):
+        go(10)
+    assert rig.clock.now() - before < 4 * PERIOD

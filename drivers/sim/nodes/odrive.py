@@ -9,7 +9,7 @@ discovering nodes: identifier ``node << 5 | command``, all values little-endian.
 import struct
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import inf, pi
+from math import inf, isfinite, pi
 
 from drivers.sim.nodes.bus_node import Send
 from drivers.sim.nodes.motion_reference import MotionReference
@@ -292,6 +292,8 @@ class EmulatedOdrive(OdriveFaults):
         position, velocity, _ = struct.unpack("<fhh", data)
         if self.axis_state != CLOSED_LOOP or self.control_mode != POSITION_CONTROL:
             return
+        if not isfinite(position):  # its loop knows no such place
+            return
         # The position stands until the next setpoint; its velocity is fed forward meanwhile.
         self._motion.restart(position, self.now)
         self._feedforward = self._limited(velocity * _FEEDFORWARD_STEP)
@@ -300,7 +302,8 @@ class EmulatedOdrive(OdriveFaults):
     def _take_velocity(self, data: bytes) -> None:
         self._feed()
         velocity, _ = struct.unpack("<ff", data)
-        if self.axis_state == CLOSED_LOOP and self.control_mode == VELOCITY_CONTROL:
+        is_taken = self.axis_state == CLOSED_LOOP and self.control_mode == VELOCITY_CONTROL
+        if is_taken and isfinite(velocity):
             self._motion.run(self._limited(velocity), self.now)
             self._pass_on(self._motion.velocity)
 

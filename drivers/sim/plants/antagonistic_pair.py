@@ -14,6 +14,7 @@ from drivers.sim.plants.pneumatic_plant import (
     PneumaticPlant,
 )
 from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.push import Push
 from drivers.sim.plants.settings import CarriageSettings, PlantSettings
 
 _SUPPLY, _POSITION, _CARRIAGE_SPEED = (
@@ -77,7 +78,8 @@ class AntagonisticPairPlant(PneumaticPlant):
         units, monitors = np.random.default_rng(seed).spawn(2)
         seals = scale_seals(settings.seals, settings.friction_scale, settings.stribeck_scale)
         self.pair = np.zeros(1, PAIR_STATE)
-        super().__init__(settings, seals, units=units, monitors=monitors, line=self.pair)
+        push = Push(self.pair["push"], {"along": (1.0,)}, "carriage_push")
+        super().__init__(settings, seals, units=units, monitors=monitors, line=self.pair, push=push)
         seat = seals.seat * (1.0 + settings.friction_spread * units.uniform(-1.0, 1.0))
         self.pair_parameters = np.zeros(1, PAIR_PARAMETERS)
         self.pair_parameters[0] = (

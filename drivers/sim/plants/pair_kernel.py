@@ -21,6 +21,7 @@ PAIR_STATE = np.dtype(
         ("speed", float),  # carriage, m/s
         ("bristle", float),  # seat, m
         ("friction", float),  # seat, N
+        ("push", float),  # input: what somebody pushes the carriage with, N
     ]
 )
 """State and inputs that belong to no single channel."""
@@ -97,7 +98,7 @@ def _build(sources: int) -> Callable[..., None]:
             step_channel(antagonist, parameters[1], queues[1], pair.supply, stretch_b, rate_b, dt)
             pair.friction = seat_friction(pair, q, agonist.tension + antagonist.tension, dt)
             force = agonist.tension - antagonist.tension - pair.friction
-            force += carriage_stop(pair.position, pair.speed, q)
+            force += carriage_stop(pair.position, pair.speed, q) + pair.push
             pair.speed += dt * force / q.mass
             pair.position += dt * pair.speed
 

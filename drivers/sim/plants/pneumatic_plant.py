@@ -18,6 +18,7 @@ from drivers.sim.plants.channel import (
 )
 from drivers.sim.plants.parameters import draw_channel
 from drivers.sim.plants.pneumatics import ATMOSPHERE
+from drivers.sim.plants.push import Push
 from drivers.sim.plants.regulator import quantize
 from drivers.sim.plants.settings import PneumaticPlantSettings, SealFriction
 
@@ -32,7 +33,10 @@ _MODES = {
 
 _SLOWER, _OFFSET = 2.0, 50e3
 """How much slower a regulator gets, and how far off a monitor (Pa), unless it is said."""
-_OF_CHANNEL = ("regulator_slow", "regulator_stuck", "monitor_offset", "monitor_frozen", "leak")
+_OF_CHANNEL = (
+    *("regulator_slow", "regulator_stuck", "regulator_offset"),
+    *("monitor_offset", "monitor_frozen", "leak"),
+)
 """Faults that are addressed by channel, ``agonist.leak``, and whose value says how much."""
 
 EXTENSION, SPEED, PRESSURE, TENSION = (
@@ -73,6 +77,8 @@ class PneumaticPlant(ABC):
         Of the units' deviations and of the monitors' noise.
     line : ndarray, shape (1,)
         Record with the fields ``supply`` and ``supply_target`` of the supply line, Pa absolute.
+    push : Push
+        On what the wires move.
     """
 
     channel_names: ClassVar[tuple[str, ...]]
@@ -88,6 +94,7 @@ class PneumaticPlant(ABC):
         units: np.random.Generator,
         monitors: np.random.Generator,
         line: Array,
+        push: Push,
     ) -> None:
         self._common = settings
         self._full_scale = settings.regulator.full_scale
@@ -96,7 +103,12 @@ class PneumaticPlant(ABC):
         self._steps = 0
 
         of_channels = [f"{c}.{fault}" for c in self.channel_names for fault in _OF_CHANNEL]
-        self.known_faults: tuple[str, ...] = (*self.own_faults, *of_channels)
+        self._push = push
+        self.known_faults: tuple[str, ...] = (
+            *self.own_faults,
+            *of_channels,
+            *push.known_faults,
+        )
         """What `inject` understands."""
         count = len(self.channel_names)
         # A stream of its own: what is real of a rig must not change what else is drawn for it.
@@ -140,6 +152,7 @@ class PneumaticPlant(ABC):
         self._locked = [False] * count
         self._leaks = (0.0,) * count
         self._monitor_offsets = [0.0] * count
+        self._setpoint_offsets = [0.0] * count
         self._monitor_frozen: list[float | None] = [None] * count
         filtered = regulator.monitor_time > 0.0 or settings.tube.length > 0.0
         self._monitor = (_MONITOR, 0.0) if filtered else (PRESSURE, ATMOSPHERE)
@@ -164,9 +177,15 @@ class PneumaticPlant(ABC):
         steps = int(t / self._dt + 1e-6) - self._steps
         if steps <= 0:
             return
+        if self.time < self._push.ends <= t:
+            self._run(min(steps, math.ceil((self._push.ends - self.time) / self._dt - 1e-6)))
+            self._push.end()
+        self._run(int(t / self._dt + 1e-6) - self._steps)
+        self._next_noise()
+
+    def _run(self, steps: int) -> None:
         self._integrate(steps)
         self._steps += steps
-        self._next_noise()
 
     def snapshot(self) -> _Snapshot:
         """Return all that moves, as it is now; faults are not in it."""
@@ -207,7 +226,8 @@ class PneumaticPlant(ABC):
         """
         if not math.isfinite(pressure):
             raise ValueError(f"plant: channel {channel} cannot take the setpoint {pressure}")
-        output = quantize(pressure, self._full_scale, self._codes)
+        wanted = pressure + self._setpoint_offsets[channel]
+        output = quantize(wanted, self._full_scale, self._codes)
         self._cells[WIDTH * channel + _SETPOINT] = output
 
     def set_supply(self, open: bool) -> None:
@@ -257,8 +277,9 @@ class PneumaticPlant(ABC):
             Pa gauge; ``repair`` ends all of them. With a channel's name before it, as in
             ``agonist.leak``, the value says how much: ``regulator_slow`` (factor on its time,
             default 2), ``regulator_stuck`` (at this pressure, Pa gauge), ``leak`` (sonic
-            conductance, m³/(s Pa)), ``monitor_offset`` (Pa, default 50 kPa) and
-            ``monitor_frozen`` (none).
+            conductance, m³/(s Pa)), ``regulator_offset`` and ``monitor_offset`` (Pa, default
+            50 kPa) and ``monitor_frozen`` (none). ``along.carriage_push``, ``forward.ring_push``
+            and ``left.ring_push`` (value: N s) push what the wires move.
         value : float, optional
             As said above; 0 if not given.
 
@@ -272,7 +293,9 @@ class PneumaticPlant(ABC):
         name, dot, own = fault.rpartition(".")
         if fault not in self.known_faults:
             raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
-        if dot:
+        if fault in self._push.known_faults:
+            self._push.begin(fault, value, self.time)
+        elif dot:
             self._wear_channel(own, self.channel_names.index(name), value)
         elif fault == "repair":
             self._repair()
@@ -302,11 +325,13 @@ class PneumaticPlant(ABC):
             self._set_mode(channel, _MODES[fault])
 
     def _wear_channel(self, fault: str, channel: int, value: float | None) -> None:
-        least = -math.inf if fault == "monitor_offset" else 0.0
+        least = -math.inf if fault.endswith("_offset") else 0.0
         if value is not None and not least <= value < math.inf:
             raise ValueError(f"plant: {fault} takes a finite number from {least:g}, not {value:g}")
         if fault == "monitor_offset":
             self._monitor_offsets[channel] = _OFFSET if value is None else value
+        elif fault == "regulator_offset":
+            self._setpoint_offsets[channel] = _OFFSET if value is None else value
         elif fault == "monitor_frozen":
             self._monitor_frozen[channel] = self.pressure(channel)
         elif fault == "leak":
@@ -331,6 +356,7 @@ class PneumaticPlant(ABC):
         self.parameters["wire_damping"] = self._common.wire.damping
         self.parameters["bandwidth"] = self._bandwidths
         self._monitor_offsets = [0.0] * len(self.channel_names)
+        self._setpoint_offsets = [0.0] * len(self.channel_names)
         self._monitor_frozen = [None] * len(self.channel_names)
         self._supply_pressure = self._common.regulator.supply_pressure
         self._connect_supply()

@@ -22,12 +22,12 @@ ALONG = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 class Push:
-    """The force on one body of a MuJoCo plant.
+    """The force on one body of a plant.
 
     Parameters
     ----------
-    force : ndarray, shape (3,)
-        Where the plant takes the force at the body's centre of mass from, N.
+    force : ndarray, shape (n,)
+        Where the plant takes the force at the body's centre of mass from, N, along its axes.
     directions : mapping
         Unit vectors by name.
     what : str
@@ -37,7 +37,7 @@ class Push:
     def __init__(
         self,
         force: NDArray[np.float64],
-        directions: Mapping[str, tuple[float, float, float]],
+        directions: Mapping[str, tuple[float, ...]],
         what: str,
     ) -> None:
         self._force = force

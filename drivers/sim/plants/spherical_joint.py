@@ -7,6 +7,7 @@ import numpy as np
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.parameters import scale_seals
 from drivers.sim.plants.pneumatic_plant import Array, PneumaticPlant
+from drivers.sim.plants.push import Push
 from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
 from drivers.sim.plants.spherical_joint_parameters import (
     WIRES,
@@ -21,7 +22,9 @@ from drivers.sim.plants.spherical_joint_truth import CHANNELS, TRUTH_COLUMNS
 
 Vector3 = tuple[float, float, float]
 
-_QW = list(JOINT_STATE.names or ()).index("qw")
+_QW, _PUSH = (list(JOINT_STATE.names or ()).index(name) for name in ("qw", "push_x"))
+_LEVEL = {"forward": (1.0, 0.0), "left": (0.0, 1.0)}
+"""Directions of a push at the ring, in the ball's axes."""
 
 
 class SphericalJointPlant(PneumaticPlant):
@@ -72,13 +75,16 @@ class SphericalJointPlant(PneumaticPlant):
             settings.stribeck_scale,
             settings.seal_load_scale,
         )
-        super().__init__(settings, seals, units=units, monitors=monitors, line=self.joint)
+        self._joint_values = self.joint.view(float)
+        push = Push(self._joint_values[_PUSH : _PUSH + 2], _LEVEL, "ring_push")
+        super().__init__(
+            settings, seals, units=units, monitors=monitors, line=self.joint, push=push
+        )
         self.wire_parameters = draw_wires(shapes, settings, geometry)
         self.joint_parameters = draw_joint(shapes, settings, geometry)
         self._free = self.wire_parameters["free"].copy()
         self.wires = np.zeros(WIRES, WIRE_STATE)
         self.wires["length"] = home_lengths(self.wire_parameters, geometry.ball_radius)
-        self._joint_values = self.joint.view(float)
         x, y, z = self.joint_parameters[["marker_x", "marker_y", "marker_z"]][0].item()
         self._marker: Vector3 = x, y, z
         self._truth = np.zeros(len(TRUTH_COLUMNS))

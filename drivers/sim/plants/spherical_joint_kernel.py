@@ -30,6 +30,8 @@ JOINT_STATE = np.dtype(
         ("seat_x", float),  # deflection of the seat in the ball's axes, rad
         ("seat_y", float),
         ("seat_z", float),
+        ("push_x", float),  # input: what somebody pushes the ring's centre of mass with, N
+        ("push_y", float),
     ]
 )
 """State and inputs that belong to no single channel."""
@@ -165,9 +167,9 @@ def _build(sources: int) -> Callable[..., None]:
             zx, zy, zz = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
 
             tx, ty = stop_torque(joint, q, xz, yz, zz)
-            tx -= q.weight * q.centre_height * yz
-            ty += q.weight * q.centre_height * xz
-            tz = 0.0
+            tx -= q.weight * q.centre_height * yz + q.centre_height * zz * joint.push_y
+            ty += q.weight * q.centre_height * xz + q.centre_height * zz * joint.push_x
+            tz = q.centre_height * (xz * joint.push_y - yz * joint.push_x)
             load = q.weight
             for k in range(channels.shape[0]):
                 channel, wire, p = channels[k], wires[k], wire_parameters[k]

@@ -126,7 +126,7 @@ class PairWatch:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
             if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * self._step:
-                cause = self._explain_run()
+                cause = self._explain_run() or self._explain_push()
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._pressures.suspicion()
         return error if cause is None else SafetyError(f"{cause} ({error})")
@@ -215,6 +215,14 @@ class PairWatch:
         forces = [max(pull - self._sliding, 1.0) for pull in self._history[-1].pulls]
         k = max(range(2), key=lambda k: ways[k] / forces[k])
         return f"the wire of {CHANNELS[k]} is slack or cut: its rod runs in"
+
+    def _explain_push(self) -> str | None:
+        """Return that somebody pushed, if both rods run and still agree."""
+        (one, other), (then_one, then_other) = (self._history[k].extensions for k in (-1, -2))
+        ways = one - then_one, other - then_other
+        if abs(sum(ways)) > _LEAST_RUN * max(map(abs, ways)):
+            return None
+        return "the carriage was pushed or struck: both rods move with it"
 
     def _explain_against(self) -> str | None:
         """Return which encoder alone goes against the pull since the two disagree."""

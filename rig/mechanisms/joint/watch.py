@@ -139,8 +139,10 @@ class JointWatch:
         k = self._running_rod(error, state.rods)
         if k is None:
             return error
-        cause = self._wires.explain_run(state.rods, self._unstretched(state), k)
-        cause = cause or self._pressures.suspicion()
+        rods = self._unstretched(state)
+        cause = self._wires.explain_run(rods, state.pressures, k) or self._pressures.suspicion()
+        if cause is None and isinstance(error, DeviceFault) and self._wires.agree(rods):
+            cause = "the ring was pushed or struck: all rods move with it"
         return error if cause is None else SafetyError(f"{cause} ({error})")
 
     def margins(self) -> tuple[Margin, ...]:

@@ -35,6 +35,12 @@ _BEGINS = 0.1
 _FIRST = 3
 """… and shows in so many cycles which one leads: where a wire is cut, its rod moves itself
 alone, and the opposite one the ring as well."""
+_CLEARLY = 0.25
+"""A rod let go if the others fit a pose so much better without it than without its opposite …"""
+_FAR = 1e-3
+"""… which leaves more than this, m: what two rods that run at once make of it says nothing."""
+_LEAST_PULL = 1e3
+"""A chamber that does not move its rod counts as if this much of its pressure (Pa) did."""
 _END = 1e-3
 """A rod is at the end of its cylinder from here on, m."""
 _LEAST_GRACE = 0.2
@@ -177,20 +183,19 @@ class WireWatch:
         except ValueError:
             return self.axis
 
-    def explain_run(self, rods: Quadruple, unstretched: Quadruple, k: int) -> str | None:
+    def explain_run(self, unstretched: Quadruple, pressures: Quadruple, k: int) -> str | None:
         """Return why a rod runs too fast, if its wire is why.
 
         Parameters
         ----------
-        rods, unstretched : tuple of float
+        unstretched, pressures : tuple of float
             As for `check`.
         k : int
             Which rod, 0 … 3; or the opposite one let go and this one only follows.
         """
-        # It has just begun: the rods are about to disagree by more.
-        if self._residual_of(unstretched) <= _EXPLAINED * self._limits.residual:
+        if self.agree(unstretched):
             return None
-        k = self._leader(k)
+        k = self._leader(k, unstretched, pressures)
         _, off = self._without(unstretched, k)
         if not off > 0.0:
             return None
@@ -199,6 +204,15 @@ class WireWatch:
             f"the wire of {self._channels[k]} is slack or cut, or its anchor slips: its rod runs "
             f"in, {ahead} ahead of where the other three put it"
         )
+
+    def agree(self, unstretched: Quadruple) -> bool:
+        """Return whether rods that run still agree.
+
+        Where they do not it has just begun: they are about to disagree by more. While somebody
+        finds out what the limit is to be, it is wide, and friction and stretch are less.
+        """
+        least = min(_EXPLAINED * self._limits.residual, _LEAST_RESIDUAL)
+        return self._residual_of(unstretched) <= least
 
     def explain_swap(self, unstretched: Quadruple) -> str | None:
         """Return which encoders are swapped if that explains the rods, and they are far off.
@@ -308,13 +322,17 @@ class WireWatch:
             default=0.0,
         )
 
-    def _leader(self, k: int) -> int:
-        """Return which of a rod and its opposite one began to run first.
+    def _leader(self, k: int, unstretched: Quadruple, pressures: Quadruple) -> int:
+        """Return which of a rod and its opposite one let go.
 
-        What is off does not tell them apart near upright. Their speeds do not either: the one whose
-        chamber has more pressure is soon the faster one.
+        What is off does not tell them apart near upright. There it is the one that gained more
+        speed for what its chamber pulls: it moves itself alone. Speeds alone do not tell: the one
+        whose chamber has more pressure is soon the faster one.
         """
         both = k, (k + 2) % 4
+        rests = [self._without(unstretched, i)[0] for i in both]
+        if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):
+            return both[rests.index(min(rests))]
         steps = [
             (t - then, [rods[i] - before[i] for i in both])
             for (then, before), (t, rods) in itertools.pairwise(self._runs)
@@ -325,8 +343,10 @@ class WireWatch:
         if began == len(steps):
             return k
         first = steps[max(began - 1, 0) : began + _FIRST]
-        ways = [sum(way[i] for _, way in first) for i in range(2)]
-        return both[0] if ways[0] >= ways[1] else both[1]
+        usual = steps[max(began - 2, 0)][1]
+        pulls = [max(pressures[i] - self._limits.least_pull, _LEAST_PULL) for i in both]
+        gains = [sum(way[i] - usual[i] for _, way in first) / pulls[i] for i in range(2)]
+        return both[0] if gains[0] >= gains[1] else both[1]
 
     def _residual_of(self, rods: Quadruple) -> float:
         self._diagnosis.reset()

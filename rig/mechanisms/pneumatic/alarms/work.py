@@ -92,8 +92,9 @@ class WorkWatch:
             elif work < -bound:
                 cause = explain() or self._explain(pair)
                 raise SafetyError(
-                    f"{cause}: the rods move against their pull [work {work * 1e3:.1f} mJ over "
-                    f"{covered * 1e3:.2f} mm, at least {-bound * 1e3:.1f} mJ]"
+                    f"{cause}: the rods move against their pull, or are pushed "
+                    f"[work {work * 1e3:.1f} mJ over {covered * 1e3:.2f} mm, at least "
+                    f"{-bound * 1e3:.1f} mJ]"
                 )
 
     def _explain(self, pair: Pair) -> str:
