@@ -4,6 +4,7 @@ import ast
 import graphlib
 import re
 import statistics
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ MODULES = {
 }
 
 
+@cache
 def imports(path: Path, package: str) -> set[tuple[str, int, bool]]:
     """Return (module, line, at module level) of every project import in a file."""
     tree = ast.parse(path.read_text())
@@ -180,6 +182,7 @@ def calls(tree: ast.AST, *names: str):
             yield node
 
 
+@cache
 def contract_names() -> set[str]:
     """Return every public member of what rig.hal has others inherit."""
     found = set()

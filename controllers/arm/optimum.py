@@ -1,5 +1,7 @@
 """The least time that a path takes under the joints' rate limits: what laws are held against."""
 
+from functools import lru_cache
+
 from controllers.arm.dwell import elbow_at_depth
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
@@ -20,6 +22,14 @@ def least_time(geometry: ArmGeometry, path: ArmPathSettings) -> float:
     InfeasibleMotion
         The path cannot be followed through its singularity.
     """
+    try:
+        return _least_time(geometry, path)
+    except TypeError:  # a list for a tuple: what it comes to cannot be remembered
+        return _least_time.__wrapped__(geometry, path)
+
+
+@lru_cache  # the same for every law that is held against it
+def _least_time(geometry: ArmGeometry, path: ArmPathSettings) -> float:
     arm = dimensions_of(geometry)
     trajectory = make_trajectory(arm, path)
     if isinstance(trajectory, StraightTrajectory) and trajectory.depth is not None:

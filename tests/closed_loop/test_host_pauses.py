@@ -20,11 +20,11 @@ from rig.runtime.log import read_log
 CONFIGS = Path(__file__).parents[2] / "configs"
 RIGS = {
     "cylinder": ("cylinder-sine", "reference.tones=[{frequency: 1 Hz, periods: 2}]"),
-    "joint": ("joint-circle", "reference.tones=[{frequency: 0.5 Hz, laps: 1}]"),
+    "joint": ("joint-circle", "reference.tones=[{frequency: 1 Hz, laps: 1}]"),
     "arm": ("arm-elbow-circle", "reference.rate=0.5 rad/s"),
     "arm-odrive": ("arm-elbow-circle", "reference.rate=0.5 rad/s"),
-    "legs": ("legs-squat",),
-    "legs-can": ("legs-squat",),
+    "legs": ("legs-squat", "reference.repeats=1"),
+    "legs-can": ("legs-squat", "reference.repeats=1"),
 }
 GENERATOR = np.random.default_rng(909)
 MOST = 5

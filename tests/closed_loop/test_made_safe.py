@@ -23,7 +23,7 @@ CHANNELS = {"cylinder": ("agonist", "antagonist"), "joint": ("ch1", "ch2", "ch3"
 
 
 def plan_of(name, *options):
-    options = (*OPTIONS[name], "metrics={}", "figures=[]", *options)
+    options = (*OPTIONS[name], "approach=1 s", "metrics={}", "figures=[]", *options)
     return load_plan(EXPERIMENT[name], list(options), configs=CONFIGS)
 
 

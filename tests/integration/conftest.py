@@ -22,8 +22,9 @@ def _remembered_freezes(monkeypatch):
 
     def remembered(plan, say=lambda _: None):
         simulation = dataclasses.replace(plan.profile.simulation, faults=())
-        profile = dataclasses.replace(plan.profile, simulation=simulation)
-        key = repr((profile, plan.experiment))
+        profile = dataclasses.replace(plan.profile, simulation=simulation, files=())
+        experiment = dataclasses.replace(plan.experiment, files=())
+        key = repr((profile, experiment))
         if key not in _FREEZES:
             _FREEZES[key] = longest_freeze(plan, say)
         return _FREEZES[key]

@@ -23,6 +23,7 @@ from rig.runtime.log import read_log
 ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
 SHORT = ["reference.tones=[{frequency: 1 Hz, periods: 3}]", "approach=0.5 s", "metrics={}"]
+BRIEF = ["reference.tones=[{frequency: 2 Hz, periods: 2}]", *SHORT[1:]]
 RIG = [sys.executable, "-m", "rig"]
 WORDS = ["--configs", str(CONFIGS), *[word for option in SHORT for word in ("--set", option)]]
 GENERATOR = np.random.default_rng(14)
@@ -85,7 +86,7 @@ def test_whatever_comes_between_two_steps_is_written_down(tmp_path, monkeypatch,
         "build": (run_module, "Stopwatch"),
     }
     monkeypatch.setattr(*places[step], fail)
-    plan = load_plan("cylinder-sine", SHORT, configs=CONFIGS)
+    plan = load_plan("cylinder-sine", BRIEF, configs=CONFIGS)
     code = None
     try:
         code = run_experiment(plan, Backend.VIRTUAL, tmp_path, report=False).exit_code

@@ -42,14 +42,22 @@ def test_a_fault_is_seen_named_and_written_down(tmp_path, seed):
     assert cases[0]["case"]["first"]["where"] in cases[0]["ending"]["message"]
 
 
-def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_notice):
-    """A killed master with slow watchdogs throws the pair into its end, and nobody says so."""
+@pytest.fixture(scope="module")
+def hazardous(tmp_path_factory):
+    """A campaign of killed masters on a rig that notices late: its result and its folder."""
+    folder = tmp_path_factory.mktemp("hazardous")
     result = run(
         "run", "cylinder-slow", "--only", "program_killed", "--random", 25, "--seed", 40_000,
-        "--configs", slow_to_notice, "--out", tmp_path,
+        "--configs", make_slow_to_notice(folder), "--out", folder,
     )  # fmt: skip
+    return result, folder
+
+
+def test_a_hazard_is_found_judged_after_the_program_and_kept(hazardous):
+    """A killed master with slow watchdogs throws the pair into its end, and nobody says so."""
+    result, out = hazardous
     assert result.return_value == 1, result.output
-    content = campaign(tmp_path, 40_000)
+    content = campaign(out, 40_000)
     failed = [case for case in content["cases"] if case["hazard"]]
     assert failed
     for case in failed:
@@ -59,7 +67,7 @@ def test_a_hazard_is_found_judged_after_the_program_and_kept(tmp_path, slow_to_n
             r"rig faults run cylinder-slow --only program_killed --seed \d+ --configs .*/configs",
             case["again"],
         )
-    folders = [path for path in (tmp_path / "seed-40000").iterdir() if path.is_dir()]
+    folders = [path for path in (out / "seed-40000").iterdir() if path.is_dir()]
     assert len(folders) == len(failed)
     (run_folder,) = folders[0].iterdir()
     events = [json.loads(line) for line in (run_folder / "events.jsonl").read_text().splitlines()]
@@ -111,12 +119,9 @@ def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
     assert campaign(tmp_path, 0)["cases"][0]["crashed"]
 
 
-def test_the_page_shows_what_went_wrong_and_runs_nothing(tmp_path, slow_to_notice):
-    run(
-        "run", "cylinder-slow", "--only", "program_killed", "--random", 10, "--seed", 40_000,
-        "--configs", slow_to_notice, "--out", tmp_path,
-    )  # fmt: skip
-    page = (tmp_path / "seed-40000" / "campaign.html").read_text()
+def test_the_page_shows_what_went_wrong_and_runs_nothing(hazardous):
+    _, out = hazardous
+    page = (out / "seed-40000" / "campaign.html").read_text()
     assert "default-src 'none'" in page
     assert "program_killed" in page
 
@@ -137,10 +142,14 @@ def test_what_a_rig_cannot_suffer_is_listed_as_refused():
 
 @pytest.fixture
 def slow_to_notice(tmp_path):
-    """A cylinder whose nodes notice only after 150 ms that nobody commands them any more."""
-    configs = tmp_path / "configs"
-    for folder in ("rigs", "experiments"):
-        (configs / folder).mkdir(parents=True)
+    return make_slow_to_notice(tmp_path)
+
+
+def make_slow_to_notice(folder):
+    """Make a cylinder whose nodes notice only after 150 ms that nobody commands them any more."""
+    configs = folder / "configs"
+    for kind in ("rigs", "experiments"):
+        (configs / kind).mkdir(parents=True)
     text = (CONFIGS / "rigs" / "cylinder.yaml").read_text().replace("name: cylinder\n", "", 1)
     slower = re.sub(r"heartbeat(_timeout)?: \d+ ms", "", text)
     bus = "bitrate: 1 Mbit/s\n    heartbeat: 50 ms\n    heartbeat_timeout: 150 ms\n"

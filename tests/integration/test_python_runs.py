@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -275,6 +276,11 @@ def test_runs_in_threads_of_another_program(out):
     assert dict(runs[0].metrics) != dict(alone.metrics)
 
 
+def is_under_way(folder):
+    log = folder / "log.mcap"
+    return log.exists() and log.stat().st_size > 300_000
+
+
 def test_another_thread_may_stop_a_run(out):
     stop, ended = rig.StopRequests(), []
 
@@ -284,9 +290,11 @@ def test_another_thread_may_stop_a_run(out):
         except rig.RunInterrupted as error:
             ended.append(error)
 
+    before = set(out.iterdir())
     thread = threading.Thread(target=in_thread)
     thread.start()
-    threading.Event().wait(3.0)
+    while not any(is_under_way(folder) for folder in set(out.iterdir()) - before):
+        time.sleep(0.02)
     stop.request()
     thread.join(60)
     assert not thread.is_alive()

@@ -12,7 +12,14 @@ from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-SHORT = ["--set", "reference.tones=[{frequency: 1 Hz, periods: 3}]", "--set", "metrics={}"]
+SHORT = [
+    "--set",
+    "reference.tones=[{frequency: 1 Hz, periods: 3}]",
+    "--set",
+    "metrics={}",
+    "--set",
+    "approach=0.5 s",
+]
 BASE = ["run", "cylinder-sine", "--configs", str(CONFIGS), "--no-report", *SHORT]
 LIMIT = 300_000
 """Largest file that the run may write, bytes: full in mid-run."""

@@ -21,6 +21,7 @@ from rig.config import load_profile
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENCODER = "encoder-agonist"
 STOP = ("--set", "cylinder.limits.stop_energy=1 J")
+BRIEF = ("--set", "reference.dwell=0.3 s", "--set", "approach=0.5 s", "--set", "metrics={}")
 SLOW = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
 
 
@@ -73,7 +74,7 @@ def test_hardware_refuses_what_was_not_measured_on_it(lab, capsys, backend, seed
     assert not lab.runs.exists()
     assert lab("check", "cylinder") == 0
     assert "refused on hardware" in capsys.readouterr().out
-    assert lab("run", "cylinder-step", "--on", "sim", "--no-report", "--set", "metrics={}") == 0
+    assert lab("run", "cylinder-step", "--on", "sim", "--no-report", *BRIEF) == 0
 
 
 def test_a_file_that_does_not_say_where_is_refused(lab, capsys):

@@ -150,6 +150,12 @@ def test_the_duration_is_held_against_the_least_one():
         assert math.isinf(known["time_over_optimum"]) == (number > 0)
 
 
+def test_a_list_for_a_tuple_takes_the_same_time():
+    assert least_time(ArmGeometry(rate_limits=[1.0, 1.0, 1.0, 2.0, 2.0, 2.0]), PATH) == least_time(
+        ArmGeometry(), PATH
+    )
+
+
 def test_the_time_in_a_region_needs_its_entry_and_its_exit():
     assert facts(marks={"region": (1.0, 3.5)})["dwell_time"] == 2.5
     assert math.isinf(facts(marks={"region": (1.0,)})["dwell_time"])
