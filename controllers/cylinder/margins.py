@@ -36,7 +36,7 @@ Path = tuple[str, ...]
 
 
 class LoopMargins(NamedTuple):
-    """How far a loop is from instability.
+    """The distance of a loop from instability.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class Expected(NamedTuple):
 
 
 class ClosedLoop(NamedTuple):
-    """How far the loop that a controller closes is from instability, as a linear model says.
+    """The distance of a controlled loop from instability, as a linear model says.
 
     Parameters
     ----------

@@ -58,4 +58,4 @@ def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
     if loop is not None:
         assert set(loop) == {"stable", "crossover", "phase", "delay", "sensitivity"}
         assert (loop["phase"] > 0.0) == loop["stable"]
-        assert ("friction holds it" in shown) is not loop["stable"]
+        assert ("friction holds it" in shown) != loop["stable"]
