@@ -216,7 +216,7 @@ def _loop_table(controller: str, loop: dict[str, Any]) -> Table:
     rows = [
         (
             "stable without Coulomb friction",
-            "yes" if loop["stable"] else "no: it lives on friction",
+            "yes" if loop["stable"] else "no: friction holds it",
         ),
         ("crossover", format_quantity(loop["crossover"], "rad/s")),
         ("phase margin", f"{math.degrees(loop['phase']):.3g} deg"),

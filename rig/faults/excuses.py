@@ -12,7 +12,8 @@ its own limits are no nearer; a jump that goes beyond them turns the joint by th
 ON_A_WIRE = frozenset({"position", "speed", "tilt", "tension", "end stop hit"})
 """What a wire that lets go does before anybody can act: the mechanical stop bears it."""
 _TOPPLING_PUSH = 0.3
-"""N s: moves the mass of the legs by 50 mm/s and their capture point by 8 mm, what a step may have of margin."""
+"""N s: moves the mass of the legs by 50 mm/s and their capture point by 8 mm, which is all the
+margin that a step may have."""
 _OVERPOWERING = 10.0
 """N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
 _OVERPOWERING_WIRES = 2.0
