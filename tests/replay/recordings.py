@@ -8,7 +8,7 @@ _SHORT = ("approach=0.2 s",)
 _SLOW = (*_SHORT, "loop.rate=250 Hz", "devices.regulators.setpoint_deadline=20 ms")
 """Pneumatic rigs at a quarter of their rate: a quarter of the cycles."""
 _FASTER = ("loop.rate=500 Hz",)
-"""For loops that swing at a quarter of their rate, and are stopped for it."""
+"""For a loop that swings at a quarter of its rate, and is stopped for it."""
 _BEND = (*_SHORT, "reference.repeats=1", "reference.time=1 s")
 """One quick knee bend, whose plan is soon made."""
 
@@ -76,7 +76,10 @@ def _joints():
     yield Recording(
         "joint-stiffness", "forces without control", "joint-stiffness", "virtual", _SLOW, (_STOP,)
     )
-    yield Recording("joint-wide", "beyond 40 degrees", "joint-wide", "sim", _SHORT, (_STOP,))
+    yield Recording(
+        "joint-wide", "beyond 40 degrees", "joint-wide", "sim", (*_SLOW, "approach=1.5 s"),
+        ((2.7, "stop"),),
+    )  # fmt: skip
     yield Recording(
         "joint-learning", "laps that are learnt from", "joint-circle-learning-fast", "sim",
         (*_SHORT, "loop.rate=500 Hz", "reference.tones=[{frequency: 5 Hz}]",
