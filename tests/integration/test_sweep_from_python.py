@@ -5,12 +5,19 @@ import random
 import signal
 import threading
 import time
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import rig
+from rig.sweeping.design import make_design
+from rig.sweeping.run import check_axes
+from rig.sweeping.source import PointSource, freeze_configs, resolve
+from rig.sweeping.sweep_file import load_sweep
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 pytestmark = pytest.mark.usefixtures("warm_workers")
 SHORT = {
     "loop.rate": 200, "approach": "0.2 s", "reference.dwell": "0.3 s", "reference.repeats": 1,
@@ -88,6 +95,16 @@ def test_what_is_wrong_is_a_sentence_before_anything_runs(wrong, said, tmp_path)
     with pytest.raises(rig.ConfigurationError, match=said):
         sweep(**{"out": tmp_path / "s", "seeds": range(2), **wrong})
     assert not (tmp_path / "s" / "runs").exists()
+
+
+@pytest.mark.parametrize("file", sorted(CONFIGS.glob("sweeps/*.yaml")), ids=lambda file: file.stem)
+def test_the_sweeps_that_we_ship_can_be(file, tmp_path):
+    request = replace(load_sweep(file), configs=CONFIGS).checked()
+    name = freeze_configs(request.experiment, request.configs, tmp_path)
+    source = PointSource(name, request.options, request.rig, request.on, "any code")
+    design = make_design(request.axes, request.seeds, request.draw_seed)
+    check_axes(source, design, tmp_path)
+    assert request.best in resolve(source, design.options(0), tmp_path).experiment.metrics
 
 
 def test_an_experiment_is_a_name_or_a_path():
