@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from rig.scripting.replaying import replay
     from rig.scripting.running import load, run, runs
     from rig.sweeping.api import sweep
+    from rig.sweeping.result import SweepInterrupted
 
 _OFFERED = {
     **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
@@ -45,6 +46,7 @@ _OFFERED = {
     "compare": "rig.scripting.comparing",
     "replay": "rig.scripting.replaying",
     "sweep": "rig.sweeping.api",
+    "SweepInterrupted": "rig.sweeping.result",
     "StopRequests": "rig.runtime.stop",
     **dict.fromkeys(
         ("RunError", "BoundMissed", "NotEnergised", "RunFaulted", "RunInterrupted"),
@@ -65,6 +67,7 @@ __all__ = [
     "RunInterrupted",
     "SafetyError",
     "StopRequests",
+    "SweepInterrupted",
     "calibrate",
     "check",
     "compare",

@@ -97,10 +97,11 @@ def choose(where: str, runs: Sequence[Candidate]) -> list[bool]:
     """
     terms = parse_query(where)
     metrics = sorted({name for run in runs for name in run.metrics})
+    statuses = list(dict.fromkeys([*RunStatus, *(str(run.words.get("status")) for run in runs)]))
     for term in terms:
-        if term.name == "status" and term.text not in list(RunStatus):
+        if term.name == "status" and term.text not in statuses:
             raise ConfigurationError(
-                f"--where: no run has the status {term.text!r}; there are {', '.join(RunStatus)}"
+                f"--where: no run has the status {term.text!r}; there are {', '.join(statuses)}"
             )
         if runs and term.name not in (*NAMES, *metrics):
             raise ConfigurationError(

@@ -15,8 +15,6 @@ from rig.cli.tables import Table, print_data, print_tables
 if TYPE_CHECKING:
     from rig.sweeping.result import Sweep
 
-_SHOWN = 12
-"""So many rows stand in the table on stdout, the best first."""
 _TOLD = {"failed": "missed a bound"}
 
 
@@ -128,24 +126,13 @@ def sweep(
 
 def show(found: Sweep, metric: str | None) -> None:
     """Print the best points on stdout, and where all of them are on stderr."""
-    from rig.config.formats import format_quantity
+    from rig.sweeping.best_points import best_points
 
     data = found.data
     counts = {status: data.statuses.count(status) for status in dict.fromkeys(data.statuses)}
     if data.metrics:
         name, _ = data.metric(metric)
-        header = (*data.settings, "status", *data.metrics)
-        rows = [
-            (
-                *(str(values[number]) for values in data.settings.values()),
-                data.statuses[number],
-                *(
-                    format_quantity(column.numbers[number], column.unit or "1")
-                    for column in data.metrics.values()
-                ),
-            )
-            for number in data.order(metric)[:_SHOWN]
-        ]
+        header, rows = best_points(data, metric)
         print_tables([Table(f"best in {name}", header, rows)])
     told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)

@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rig.scripting.played import refuse_within_plan
+from rig.sweeping.arguments import check_arguments
 from rig.sweeping.progress import SweepProgress
 from rig.sweeping.request import SweepRequest, as_options
-from rig.sweeping.result import Sweep
+from rig.sweeping.result import Sweep, SweepEnd, SweepInterrupted
 from rig.sweeping.run import run_sweep
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
 from rig.sweeping.sweep_file import axes_of, seeds_of
@@ -72,16 +73,20 @@ def sweep(
     Returns
     -------
     Sweep
-        With ``table``, ``best(metric)`` and ``figure(metric)``.
+        With ``table``, ``best(metric)`` and ``figure(metric)``; ``complete`` is False if the budget
+        or `stop_when` ended it.
 
     Raises
     ------
     ConfigurationError
         What was asked cannot be done, found before any point runs.
+    SweepInterrupted
+        Ctrl-C; the points that are finished are its ``sweep``. It is a `KeyboardInterrupt`.
     DeviceError
         Another sweep works in the folder, the disk is full, or the cluster has gone; what is
         finished is kept.
     """
+    check_arguments(locals())
     refuse_within_plan("rig.sweep")
     seconds, points = parse_budget(budget) if budget is not None else (None, None)
     request = SweepRequest(
@@ -102,4 +107,7 @@ def sweep(
         best=metric,
         keep=keep,
     )
-    return run_sweep(request, lambda total: SweepProgress(total, quiet=quiet))
+    found = run_sweep(request, lambda total: SweepProgress(total, quiet=quiet))
+    if found.end is SweepEnd.INTERRUPTED:
+        raise SweepInterrupted(found)
+    return found

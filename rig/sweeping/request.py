@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
+from rig.assembly import Backend
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import Axis, DrawnAxis
 from rig.sweeping.stop_rule import StopRule
@@ -92,6 +95,11 @@ class SweepRequest:
         """
         if not self.axes and self.seeds is None:
             raise ConfigurationError("nothing is varied: --vary a.b=1..5:9, or --seeds 0:20")
+        if self.on not in list(Backend):
+            raise ConfigurationError(
+                f"a sweep runs on one of {', '.join(SIMULATED)}; with --serial on one of "
+                f"{', '.join(Backend)}, and not on {self.on!r}"
+            )
         if self.on not in SIMULATED and not self.serial:
             raise ConfigurationError(
                 f"a sweep on {self.on} has one rig for all of its points: --serial runs them one "
@@ -110,7 +118,18 @@ def as_options(settings: Mapping[str, object]) -> tuple[str, ...]:
 
 
 def as_text(value: object) -> str:
-    """Write a Python value as ``--set`` reads it."""
+    """Write a Python value as ``--set`` reads it.
+
+    Raises
+    ------
+    ConfigurationError
+        It is none that a setting can have.
+    """
     if isinstance(value, str):
         return value
-    return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    try:
+        return json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise ConfigurationError(f"{value!r} is no value of a setting ({error})") from error

@@ -7,7 +7,8 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, RigError
+from rig.sweeping.best_points import as_columns, best_points
 from rig.sweeping.coordinator import Coordinator
 from rig.sweeping.data import SweepData
 from rig.sweeping.design import Design
@@ -75,9 +76,9 @@ class SweepRows:
         return find_columns(kinds, self)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Sweep:
-    """A sweep that has ended.
+    """A sweep that has ended; printed, it is a table of its best points.
 
     Parameters
     ----------
@@ -122,11 +123,41 @@ class Sweep:
             raise ConfigurationError("no point ran to its end: none is the best")
         return self.table[order[0]]
 
+    @property
+    def complete(self) -> bool:
+        """Whether all of its points are finished."""
+        return len(self.data.points) == self.total
+
+    def __repr__(self) -> str:
+        head = f"{self.folder.name}: {self.end}, {len(self.data.points)} of {self.total} points"
+        if not self.data.metrics:
+            return head
+        name, _ = self.data.metric(None)
+        return f"{head}; best in {name}:\n{as_columns(*best_points(self.data, None))}"
+
     def figure(self, metric: str | None = None) -> "Figure":
         """Draw a metric over what was varied; default: the first one, and others beside it."""
         from rig.sweeping.figure import draw_sweep
 
         return draw_sweep(self.data, metric)
+
+
+class SweepInterrupted(RigError, KeyboardInterrupt):
+    """Somebody interrupted a sweep. What is finished is kept; the same call goes on from there.
+
+    Attributes
+    ----------
+    sweep : Sweep
+        Of the points that are finished.
+    """
+
+    def __init__(self, sweep: Sweep) -> None:
+        self.sweep = sweep
+        done = len(sweep.data.points)
+        super().__init__(
+            f"interrupted after {done} of {sweep.total} points, which are in {sweep.folder}; the "
+            "same call goes on from there"
+        )
 
 
 def write_sweep(folder: Path, rows: SweepRows, end: SweepEnd, say: Callable[[str], None]) -> Sweep:

@@ -1,18 +1,26 @@
 """A sweep as a file: what the options of ``rig sweep`` say, in YAML."""
 
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+import numpy as np
 
 from rig.config.diagnostics import Problems, nearest
 from rig.config.document import parse_mapping
 from rig.config.located import Plain
 from rig.config.yaml_loader import read_source
 from rig.hal import ConfigurationError
-from rig.sweeping.axis import Axis, DrawnAxis, make_axis, parse_seeds
+from rig.sweeping.axis import MAX_VALUES, Axis, DrawnAxis, make_axis, parse_seeds
 from rig.sweeping.request import SweepRequest, as_options, as_text
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+Values: TypeAlias = "Sequence[object] | NDArray[np.generic]"
 
 PERTURBATION: Final = "simulation.perturbation"
 
@@ -65,17 +73,28 @@ def axes_of(vary: Mapping[str, object]) -> tuple[Axis | DrawnAxis, ...]:
 
 def seeds_of(value: object) -> Axis:
     """Return the axis of seeds from ``0:20``, one number, or a list of numbers."""
-    if isinstance(value, list | tuple | range):
-        return parse_seeds(",".join(map(str, value)))
+    if isinstance(value, list | tuple | range | np.ndarray):
+        return parse_seeds(",".join(map(str, _few("seeds", value))))
     return parse_seeds(str(value))
 
 
 def _axis(setting: str, values: object) -> Axis | DrawnAxis:
     if isinstance(values, str):
         return make_axis(setting, values)
-    if not isinstance(values, list | tuple | range) or not values:
+    if not isinstance(values, list | tuple | range | np.ndarray) or not len(_few(setting, values)):
         raise ConfigurationError(f"{setting}: expected a list of values, or a range such as 1..5:9")
     return Axis(setting, tuple(dict.fromkeys(as_text(value) for value in values)))
+
+
+def _few(name: str, values: Values) -> Values:
+    """Return values of which there are not too many; not one is looked at before."""
+    try:
+        count = len(values)
+    except OverflowError:  # a range that is longer than anything can be
+        count = sys.maxsize
+    if count > MAX_VALUES:
+        raise ConfigurationError(f"{name}: {count:,} values; an axis has 1 to {MAX_VALUES:,}")
+    return values
 
 
 def _mapping(value: Plain) -> dict[str, Plain]:

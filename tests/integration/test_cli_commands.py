@@ -290,39 +290,6 @@ def test_a_reader_that_leaves_is_no_error():
         assert said.read() == b""
 
 
-@pytest.mark.parametrize(
-    "words",
-    [["--help"], ["--version"], ["sweep", "--help"], ["list", "rigs"], ["list", "rigs", "--json"],
-     ["check", "cylinder"]],
-    ids=" ".join,
-)  # fmt: skip
-@pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_output_that_cannot_be_written_is_a_sentence(words, unbuffered):
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "rig", *words], stdout=full, stderr=subprocess.PIPE, text=True,
-            env={**os.environ, "PYTHONUNBUFFERED": unbuffered}, check=False,
-        )  # fmt: skip
-    assert done.returncode == 2
-    assert done.stderr.startswith("error: cannot write the output: No space left on device\n")
-    assert "Traceback" not in done.stderr and done.stderr.count("cannot write") == 1
-
-
-def test_output_that_cannot_be_written_hides_no_other_end(tmp_path):
-    run = make_run(tmp_path / "runs", "sine")
-    with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "rig", "diff", str(run), str(tmp_path)], stdout=full,
-            stderr=subprocess.PIPE, text=True, check=False,
-        )  # fmt: skip
-    assert done.returncode == 2 and "is not a run folder" in done.stderr
-
-
-def test_output_that_nobody_wants_is_no_error():
-    words = f"{sys.executable} -m rig list rigs >&-"
-    assert subprocess.run(["sh", "-c", words], stderr=subprocess.PIPE, check=False).returncode == 0
-
-
 def test_names_are_completed(tmp_path, monkeypatch):
     from click.shell_completion import ShellComplete
 

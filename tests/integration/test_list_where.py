@@ -88,6 +88,13 @@ def test_a_metric_that_no_run_has_a_value_of_is_known_all_the_same(runs, tmp_pat
     assert found(tmp_path, "rise_time < 1 s", capsys) == set()
 
 
+def test_a_run_that_cannot_be_read_is_found_by_that(runs, tmp_path, capsys):
+    name = shutil.copytree(next(runs[0].iterdir()), tmp_path / "torn").name
+    (tmp_path / name / "manifest.json").write_text("{")
+    assert invoke(["list", "runs", "--out", str(tmp_path), "--where", "status = unreadable"]) == 0
+    assert "torn" in capsys.readouterr().out
+
+
 def test_where_there_are_no_runs_no_metric_is_wrong(tmp_path, capsys):
     assert found(tmp_path, "marker_rms < 0.2 mm", capsys) == set()
     assert rig.runs(tmp_path, where="marker_rms < 0.2 mm") == []
