@@ -16,6 +16,8 @@ _TOPPLING_PUSH = 0.3
 margin that a step may have."""
 _OVERPOWERING = 10.0
 """N s, 100 N for a tenth of a second: at arm's length half of what the strongest drive can hold."""
+_HOLDS = 50e3
+"""Pa gauge: what is in a chamber that pulls more than its seals hold."""
 _OVERPOWERING_WIRES = 2.0
 """N s, 20 N for a tenth of a second: as much as chambers can pull that have 110 kPa to give."""
 
@@ -59,6 +61,10 @@ def overpowers(plight: Plight) -> frozenset[str]:
 
 
 def overpowers_wires(plight: Plight) -> frozenset[str]:
-    """Forgive what a push does that is stronger than the chambers: the mechanical stop bears it."""
+    """Forgive what a push does that is stronger than the chambers: the mechanical stop bears it.
+
+    Empty ones hold nothing.
+    """
+    pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
     too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES
-    return ON_A_WIRE if too_much else frozenset()
+    return ON_A_WIRE if too_much or min(pressures) < _HOLDS else frozenset()

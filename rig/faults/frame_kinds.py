@@ -121,7 +121,7 @@ KINDS = (
     _kind("setpoints_late", "Setpoints arrive late.", "to", "delay",
           _unless_early(_COMMANDS_LATE), 0.2, why=_SHORT, magnitude=_DELAY),
     _kind("setpoints_corrupt", "A byte of the setpoints is inverted.", "to", "corrupt",
-          _unless_short, 0.2, why=_SHORT, magnitude=_BYTE),
+          either, 0.2, why="a byte that says little changes little", magnitude=_BYTE),
     _kind("setpoints_short", "Setpoints lack bytes.", "to", "truncate", _unless_short, 0.2,
           why=_SHORT, magnitude=_BYTE),
     _kind("setpoints_twice", "Setpoints arrive twice.", "to", "duplicate", ride, 0.1,

@@ -321,7 +321,9 @@ SERVOS = (
     _of_device("overloaded", "A servo is overloaded.", safe, 0.5),
     _of_plant("blocked", "Something is in an axis' way.", either, 1.0,
               why="an axis that is not asked to move does not show it"),
-    _of_plant("brake_released", "A brake does not hold.", ride),
+    _of_plant("brake_released", "A brake does not hold.", ride,
+              why="its drive holds the joint; without torque it falls, and nobody can hold it",
+              forgives=frozenset({"rate", "range"})),
     _kind("payload", "A load hangs on the hand.", partial(_whole, "payload", ()), either,
           magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
 )  # fmt: skip

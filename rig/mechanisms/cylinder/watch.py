@@ -126,7 +126,7 @@ class PairWatch:
             # This cycle's state was not checked: the device said first that it is wrong.
             k = self._encoders.index(error.device)
             if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * self._step:
-                cause = self._explain_run() or self._explain_push()
+                cause = self._explain_run() or self._pressures.suspicion() or self._explain_push(k)
         elif isinstance(error, LimitExceeded) and error is not self._explained:
             cause = self._explain_run() or self._pressures.suspicion()
         return error if cause is None else SafetyError(f"{cause} ({error})")
@@ -192,12 +192,17 @@ class PairWatch:
         return f"{slack}{' or '.join(self._encoders)} drifts or has a wrong scale"
 
     def _explain_still(self) -> str | None:
-        """Return which encoder has said the same while the other one moved."""
+        """Return which encoder has said the same while the other one moved, or why its rod did."""
         here = self._history[-1].extensions
         for k in range(2):
             said, other, _ = self._still[k]
             if here[k] == said and abs(here[1 - k] - other) > self._bound:
-                return f"{self._encoders[k]} is frozen"
+                if self._history[-1].pulls[k] > self._sliding:
+                    return f"{self._encoders[k]} is frozen"
+                return (
+                    f"the rod of {CHANNELS[k]} stays behind, as its chamber is empty: the carriage "
+                    "was pushed or struck"
+                )
         return None
 
     def _explain_run(self) -> str | None:
@@ -216,13 +221,17 @@ class PairWatch:
         k = max(range(2), key=lambda k: ways[k] / forces[k])
         return f"the wire of {CHANNELS[k]} is slack or cut: its rod runs in"
 
-    def _explain_push(self) -> str | None:
-        """Return that somebody pushed, if both rods run and still agree."""
-        (one, other), (then_one, then_other) = (self._history[k].extensions for k in (-1, -2))
-        ways = one - then_one, other - then_other
-        if abs(sum(ways)) > _LEAST_RUN * max(map(abs, ways)):
+    def _explain_push(self, k: int) -> str | None:
+        """Return that somebody pushed, if a rod is pulled out and the other one runs in.
+
+        Chambers pull rods in, and so does a wire that lets go. The other one may be slower: its
+        wire is slack, as a push is faster than the chamber behind it.
+        """
+        now, then = self._history[-1].extensions, self._history[-2].extensions
+        out, other = now[k] - then[k], now[1 - k] - then[1 - k]
+        if out <= 0.0 or -other < _LEAST_RUN * out:
             return None
-        return "the carriage was pushed or struck: both rods move with it"
+        return f"the carriage was pushed or struck: it pulls the rod of {CHANNELS[k]} out"
 
     def _explain_against(self) -> str | None:
         """Return which encoder alone goes against the pull since the two disagree."""

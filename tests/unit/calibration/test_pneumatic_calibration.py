@@ -183,7 +183,8 @@ def test_the_middle_of_unlike_groups_has_honest_intervals():
 def test_only_limits_that_rest_on_what_is_looked_for_are_wider(profile):
     wider, notes = pneumatics_of(profile).with_wider_limits(3e-3)
     usual, now = (p.mechanism_settings.limits for p in (profile, wider))
-    names = ["mismatch"] if profile.mechanism == "cylinder" else ["residual", "disagreement"]
+    is_pair = profile.mechanism == "cylinder"
+    names = ["mismatch", "following"] if is_pair else ["residual", "disagreement"]
     told = [f"limits.{name}" for name in names]
     if profile.mechanism == "joint":
         told += ["camera.max_absence", "camera.marker.area_tolerance"]

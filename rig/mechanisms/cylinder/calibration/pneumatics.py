@@ -57,8 +57,12 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         yield "pair_force", limits.pair_force, "N"
 
     def with_wider_limits(self, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
-        """See `Pneumatics.with_wider_limits`."""
-        return with_wider_limits(self.profile, {"mismatch": self.settings.limits.mismatch + pair})
+        """See `Pneumatics.with_wider_limits`; a pair that glides by itself follows nothing."""
+        limits = self.settings.limits
+        low, high = limits.position
+        return with_wider_limits(
+            self.profile, {"mismatch": limits.mismatch + pair, "following": high - low}
+        )
 
     def with_blind_monitors(self, give: float) -> tuple[Profile, tuple[str, ...]]:
         """See `Pneumatics.with_blind_monitors`; a pair's limits do not heed how wires give."""
