@@ -7,6 +7,8 @@ import sys
 import hypothesis
 import pytest
 
+from rig import provenance
+
 pytest_plugins = "rig.testing.plugin"
 
 # As many processes as cores: threads of linear algebra beside them would only wait for each other,
@@ -33,6 +35,20 @@ def _state_of_its_own(tmp_path_factory):
     """Keep the faults of this user's rigs out of the tests, and theirs out of this user's rigs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_look_at_the_checkout():
+    """Ask git once for the state of this checkout, which every run writes down."""
+    git_state = provenance.git_state
+    ours = git_state()
+
+    def remembered(directory=None):
+        return ours if directory is None else git_state(directory)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(provenance, "git_state", remembered)
         yield
 
 

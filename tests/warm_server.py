@@ -3,6 +3,7 @@
 What is forked has nothing of the tests: only the modules of this process, which ran none of them.
 """
 
+import contextlib
 import fcntl
 import importlib
 import json
@@ -49,7 +50,8 @@ def serve(requests: socket.socket) -> Callable[[], None]:
                 return partial(_become, json.loads(text), streams)
             for stream in streams:
                 os.close(stream)
-            os.write(told, b"%d\n" % pid)
+            with contextlib.suppress(BrokenPipeError):
+                os.write(told, b"%d\n" % pid)
             selector.register(os.pidfd_open(pid), selectors.EVENT_READ, (pid, told))
 
 
@@ -59,7 +61,8 @@ def _tell_end(selector: selectors.BaseSelector, key: selectors.SelectorKey) -> N
     selector.unregister(key.fileobj)
     os.close(key.fd)
     _, status = os.waitpid(pid, 0)
-    os.write(told, b"%d\n" % os.waitstatus_to_exitcode(status))
+    with contextlib.suppress(BrokenPipeError):  # nobody waits for it any more
+        os.write(told, b"%d\n" % os.waitstatus_to_exitcode(status))
     os.close(told)
 
 

@@ -9,6 +9,7 @@ import atexit
 import contextlib
 import json
 import os
+import select
 import signal
 import socket
 import subprocess
@@ -19,6 +20,8 @@ from pathlib import Path
 
 RIG = "from rig.cli import main; main()"
 """The program of the command line."""
+PATIENCE = 600.0
+"""After which a process that hangs is killed, s."""
 
 
 @cache
@@ -74,6 +77,8 @@ class WarmProcess:
     def wait(self):
         """Return its exit code once it has ended; negative: the signal that ended it."""
         if self.returncode is None:
+            if not select.select([self._told], [], [], PATIENCE)[0]:
+                self.kill()
             self.returncode = int(self._told.readline())
             self._told.close()
         return self.returncode
