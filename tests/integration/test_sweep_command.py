@@ -69,7 +69,7 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
 def test_a_sweep_file_says_what_options_say(tmp_path, capsys):
     file = tmp_path / "friction.yaml"
     file.write_text(
-        "experiment: cylinder-step\non: sim\nset: {loop.rate: 200}\n"
+        "experiment: cylinder-step\non: sim\nset: {reference.size: 3 mm, reference.repeats: 1}\n"
         "perturbation: {friction: 0.3}\nvary: {controller: [cascade, pid]}\nrepeat: 2\n"
         "metric: overshoot\nbudget: 3 points\nkeep: 0\n"
     )
