@@ -88,15 +88,18 @@ def _unless_fresh(sizes: Sizes, subject: Subject) -> Must:
 
 def _kind(name: str, what: str, way: Way, kind: str, must: Expect, within: float, *,
           why: str = "", magnitude: Magnitudes | None = None,
-          lasts: Magnitudes | None = _LASTING) -> FaultKind:  # fmt: skip
+          lasts: Magnitudes | None = _LASTING,
+          forgives: frozenset[str] = frozenset()) -> FaultKind:  # fmt: skip
     return FaultKind(
         name=name, what=what, places=partial(_places, way), apply=partial(_disturb, way, kind),
-        must=must, within=within, why=why, magnitude=magnitude, lasts=lasts,
+        must=must, within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
     )  # fmt: skip
 
 
 _BRIDGED = "a gap within the age that a reading may have is bridged"
 _SHORT = "setpoints that are late for less are caught up"
+_ANOTHERS = frozenset({"fall", "rate", "range"})
+"""What drives do that somebody else commands: a robot that is told to kneel does not stand."""
 _DELAY = Magnitudes(1e-3, 50e-3, "s")
 _BYTE = Magnitudes(1.0, 7.0, "1")
 
@@ -130,7 +133,7 @@ KINDS = (
           "reorder", either, 0.2, why="the older one acts for one cycle at most",
           magnitude=Magnitudes(0.2e-3, 2e-3, "s")),
     _kind("setpoints_spoofed", "Somebody else sends under the setpoints' identifier.", "to",
-          "spoof", _unless_bridged, 0.05, why=_BRIDGED),
+          "spoof", _unless_bridged, 0.05, why=_BRIDGED, forgives=_ANOTHERS),
     _kind("heartbeats_lost", "A device's heartbeats do not arrive.", "alive", "drop", either, 0.3,
           why="a device that measures is alive", lasts=_LASTING),
     _kind("sync_lost", "SYNC does not arrive.", "sync", "drop", _unless_bridged, 0.1,

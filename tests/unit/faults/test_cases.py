@@ -216,6 +216,29 @@ def verdict_after(case, reaction):
     return give_verdict(case, CaseEnding(FAULTED, "", broke, broke + reaction), SUBJECT)
 
 
+@pytest.mark.parametrize(
+    ("said", "named"),
+    [
+        ("the wire of {here} is slack or cut", True),
+        ("the wire of {there} is slack or cut", False),  # antagonist is not agonist
+        ("encoder-x: a wire jumped", False),
+        ("{here}s", True),
+    ],
+)
+def test_what_broke_is_named_by_its_own_name_and_not_within_another_one(said, named):
+    cut = [case for case in draw_random(SUBJECT, 7, 600) if case.kinds == ("wire_cut",)]
+    found = {case.first.where.split()[1] for case in cut if case.moment is Moment.RUN}
+    assert found == {"agonist", "antagonist"}
+    for case in cut:
+        if case.moment is not Moment.RUN:
+            continue
+        here = case.first.where.split()[1]
+        (there,) = {"agonist", "antagonist"} - {here}
+        message = said.format(here=here, there=there)
+        ending = CaseEnding(FAULTED, message, 1.0, 1.0)
+        assert give_verdict(case, ending, SUBJECT).misnamed is not named
+
+
 @pytest.mark.parametrize("seen", ["first", "then", "both"])
 def test_each_of_two_faults_has_its_own_time(seen):
     """What must be seen counts from its own beginning, whatever came before and may stay."""

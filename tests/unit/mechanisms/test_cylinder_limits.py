@@ -5,8 +5,9 @@ import math
 import pytest
 from pneumatic_fakes import AGE, HOME, MISMATCH, PERIOD, REACH, SPEED, TINY, PairBench
 
-from rig.hal import EmergencyStop, LimitExceeded, SafetyError, StaleReading
+from rig.hal import DeviceFault, EmergencyStop, LimitExceeded, SafetyError, StaleReading
 
+CHANNELS = "agonist", "antagonist"
 DEVICES = {
     "regulators": "regulators",
     "agonist": "encoder-agonist",
@@ -144,6 +145,50 @@ def test_a_rod_that_has_not_moved_since_they_agreed_is_named(frozen):
     bench.place(*((0.0, moves) if frozen == "agonist" else (moves, 0.0)))
     with pytest.raises(LimitExceeded, match=rf"\(encoder-{frozen} is frozen\)"):
         bench.cycle(PERIOD)
+
+
+@pytest.mark.parametrize("behind", ["agonist", "antagonist"])
+def test_a_rod_whose_chamber_is_empty_stays_behind_a_push_and_is_not_frozen(behind):
+    bench = PairBench()
+    bench.regulators.reads = (0.0, 0.0)
+    bench.cycle(0.0)
+    moves = 2.0 * MISMATCH + 2.0 * TINY
+    bench.place(*((0.0, moves) if behind == "agonist" else (moves, 0.0)))
+    with pytest.raises(LimitExceeded, match=rf"the rod of {behind} stays behind.*was pushed"):
+        bench.cycle(PERIOD)
+
+
+@pytest.mark.parametrize("pulled", [0, 1])
+@pytest.mark.parametrize(
+    ("out", "runs_in", "is_push"),
+    [
+        (0.4, 0.4, True),
+        (0.4, 0.05, True),
+        (0.4, 0.03, False),
+        (0.1, 0.1, False),
+        (-0.4, 0.4, False),
+    ],
+)
+def test_a_rod_that_is_pulled_out_before_its_encoder_complains_was_pushed(
+    pulled, out, runs_in, is_push
+):
+    """Ways of the last whole cycle, over what the permitted speed covers in it."""
+    bench, way = PairBench(), SPEED * PERIOD
+    bench.cycle(0.0)
+    ways = [-runs_in * way, -runs_in * way]
+    ways[pulled] = out * way
+    bench.place(*ways)
+    state = bench.cycle(PERIOD)
+    name = f"encoder-{CHANNELS[pulled]}"
+    error = DeviceFault(name, "it jumps")
+    found = bench.pair.explain(error, state)
+    if is_push:
+        assert str(found) == (
+            f"the carriage was pushed or struck: it pulls the rod of {CHANNELS[pulled]} out "
+            f"({error})"
+        )
+    else:
+        assert found is error
 
 
 def test_a_rod_is_frozen_since_it_moved_last():
