@@ -4,7 +4,7 @@ import pytest
 from loop_fakes import PERIOD, Bench, FakeBus, FakeDevice, FakeMechanism
 
 from rig.hal import DeviceFault, LimitExceeded, LoopStalled, StaleReading
-from rig.runtime.loop import SAFE_CYCLES
+from rig.runtime.loop import SAFE_CYCLES, Loop
 from rig.runtime.phases import Phase
 from rig.runtime.states import RigState
 from rig.runtime.stop import StopRequests
@@ -349,3 +349,10 @@ def test_a_count_of_a_bus_that_begins_to_rise_is_told_once():
     told = [(round(t, 3), message) for t, kind, message, _ in bench.events if kind == "bus"]
     words = "can0: error frames say that the controller has lost frames"
     assert told == [(0.03, words), (0.19, words)]
+
+
+@pytest.mark.parametrize("told", ["t", "phases"])
+def test_nobody_tells_a_loop_how_far_it_is(told):
+    with pytest.raises(TypeError, match=told):
+        Loop(clock=None, period=PERIOD, buses=(), devices=(), mechanism=None, controller=None,
+             states=None, **{told: 0.0})  # fmt: skip
