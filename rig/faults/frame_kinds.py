@@ -14,7 +14,9 @@ Way = Literal["to", "from", "alive", "sync"]
 _SYNC = 0x080
 _LASTING = Magnitudes(1e-3, 1.0, "s")
 _COMMANDS_LATE = 0.03
-"""How long setpoints may be lost or late before it must be seen, s."""
+"""How long setpoints may be lost or late before it must be seen, s …"""
+_ECHOED = 4.0
+"""… and how many periods pass until a device has shown twice that it did not get them."""
 
 
 def _ids(frames: Frames, way: Way) -> tuple[int, ...]:
@@ -73,7 +75,9 @@ def _unless_bridged(sizes: Sizes, subject: Subject) -> Must:
 
 
 def _unless_short(sizes: Sizes, subject: Subject) -> Must:
-    return Must.SAFE if sizes.lasts > _COMMANDS_LATE else Must.EITHER
+    """Expect what lasts longer than is bridged, and than it takes to be sent, echoed, confirmed."""
+    least = _COMMANDS_LATE + _ECHOED * subject.period
+    return Must.SAFE if sizes.lasts > least else Must.EITHER
 
 
 def _unless_early(least: float) -> Expect:

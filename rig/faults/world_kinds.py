@@ -159,11 +159,12 @@ def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
 def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
                magnitude: Magnitudes | None = None, lasts: Magnitudes | None = None,
+               forgives: frozenset[str] = frozenset(),
                excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     places = partial(_devices, fault or name, words)
     return _kind(
         name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
-        excuses=excuses,
+        forgives=forgives, excuses=excuses,
     )  # fmt: skip
 
 
@@ -182,7 +183,7 @@ PNEUMATIC = (
               why="at that pressure the rig may go on for as long as it is wanted"),
     _of_device("regulator_stuck_at", "A regulator goes to some pressure and stays there.", either,
                1.0, fault="regulator_stuck", magnitude=Magnitudes(5e3, 450e3, "Pa"),
-               why="at a pressure near that which is wanted nothing is amiss"),
+               why="at a pressure near that which is wanted nothing is amiss", forgives=_ALONE),
     _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5),
                _UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
