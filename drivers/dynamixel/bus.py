@@ -18,6 +18,7 @@ from drivers.dynamixel.settings import SerialBusSettings
 from rig.hal import Clock, DeviceFault
 
 _PUMP_PERIOD: Final = 0.25e-3  # how often configuration looks for an answer, s
+_ANSWERED: Final = 0.7  # share of the period that an answer may take: the line's load is less
 _READ_LIMIT: Final = 8192  # bytes of one cycle; a port that floods cannot stop the loop
 
 
@@ -170,7 +171,10 @@ class SerialBus:
                 self._parser.finish()
             return
         self._asked = False
-        self.read.settle(data, self._parser)
+        # A cycle that was late asks late, too: what then has not come is not the servos' doing.
+        gone = now - self.request_time
+        in_time = self.period is None or gone >= _ANSWERED * self.period
+        self.read.settle(data, self._parser, in_time=in_time)
         for take in self._listeners:
             take(self.request_time)
 

@@ -140,8 +140,11 @@ class CyclicRead:
         self._active = [servo for servo in self._active if servo not in gone]
         self._encode()
 
-    def settle(self, data: bytes, parser: StatusParser) -> None:
-        """Take the answer to the last request: what is not in these bytes is missing."""
+    def settle(self, data: bytes, parser: StatusParser, *, in_time: bool = True) -> None:
+        """Take the answer to the last request: what is not in these bytes is missing.
+
+        Nothing counts as missed of a request that was not sent in time for its answer.
+        """
         corrupt = parser.corrupt
         packets = parser.feed(data)
         links = self._links
@@ -158,6 +161,8 @@ class CyclicRead:
         seen = self._take_fast(packets) if self._fast else self._take_each(packets)
         if seen == len(active) and parser.corrupt == corrupt:
             self.silence = 0
+            return
+        if not in_time:
             return
         self._count(data, was_damaged=parser.corrupt != corrupt)
 

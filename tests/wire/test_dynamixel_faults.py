@@ -207,3 +207,32 @@ def test_the_host_that_speaks_too_early_is_heard_by_nobody():
     bench = Bench(3, bus={"baudrate": 115_200, "reply_timeout": 0.1}).start()
     bench.cycles_until_fault()
     assert bench.line.collisions > 0
+
+
+def late_cycle(bench, share):
+    """Run a cycle whose setpoints and request go out so late that `share` of it remains."""
+    start = bench.clock.now()
+    bench.bus.receive(start)
+    bench.device.check(start)
+    bench.clock.sleep_until(start + (1.0 - share) * PERIOD)
+    bench.bus.transmit(bench.clock.now())
+    bench.clock.sleep_until(start + PERIOD)
+
+
+def test_a_request_that_was_sent_too_late_for_its_answer_is_not_the_servos_doing():
+    bench = Bench(6).start()
+    bench.cycle(count=5)
+    for _ in range(10):
+        late_cycle(bench, 0.02)
+    bench.cycle(count=3)
+    assert bench.bus.statistics()["missed"] == 0
+    assert bench.device.positions().age(bench.clock.now()) < 2.5 * PERIOD
+
+
+def test_a_servo_that_is_silent_is_found_although_cycles_are_a_little_late():
+    bench = Bench(3).start()
+    bench.cycle(count=5)
+    bench.node.inject("joint_2.silent")
+    with pytest.raises(DeviceFault, match="does not answer any more"):
+        for _ in range(10):
+            late_cycle(bench, 0.75)
