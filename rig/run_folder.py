@@ -4,6 +4,7 @@ import contextlib
 import fcntl
 import json
 import os
+import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from enum import StrEnum
@@ -23,8 +24,7 @@ EVENTS = "events.jsonl"
 EVALUATION = "evaluation.json"
 METRICS = "metrics.json"
 TIMING = "timing.json"
-REPORT = "report.html"
-FIGURES = "figures"
+REPORT, FIGURES = "report.html", "figures"
 
 
 class RunStatus(StrEnum):
@@ -161,6 +161,7 @@ class RunFolder:
             The folder cannot be made or written to.
         """
         started = datetime.now(UTC) if now is None else now.astimezone(UTC)
+        path: Path | None = None
         try:
             path = _make_unique(Path(out), f"{started:%Y-%m-%dT%H%M%SZ}-{experiment}-{backend}")
             events_fd = os.open(path / EVENTS, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
@@ -191,6 +192,8 @@ class RunFolder:
             write_json(path / MANIFEST, manifest)
             SpareRoom(path).take()
         except OSError as error:
+            if path is not None:  # half of one looks like a run that goes on
+                shutil.rmtree(path, ignore_errors=True)
             raise ConfigurationError(
                 f"cannot make a run folder in {out}: {error.strerror or error}; "
                 "choose another place with --out"
@@ -218,7 +221,7 @@ class RunFolder:
             raise ConfigurationError(f"{path} is not a run folder that can be read: {trouble}")
         folder = cls(path, cast("Manifest", manifest))
         if folder.status is RunStatus.RUNNING and not folder.is_live():
-            # The process may have finished between our look at the manifest and at its lock.
+            # It may have finished since then.
             folder.manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
             if folder.status is RunStatus.RUNNING:
                 folder._mark_crashed()

@@ -33,7 +33,9 @@ def main(arguments: list[str] | None = None) -> None:
     preflight (never energised), 4 fault while running, 70 a bug of ours, 130 interrupted. What
     would be 0 is 2 if the output cannot be written.
     """
-    if sys.stderr is not None:
+    if sys.stderr is None:  # closed by the shell: what is opened next must not take its place
+        sys.stderr = open(os.open(os.devnull, os.O_WRONLY), "w", encoding="utf-8")  # noqa: SIM115, PTH123
+    else:
         sys.stderr = _talk_to(sys.stderr.fileno())
     before = sys.stdout
     how: tuple[str, str | None] = ("utf-8", None)

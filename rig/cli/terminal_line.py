@@ -17,7 +17,7 @@ class TerminalLine:
         self._fd: int | None = None
 
     def __enter__(self) -> Self:
-        if sys.stderr.isatty():
+        if sys.stderr is not None and sys.stderr.isatty():  # None: it was closed
             with contextlib.suppress(OSError):  # a console without a name
                 self._fd = os.open(
                     os.ttyname(sys.stderr.fileno()), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY

@@ -150,6 +150,8 @@ def what_must_come(case: Case, subject: Subject) -> Must:
     if case.moment is Moment.CONNECT and case.first.kind != "nothing":
         return Must.EITHER  # it may be refused, or be past before anybody looks
     if Must.SAFE in musts:
+        if case.first.kind == "interrupted_twice":
+            return Must.EITHER  # it is made safe in the next cycle: what comes then may be too late
         # While it connects or is made safe anyway, what breaks need not be told apart.
         return Must.SAFE if case.moment in _CONTROLLED else Must.EITHER
     return Must.EITHER if Must.EITHER in musts else Must.RIDE

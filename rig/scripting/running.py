@@ -226,7 +226,7 @@ def _shown(plan: Plan, on: str, progress: bool | None) -> Iterator[Watcher]:
     from rig.cli.progress import ProgressLine
 
     if progress is None:
-        progress = sys.stderr.isatty()
+        progress = sys.stderr is not None and sys.stderr.isatty()
     if not progress:
         yield Watcher()
         return

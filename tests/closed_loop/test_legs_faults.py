@@ -48,10 +48,10 @@ MORE_DRIVES = [
 ]
 
 
-def check_held(walk, words):
+def check_held(walk, words, within=3):
     for word in words:
         assert word in str(walk.outcome.fault)
-    assert walk.detected_after <= 3
+    assert walk.detected_after <= within
     # Latched: nothing but the operator's reset leaves it.
     assert walk.states.state is RigState.FAULT
     with pytest.raises(IllegalMove, match="latched by"):
@@ -73,7 +73,10 @@ def check_held(walk, words):
 @pytest.mark.parametrize(("target", "fault", "words"), SERVOS, ids=[row[1] for row in SERVOS])
 def test_fault_of_a_servo_in_mid_step(target, fault, words):
     plan = make_plan("legs-walk", *BRISK)
-    check_held(Walk(plan, IN_MID_SWING, lambda world, _: world.inject(target, fault)), words)
+    # Two answers on one wire may, once, leave the bits of one of them: nobody can tell that cycle.
+    within = 4 if fault.endswith("same_id") else 3
+    walk = Walk(plan, IN_MID_SWING, lambda world, _: world.inject(target, fault))
+    check_held(walk, words, within)
 
 
 @pytest.mark.slow

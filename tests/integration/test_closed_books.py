@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -213,3 +214,11 @@ def test_a_full_disk_is_named_with_what_is_lost(tmp_path, size):
     faults = [event for event in RunFolder.open(folder).events() if event["kind"] == "fault"]
     assert [event["message"] for event in faults] == [manifest["message"]]
     assert list(log.cycle) == list(range(len(log.cycle)))
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", ">&- 2>&-"])
+def test_who_closed_the_outputs_gets_a_run_all_the_same(tmp_path, closed):
+    words = shlex.join([*RIG, *rig_run(tmp_path, "--no-report")])
+    done = subprocess.run(["sh", "-c", f"{words} {closed}"], check=False, timeout=120)
+    assert done.returncode == 0
+    assert (manifest_of(tmp_path)["status"]) == "ok"

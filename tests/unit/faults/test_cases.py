@@ -263,3 +263,16 @@ def test_what_need_not_be_seen_is_never_late():
 def which_must(case):
     must = tuple(item.row.must(item.sizes, SUBJECT) is Must.SAFE for item in case.breaks)
     return {(True, False): "first", (False, True): "then", (True, True): "both"}.get(must)
+
+
+def test_what_breaks_after_two_interrupts_may_be_too_late_to_be_seen():
+    """The rig is made safe in the next cycle, and nobody looks any more."""
+    ended = CaseEnding(130, "stopped at once by the operator, made safe", 1.0, None)
+    found = 0
+    for case in RUNNING:
+        if case.first.kind == "interrupted_twice" and case.then is not None:
+            found += 1
+            assert not give_verdict(case, ended, SUBJECT).unseen
+        elif case.then is None and which_must(case) == "first":
+            assert give_verdict(case, ended, SUBJECT).unseen
+    assert found

@@ -1,5 +1,6 @@
 """The run folder: never reused, never half written, honest about a death."""
 
+import errno
 import hashlib
 import json
 import os
@@ -171,3 +172,21 @@ def test_git_state_of_a_checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert state is not None and state["dirty"] is True
     monkeypatch.setenv("PATH", str(tmp_path))
     assert provenance.git_state(tmp_path / "package") is None
+
+
+@pytest.mark.parametrize("fails", ["write_json", "SpareRoom", "beside another"])
+def test_a_folder_that_cannot_be_made_whole_is_not_left_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: str
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    if fails == "beside another":  # what was there before stays
+        create(tmp_path).finish(RunStatus.OK, 0)
+    monkeypatch.setattr(
+        "rig.run_folder." + ("write_json" if fails == "beside another" else fails), full
+    )
+    before = list(tmp_path.iterdir())
+    with pytest.raises(ConfigurationError, match="No space left on device"):
+        create(tmp_path, NOW + timedelta(seconds=5))
+    assert list(tmp_path.iterdir()) == before
