@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rig.exporting.arrays import matlab_names, write_mat, write_npz
 from rig.exporting.rows import write_csv, write_mcap, write_parquet
-from rig.hal import ConfigurationError, RigError
+from rig.hal import ConfigurationError
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogFile
 
@@ -21,7 +21,7 @@ FORMATS: dict[str, Callable[[LogFile, Path], None]] = {
 }
 
 
-class ExportError(RigError):
+class ExportError(ConfigurationError):
     """The exported file cannot be written."""
 
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import signal
+import threading
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -116,12 +120,26 @@ def sweep(
         plan = load_plan(request.experiment, options, rig=request.rig, configs=request.configs)
         if not may_move(plan, request.on, yes):
             return 2
-    found = run_sweep(request, SweepProgress)
+    with _ended_as_interrupted():
+        found = run_sweep(request, SweepProgress)
     if as_json:
         print_data(json.dumps(found.table, indent=2))
     else:
         show(found, request.best)
     return 130 if found.end == "interrupted" else 0
+
+
+@contextlib.contextmanager
+def _ended_as_interrupted() -> Iterator[None]:
+    """Take SIGTERM, by which batch systems end a job, for Ctrl-C: the table is written."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are not ours
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def show(found: Sweep, metric: str | None) -> None:

@@ -173,7 +173,7 @@ def evaluate(
             raise MetricError(f"metric {name}: {error}") from error
         except RigError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # nobody's measure ends the program
             if is_ours(measure.compute):
                 raise
             what = f"metric {name}: the measure {measure_name} ({where(measure.compute)})"

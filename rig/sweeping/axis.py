@@ -4,6 +4,7 @@ import re
 from fractions import Fraction
 from typing import Final, Literal, NamedTuple
 
+from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
 
 MAX_VALUES: Final = 100_000
@@ -100,7 +101,15 @@ def make_axis(setting: str, values: str) -> Axis | DrawnAxis:
     if found is None:
         if _MEANT_AS_RANGE.fullmatch(values):
             raise ConfigurationError(f"--vary {setting}={values}: no such range; there is {_FORMS}")
-        return Axis(setting, tuple(dict.fromkeys(_split(setting, values))))
+        listed = tuple(dict.fromkeys(_split(setting, values)))
+        bare = [value for value in listed if _unit_of(value) == "1"]
+        united = [value for value in listed if _unit_of(value) not in (None, "1")]
+        if bare and united:  # 1,2,3 mm: nobody means metres by the first two
+            raise ConfigurationError(
+                f"--vary {setting}={values}: {bare[0]!r} has no unit, and {united[0]!r} has one; "
+                "in a list each value has its own"
+            )
+        return Axis(setting, listed)
     low, high, count = float(found["low"]), float(found["high"]), int(found["count"])
     unit = found["unit"] or found.groupdict().get("unit_high") or ""
     if found.groupdict().get("unit_high") and found["unit"] not in ("", found["unit_high"]):
@@ -127,6 +136,14 @@ def make_axis(setting: str, values: str) -> Axis | DrawnAxis:
     else:
         numbers = _evenly(Fraction(found["low"]), Fraction(found["high"]), count)
     return Axis(setting, tuple(dict.fromkeys(with_unit(x, unit) for x in numbers)))
+
+
+def _unit_of(value: str) -> str | None:
+    """Return the SI unit of a quantity, "1" of a number, None of what is neither."""
+    try:
+        return parse_any_quantity(value)[1]
+    except UnitError:
+        return None
 
 
 def parse_seeds(text: str) -> Axis:

@@ -203,7 +203,7 @@ def test_export_says_where_it_cannot_write(capsys, tmp_path):
     path = make_run(tmp_path)
     target = tmp_path / "absent" / "log.csv"
     code, _, err = run(capsys, "export", path, "--format", "csv", "--out", target)
-    assert code != 0
+    assert code == 2
     assert str(target) in err and "Traceback" not in err
 
 

@@ -32,6 +32,8 @@ MOVING_RATIO = 0.5
 because any motion is slow where it turns."""
 SETTLING_BAND = 0.02
 """Share of the step within which it is settled (the usual 2 % criterion)."""
+_LEAST_STEP = 0.1e-3
+"""A pair that holds is off by as much as friction keeps it: less than this is no step, m."""
 JUMP_RATIO = 0.5
 """A reference that jumps by less than this share of the way to it is only held."""
 BREAKAWAY_TRAVEL = 20e-6
@@ -165,7 +167,8 @@ def _is_step(window: Window) -> bool:
     stays = float(
         np.ptp(reference[2:] if len(reference) > 2 else reference)
     ) <= SETTLING_BAND * abs(end - start)
-    return stays and abs(end - (start if before is None else before)) >= least
+    jump = abs(end - (start if before is None else before))
+    return stays and jump >= max(least, _LEAST_STEP)
 
 
 def _step_response(window: Window) -> "Array":

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rig.experiment.measure import local_slope
+from rig.experiment.measure import Measure, local_slope
 from rig.experiment.metrics import (
     MetricError,
     all_passed,
@@ -15,6 +15,7 @@ from rig.experiment.metrics import (
     evaluation_as_json,
     evaluation_from_json,
 )
+from rig.hal import ContractBroken
 from rig.hal.columns import Column
 from rig.hal.motion import Segment
 from rig.runtime.log import Log
@@ -119,8 +120,20 @@ def test_a_segment_that_is_no_step_has_no_step_response(measure: str) -> None:
         assert evaluate(log, (segment,), {measure: spec()}) == []
         with pytest.raises(MetricError, match=f"{measure}: no segment is a step"):
             evaluate(log, (segment,), {measure: spec(max=1.0)})
+    # A run that holds from its first cycle on, off by what friction keeps it off.
+    still = make_log(lambda t: np.zeros_like(t), lambda t: np.full_like(t, -15e-6))
+    assert evaluate(still, (whole,), {measure: spec()}) == []
     step = Segment("step", 1.0, 2.0)
     assert value(held, measure, hold, step) == value(held, measure, step)
+
+
+def test_a_measure_that_ends_the_program_is_refused_with_its_name() -> None:
+    def leave(windows: Any) -> float:
+        raise SystemExit(5)
+
+    log, whole = make_log(sine, sine), Segment("all", 0.0, 4.0)
+    with pytest.raises(ContractBroken, match="the measure mine .*SystemExit: 5"):
+        evaluate(log, (whole,), {"mine": spec()}, measures={"mine": Measure(leave, "", "mine")})
 
 
 def test_velocity_measures_of_a_stick_slip_ramp() -> None:

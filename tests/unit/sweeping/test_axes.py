@@ -188,3 +188,14 @@ def test_a_budget_is_a_time_or_a_number_of_points():
     for text in ("5 mm", "soon", "-3 s"):
         with pytest.raises(ConfigurationError, match="budget"):
             parse_budget(text)
+
+
+@pytest.mark.parametrize("values", ["1,2,3 mm", "1 mm,2", "1e-3, 2 mm"])
+def test_a_list_where_some_have_a_unit_and_some_have_none_is_refused(values):
+    with pytest.raises(ConfigurationError, match="in a list each value has its own"):
+        make_axis("reference.size", values)
+
+
+@pytest.mark.parametrize("values", ["1,2,3", "1e-3,2E-3", "1 mm,2 mm", "cascade,pid", "5,off"])
+def test_a_list_of_one_kind_is_taken(values):
+    assert make_axis("a", values).texts == tuple(values.split(","))
