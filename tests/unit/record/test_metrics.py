@@ -121,7 +121,7 @@ def test_a_segment_that_is_no_step_has_no_step_response(measure: str) -> None:
         with pytest.raises(MetricError, match=f"{measure}: no segment is a step"):
             evaluate(log, (segment,), {measure: spec(max=1.0)})
     # A run that holds from its first cycle on, off by what friction keeps it off.
-    still = make_log(lambda t: np.zeros_like(t), lambda t: np.full_like(t, -15e-6))
+    still = make_log(np.zeros_like, lambda t: np.full_like(t, -15e-6))
     assert evaluate(still, (whole,), {measure: spec()}) == []
     step = Segment("step", 1.0, 2.0)
     assert value(held, measure, hold, step) == value(held, measure, step)
@@ -132,7 +132,7 @@ def test_a_measure_that_ends_the_program_is_refused_with_its_name() -> None:
         raise SystemExit(5)
 
     log, whole = make_log(sine, sine), Segment("all", 0.0, 4.0)
-    with pytest.raises(ContractBroken, match="the measure mine .*SystemExit: 5"):
+    with pytest.raises(ContractBroken, match=r"the measure mine .*SystemExit: 5"):
         evaluate(log, (whole,), {"mine": spec()}, measures={"mine": Measure(leave, "", "mine")})
 
 
