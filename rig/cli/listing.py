@@ -82,7 +82,8 @@ def listing(
     print_tables(tables)
     for kind, entries in made.items():
         if not entries:
-            click.echo(f"no {kind}" + (f" in {out}" if kind == "runs" else ""), err=True)
+            asked = "" if where is None else f" of which {where} is true"
+            click.echo(f"no {kind}" + (f" in {out}" if kind == "runs" else "") + asked, err=True)
     return 0
 
 
@@ -94,7 +95,11 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     from rig.run_query import Candidate, choose
 
     chosen = choose(where, [Candidate(run._asdict(), _values(run)) for run in found])
-    return list(compress(found, chosen))
+    runs = list(compress(found, chosen))
+    for run in found:
+        if run.status == "unreadable" and run not in runs:
+            click.echo(f"{run.name} cannot be read: nothing is known of it", err=True)
+    return runs
 
 
 def _values(run: RunEntry) -> dict[str, tuple[float, str]]:

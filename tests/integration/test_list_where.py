@@ -103,3 +103,14 @@ def test_where_there_are_no_runs_no_metric_is_wrong(tmp_path, capsys):
 def test_only_runs_are_asked_for(runs, capsys):
     assert invoke(["list", "rigs", "--where", "status = ok"]) == 2
     assert "--where is for runs" in capsys.readouterr().err
+
+
+def test_a_run_that_cannot_be_read_is_said_and_none_is_told_from_none_such(runs, tmp_path, capsys):
+    for path in list(runs[0].iterdir())[:3]:
+        shutil.copytree(path, tmp_path / path.name)
+    spoilt = min(path.name for path in tmp_path.iterdir())
+    (tmp_path / spoilt / "manifest.json").write_text("{")
+    assert invoke(["list", "runs", "--out", str(tmp_path), "--where", "rig = crane"]) == 0
+    told = capsys.readouterr().err
+    assert f"{spoilt} cannot be read" in told
+    assert f"no runs in {tmp_path} of which rig = crane is true" in told
