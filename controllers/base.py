@@ -6,7 +6,7 @@ what a law may lack.
 """
 
 from abc import ABC, abstractmethod
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 State = TypeVar("State", contravariant=True)
 Reference = TypeVar("Reference", contravariant=True)
@@ -15,6 +15,22 @@ Motion = TypeVar("Motion", contravariant=True)
 Plan = TypeVar("Plan", covariant=True)
 Chosen = TypeVar("Chosen")
 Model = TypeVar("Model")
+
+
+class Tunable(NamedTuple):
+    """A number among a law's settings that a search may change.
+
+    Parameters
+    ----------
+    key : str
+        Its name in the settings, ``"feedforward.gain"``.
+    low, high : float
+        Bounds of the search, in the unit of the setting. It goes in equal ratios.
+    """
+
+    key: str
+    low: float
+    high: float
 
 
 class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
@@ -36,11 +52,14 @@ class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
     ----------
     Settings : type
         Dataclass of the law's entries in a profile.
+    tunables : tuple of Tunable
+        What `rig tune` may change of the settings; empty: nothing.
     settings, model, period
         As given.
     """
 
     Settings: ClassVar[type]
+    tunables: ClassVar[tuple[Tunable, ...]] = ()
 
     def __init__(self, settings: Chosen, model: Model, period: float) -> None:
         self.settings = settings
@@ -57,6 +76,10 @@ class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
     @abstractmethod
     def update(self, state: State, reference: Reference) -> Command:
         """Return the command for this period."""
+
+
+AnyLaw = Law[Any, Any, Any, Any, Any]
+"""A law of any mechanism."""
 
 
 class PlanningLaw(

@@ -61,18 +61,20 @@ class KernelMemory(Generic[Numbers]):
     """
 
     def __init__(self, numbers: Numbers) -> None:
-        self._kind = record_type(numbers)
-        self._bytes = _bytes_of(numbers, self._kind)
+        self.kind = record_type(numbers)
+        """Of the record."""
+        self.bytes = _bytes_of(numbers, self.kind)
+        """The record; a kernel sees it as ``bytes.view(kind)[0]``."""
 
     def lay(self, numbers: Numbers) -> None:
         """Copy the numbers of an object of the same kind anew."""
-        self._bytes[:] = _bytes_of(numbers, self._kind)
+        self.bytes[:] = _bytes_of(numbers, self.kind)
 
     def bind(
         self, function: Callable[Concatenate[Numbers, Arguments], Result]
     ) -> Callable[Arguments, Result]:
         """Return an `inlined` function compiled, with this memory for its first argument."""
-        return partial(kernel_of(function, self._kind), self._bytes)
+        return partial(kernel_of(function, self.kind), self.bytes)
 
 
 def record_type(numbers: PlainNumbers) -> "np.dtype[np.void]":
@@ -113,6 +115,14 @@ def _values(numbers: PlainNumbers) -> "tuple[Value, ...]":
     )
 
 
+def let_kernels_call() -> None:
+    """Make everything that is `inlined` callable by functions that numba compiles."""
+    from numba.extending import register_jitable
+
+    while _WAITING:
+        register_jitable(error_model="numpy")(_WAITING.pop())
+
+
 @cache
 def kernel_of(function: Function, kind: "np.dtype[np.void]") -> Function:
     """Return an `inlined` function compiled for memory, once in a process, or from the cache.
@@ -126,10 +136,7 @@ def kernel_of(function: Function, kind: "np.dtype[np.void]") -> Function:
     kind : dtype
         The `record_type` of the memory that the kernel takes for its first argument.
     """
-    from numba.extending import register_jitable
-
-    while _WAITING:
-        register_jitable(error_model="numpy")(_WAITING.pop())
+    let_kernels_call()
     digest = _digest(Path(function.__code__.co_filename).parent)
 
     def kernel(memory: "NDArray[np.uint8]", *arguments: object) -> object:

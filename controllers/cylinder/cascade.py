@@ -1,18 +1,13 @@
 """Cascade of position and velocity loops on an observer that is fed with measured pressures."""
 
-from controllers.compiled import KernelMemory
+from controllers.base import Tunable
 from controllers.cylinder.cascade_law import CascadeLaw
 from controllers.cylinder.cascade_settings import CascadeSettings
-from controllers.cylinder.law import PairLaw
-from controllers.cylinder.types import PairModel
-
-_REST = (0.0,) * 6
+from controllers.cylinder.numeric_law import NumericPairLaw
 
 
-class Cascade(PairLaw[CascadeSettings]):
+class Cascade(NumericPairLaw[CascadeSettings]):
     """Position over velocity over force, with an observer, feedforward, integral and lead.
-
-    The law itself is `CascadeLaw`: numbers, which run as Python until `compile` is called.
 
     Notes
     -----
@@ -21,21 +16,20 @@ class Cascade(PairLaw[CascadeSettings]):
     """
 
     Settings = CascadeSettings
-
-    def __init__(self, settings: CascadeSettings, model: PairModel, period: float) -> None:
-        super().__init__(settings, model, period)
-        self._law = CascadeLaw(settings, model, period)
-        self._step = self._law.step
-        self._memory: KernelMemory[CascadeLaw] | None = None
-
-    def compile(self) -> None:
-        """Run compiled from now on, for a loop: in a third of the time, after seconds once."""
-        self._memory = KernelMemory(self._law)
-        self._step = self._memory.bind(CascadeLaw.step)
-        self._step(*_REST)  # the first call is what compiles
-        self._memory.lay(self._law)
-
-    def _begin(self, position: float, difference: float) -> None:
-        self._law.reset(position, difference)
-        if self._memory is not None:
-            self._memory.lay(self._law)
+    Numbers = CascadeLaw
+    tunables = (
+        Tunable("position_rate", 2.0, 120.0),
+        Tunable("velocity_rate", 5.0, 700.0),
+        Tunable("integral", 1e2, 2e5),
+        Tunable("hold_integral", 1e2, 5e5),
+        Tunable("observer_bandwidth", 150.0, 1500.0),
+        Tunable("force_trust", 0.02, 1.0),
+        Tunable("lead_bandwidth", 60.0, 600.0),
+        Tunable("disturbance_gain", 0.01, 1.0),
+        Tunable("disturbance_bandwidth", 3.0, 200.0),
+        Tunable("anticipation", 0.1, 2.0),
+        Tunable("feedforward.gain", 0.3, 1.3),
+        Tunable("feedforward.distance", 2e-6, 300e-6),
+        Tunable("feedforward.learning_rate", 0.05, 10.0),
+        Tunable("feedforward.error_rate", 0.05, 50.0),
+    )

@@ -2,11 +2,12 @@
 
 import math
 
-from controllers.compiled import PlainNumbers, inlined
+from controllers.compiled import inlined
 from controllers.cylinder.cascade_settings import CascadeSettings
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward
 from controllers.cylinder.law import Integral, Output
+from controllers.cylinder.numeric_law import PairNumbers
 from controllers.cylinder.types import PairModel
 from controllers.estimators import ForceObserver, StandstillDetector, observer_gains
 
@@ -36,7 +37,7 @@ _grow = inlined(Integral.grow)
 _share = inlined(DifferentialRange.share)
 
 
-class CascadeLaw(PlainNumbers):
+class CascadeLaw(PairNumbers):
     """The numbers of a `Cascade`: its gains, what it remembers, and its step of one period.
 
     Parameters
@@ -77,7 +78,7 @@ class CascadeLaw(PlainNumbers):
         self._trim = 0.0
 
     def reset(self, position: float, difference: float) -> None:
-        """Start at a measured position (m) and difference of the pressures (Pa)."""
+        """Start bumplessly; see `PairNumbers.reset`."""
         differential = self._range.clip(difference)
         self._standstill.reset(position)
         self._observer.reset(position, self._force_trust * self._area * difference)
@@ -95,17 +96,7 @@ class CascadeLaw(PlainNumbers):
         wanted_acceleration: float,
         load: float,
     ) -> Output:
-        """Advance by one period.
-
-        Parameters
-        ----------
-        measured, difference : float
-            Position of the pair, m, and agonist's over antagonist's pressure, Pa.
-        wanted, wanted_velocity, wanted_acceleration : float
-            Reference, m, m/s, m/s².
-        load : float
-            Force that the motion is known to take beyond the pair's own, N.
-        """
+        """Advance by one period; see `PairNumbers.step`."""
         # What is asked for now acts after the dead time: it is worked out for that instant.
         ahead = self._preview
         wanted += ahead * (wanted_velocity + 0.5 * ahead * wanted_acceleration)

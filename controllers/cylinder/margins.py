@@ -13,7 +13,7 @@ margin and greatest sensitivity.
 
 import copy
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -78,12 +78,28 @@ def loop_margins(law: AnyPairLaw, model: PairModel) -> LoopMargins:
     model : PairModel
         The pair.
     """
-    linear = _linearise(law, model)
-    pair = _Pair(model, law.period)
+    return margins_around(law, (model,))[0]
+
+
+def margins_around(law: AnyPairLaw, models: Sequence[PairModel]) -> tuple[LoopMargins, ...]:
+    """Return the margins of the loop that a law closes around each of some pairs.
+
+    Parameters
+    ----------
+    law : PairLaw
+        It is linearised about a motion of the first one; it is not changed.
+    models : sequence of PairModel
+        The pairs.
+    """
+    linear = _linearise(law, models[0])
+    return tuple(_margins(linear, _Pair(model, law.period), law.period) for model in models)
+
+
+def _margins(linear: _Linear, pair: "_Pair", period: float) -> LoopMargins:
     closed = pair.closed(linear)
     stable = bool(np.max(np.abs(np.linalg.eigvals(closed))) < 1.0)
-    w = np.geomspace(1.0, 0.999 * math.pi / law.period, _POINTS)
-    loop = pair.loop(linear, np.exp(1j * w * law.period))
+    w = np.geomspace(1.0, 0.999 * math.pi / period, _POINTS)
+    loop = pair.loop(linear, np.exp(1j * w * period))
     sensitivity = float(np.max(1.0 / np.abs(1.0 + loop)))
     gain = np.log(np.abs(loop))
     crossings = np.flatnonzero(gain[:-1] * gain[1:] < 0.0)
@@ -91,7 +107,7 @@ def loop_margins(law: AnyPairLaw, model: PairModel) -> LoopMargins:
         return LoopMargins(stable, 0.0, math.pi, math.inf if stable else 0.0, sensitivity)
     share = gain[crossings] / (gain[crossings] - gain[crossings + 1])
     at = w[crossings] * (w[crossings + 1] / w[crossings]) ** share
-    left = np.angle(-pair.loop(linear, np.exp(1j * at * law.period)))
+    left = np.angle(-pair.loop(linear, np.exp(1j * at * period)))
     phase = float(left[np.argmin(np.abs(left))])
     delay = float(np.min(np.mod(left, 2.0 * math.pi) / at)) if stable else 0.0
     return LoopMargins(stable, float(at[-1]), abs(phase) if stable else -abs(phase), delay,

@@ -6,9 +6,17 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Unit
 
+from controllers.base import Tunable
+from controllers.compiled import inlined
 from controllers.cylinder.differential import DifferentialRange
-from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.law import Integral, Output
+from controllers.cylinder.numeric_law import NumericPairLaw, PairNumbers
 from controllers.cylinder.types import PairModel
+
+_clip = inlined(DifferentialRange.clip)
+_share = inlined(DifferentialRange.share)
+_wish = inlined(Integral.wish)
+_grow = inlined(Integral.grow)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +44,76 @@ class PidSettings:
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
 
 
-class Pid(PairLaw[PidSettings]):
+class PidLaw(PairNumbers):
+    """The numbers of a `Pid`, and its step of one period.
+
+    Parameters
+    ----------
+    settings : PidSettings
+        Gains.
+    model : PairModel
+        Pressures and area.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, settings: PidSettings, model: PairModel, period: float) -> None:
+        self._area = model.area
+        self._per_area = 1.0 / model.area
+        self._proportional = settings.proportional
+        self._derivative = settings.derivative
+        self._integral_step = settings.integral * period
+        self._per_period = 1.0 / period
+        self._share = 1.0 - math.exp(-period / settings.derivative_time)
+        self._range = DifferentialRange(model, settings.pressure_floor)
+        self._integral = Integral()
+        self._position = 0.0
+        self._velocity = 0.0
+
+    def reset(self, position: float, difference: float) -> None:
+        """Start bumplessly; see `PairNumbers.reset`."""
+        self._integral.reset(self._range.clip(difference))
+        self._position = position
+        self._velocity = 0.0
+
+    def step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        """Advance by one period; see `PairNumbers.step`."""
+        integral = self._integral
+        slope = (measured - self._position) * self._per_period
+        self._position = measured
+        self._velocity += self._share * (slope - self._velocity)
+        error = wanted - measured
+        feedforward = self._per_area * load
+        wish = _wish(
+            integral,
+            self._proportional * error
+            + self._derivative * (wanted_velocity - self._velocity)
+            + feedforward,
+        )
+        applied = _clip(self._range, wish)
+        _grow(integral, self._integral_step, error, wish - applied)
+        first, second = _share(self._range, applied)
+        return (
+            first,
+            second,
+            self._velocity,
+            -self._area * integral.value,
+            self._area * (wish - feedforward),
+        )
+
+
+inlined(PidLaw.step)
+
+
+class Pid(NumericPairLaw[PidSettings]):
     """PID with a filtered derivative and clamped anti-windup.
 
     References
@@ -46,47 +123,10 @@ class Pid(PairLaw[PidSettings]):
     """
 
     Settings = PidSettings
-
-    def __init__(self, settings: PidSettings, model: PairModel, period: float) -> None:
-        super().__init__(settings, model, period)
-        self._range = DifferentialRange(model, settings.pressure_floor)
-        self._integral = Integral()
-        self._integral_step = settings.integral * period
-        self._per_period = 1.0 / period
-        self._share = 1.0 - math.exp(-period / settings.derivative_time)
-        self._position = 0.0
-        self._velocity = 0.0
-
-    def _begin(self, position: float, difference: float) -> None:
-        self._integral.reset(self._range.clip(difference))
-        self._position = position
-        self._velocity = 0.0
-
-    def _step(
-        self,
-        measured: float,
-        difference: float,
-        wanted: float,
-        wanted_velocity: float,
-        wanted_acceleration: float,
-        load: float,
-    ) -> Output:
-        settings, integral = self.settings, self._integral
-        slope = (measured - self._position) * self._per_period
-        self._position = measured
-        self._velocity += self._share * (slope - self._velocity)
-        error = wanted - measured
-        feedforward = self._per_area * load
-        wish = integral.wish(
-            settings.proportional * error
-            + settings.derivative * (wanted_velocity - self._velocity)
-            + feedforward
-        )
-        applied = self._range.clip(wish)
-        integral.grow(self._integral_step, error, wish - applied)
-        return (
-            *self._range.share(applied),
-            self._velocity,
-            -self._area * integral.value,
-            self._area * (wish - feedforward),
-        )
+    Numbers = PidLaw
+    tunables = (
+        Tunable("proportional", 1e5, 5e8),
+        Tunable("integral", 1e5, 5e9),
+        Tunable("derivative", 1e3, 5e7),
+        Tunable("derivative_time", 1e-4, 2e-2),
+    )

@@ -28,6 +28,7 @@ from rig.hal import (
     Mechanism,
     Plant,
 )
+from rig.hal.bench import TuningBench
 from rig.hal.controller import Law
 from rig.hal.driver import BusSettings
 from rig.hal.hazards import Hazard
@@ -132,6 +133,20 @@ class InstalledParts:
         """Return whether a plant can be taken back to where it was."""
         rows = [row.plants[plant] for row in _additions() if plant in row.plants]
         return any(row.is_restorable for row in rows)
+
+    def lends_kernel(self, plant: str) -> bool:
+        """Return whether a plant lends its kernel to loops that are compiled as a whole."""
+        rows = [row.plants[plant] for row in _additions() if plant in row.plants]
+        return any(row.lends_kernel for row in rows)
+
+    def bench(self, mechanism: str) -> type[TuningBench] | None:
+        """Return what `rig tune` tries gains of a mechanism on; None: there is nothing."""
+        path = self.mechanism(mechanism).bench
+        if path is None:
+            return None
+        found: type[TuningBench] = load(path, f"mechanism {mechanism}: ")
+        check_offers(f"mechanism {mechanism}: {path}", found, TuningBench)
+        return found
 
     # What mechanisms add to the frameworks ----------------------------------------------
 

@@ -2,7 +2,7 @@
 
 import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Perturbation, Profile
 from rig.hal import ConfigurationError, Plant
 from rig.hal.columns import Column
+from rig.hal.plant import LentPlant
 
 
 def make_plant(profile: Profile) -> Any:
@@ -109,6 +110,46 @@ def install(profile: Profile, plant: Any, name: str) -> tuple[Any, Any]:
     if wiring.perturb is not None and profile.simulation.perturbation != Perturbation():
         port = wiring.perturb(plant, draw(bounds, seed))
     return wiring, dataclasses.replace(of, plant=port, channels=channels)
+
+
+def lend_plant(
+    profile: Profile, told: Mapping[str, float], seed: int, substep: float | None = None
+) -> LentPlant:
+    """Lend a plant that is as the laws are told, for a loop that runs compiled as a whole.
+
+    Parameters
+    ----------
+    profile : Profile
+        Its plant says what a model does not tell: hysteresis, tubes, noise.
+    told : mapping
+        Numbers of the mechanism's model, SI (`rig.hal.PhysicsSettings.believed`).
+    seed : int
+        Of what units are off, and of the devices' noise.
+    substep : float, optional
+        Other than the plant's own, s.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has no plant, or its plant lends nothing.
+    """
+    from drivers.sim.direct.encoders import SimulatedEncoder
+    from drivers.sim.direct.regulators import SimulatedRegulators
+
+    devices = build_sim(profile).devices.values()
+    rods = [device.resolution for device in devices if isinstance(device, SimulatedEncoder)]
+    chambers = [device.resolution for device in devices if isinstance(device, SimulatedRegulators)]
+    entry = profile.plant
+    if entry is None or not REGISTRY.lends_kernel(entry.model) or not rods or not chambers:
+        model = "without a plant" if entry is None else f"with the plant {entry.model}"
+        raise ConfigurationError(f"the profile {profile.name}, {model}, has no kernel to lend")
+    settings = entry.settings.believed(told)
+    if substep is not None:
+        settings = dataclasses.replace(settings, substep=substep)
+    believed = dataclasses.replace(entry, settings=settings)
+    simulation = dataclasses.replace(profile.simulation, seed=seed)
+    plant = make_plant(dataclasses.replace(profile, plant=believed, simulation=simulation))
+    return LentPlant(*plant.lend(profile.loop.period, max(rods), max(chambers), seed))
 
 
 def board_renderer(

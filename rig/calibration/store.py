@@ -19,9 +19,7 @@ from rig.config.diagnostics import Problems
 from rig.config.yaml_loader import read_source
 from rig.hal import ConfigurationError
 
-_HEADER = (
-    "# Written by rig calibrate; the last line seals it. Values of your own go into the profile.\n"
-)
+_HEADER = "# Written by rig {}; the last line seals it. Values of your own go into the profile.\n"
 
 _WORSE = 0.95
 """A fit is worse if chance explains its larger residuals with less than one in twenty."""
@@ -163,8 +161,10 @@ def check_not_worse(finding: Finding, procedure: str, old: Content | None) -> No
         )
 
 
-def write(configs: Path, rig: str, target: str, content: Content) -> Path:
-    """Write a calibration file and its copy in the history, whole or not at all.
+def write(
+    configs: Path, rig: str, target: str, content: Content, command: str = "calibrate"
+) -> Path:
+    """Write a calibration file of a command and its copy in the history, whole or not at all.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def write(configs: Path, rig: str, target: str, content: Content) -> Path:
     """
     path = configs / "calibration" / rig / f"{target}.yaml"
     body = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100)
-    text = seal(_HEADER + body)
+    text = seal(_HEADER.format(command) + body)
     stamp = content["provenance"]["date"].replace(":", "").replace("+0000", "Z")
     kept = path.parent / HISTORY / target / f"{stamp}.yaml"
     try:

@@ -25,6 +25,9 @@ from rig.config.yaml_loader import read_source
 COMMON_KEYS: Final = ("driver", "bus", "serial", "calibration")
 """What a device's entry says beside its driver's settings."""
 
+STATED: Final = "profile"
+"""Backend of gains that rest on what a profile states, and on no measurement."""
+
 HISTORY: Final = "history"
 """Folder beside a rig's calibrations that keeps every one that was ever written."""
 

@@ -3,8 +3,9 @@
 from datetime import date, datetime
 from typing import NamedTuple
 
-from rig.config.calibration import HARDWARE, UNKNOWN
+from rig.config.calibration import HARDWARE, STATED, UNKNOWN
 from rig.config.models import Calibration, Profile
+from rig.config.profile import TUNED
 
 
 class CalibrationState(NamedTuple):
@@ -53,6 +54,9 @@ def calibration_states(
         serial = None if entry is None else entry.serial
         procedure = calibration.provenance.procedure or "--all"
         remedy = f"rig calibrate {profile.name} {procedure} --replace --on hardware"
+        if name.startswith(TUNED):
+            law = name.removeprefix(TUNED)
+            remedy = f"rig tune {profile.name} --controller {law} --replace"
         problems = _problems(calibration, serial, today)
         if on_hardware:
             problems = (*_strangeness(calibration), *problems)
@@ -62,7 +66,7 @@ def calibration_states(
 
 def _strangeness(calibration: Calibration) -> tuple[str, ...]:
     of = calibration.provenance
-    if of.backend == HARDWARE:
+    if of.backend in (HARDWARE, STATED):
         return ()
     if of.backend in (None, UNKNOWN):
         return ("does not say whether it was measured on hardware",)

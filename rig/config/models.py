@@ -208,6 +208,8 @@ class Profile:
         What was laid over the mechanism's settings.
     uncalibrated : object
         The mechanism's settings without it.
+    tunings : dict
+        What `rig tune` has laid over controllers' settings, by name; no part of its value.
     """
 
     name: str
@@ -223,6 +225,7 @@ class Profile:
     files: tuple[Path, ...] = field(default=(), compare=False)
     calibration: Calibration | None = None
     uncalibrated: object = None
+    tunings: dict[str, Calibration] = field(default_factory=dict, compare=False)
 
     @property
     def nominal_settings(self) -> Settings:
@@ -231,9 +234,10 @@ class Profile:
 
     @property
     def calibrations(self) -> dict[str, Calibration]:
-        """Every calibration in force, by device or by the mechanism's name."""
+        """What is in force, by device, by the mechanism's name, or by ``controllers.LAW``."""
         found = {name: entry.calibration for name, entry in self.devices.items()}
         found[self.mechanism] = self.calibration
+        found.update({f"controllers.{law}": used for law, used in self.tunings.items()})
         return {name: used for name, used in found.items() if used is not None}
 
 

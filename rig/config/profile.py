@@ -42,6 +42,9 @@ PROFILE_KEYS: Final = (
 """Top-level keys of a profile, besides the one that its mechanism's name makes."""
 
 
+TUNED: Final = "controllers."
+"""Before a law's name in the name of the file that holds the gains that were found for it."""
+
 DEFAULT_PROTOCOL: Final = "canopen"
 """What is spoken on a bus whose entry does not say."""
 
@@ -170,7 +173,7 @@ def _calibrate(
             continue  # refused, or already laid over: a resolved profile
         found = find_calibration(rig, name, search)
         if found is None:
-            if wish is True and choice is not None:
+            if wish is True and choice is not None and not name.startswith(TUNED):
                 problems.add(
                     choice.mark,
                     f"{name} has no calibration calibration/{rig}/{name}.yaml",
@@ -198,6 +201,11 @@ def _calibratable(root: Node) -> Iterator[tuple[str, tuple[str, ...], Node]]:
     if mechanism is not None and isinstance(mechanism.value, str):
         # The whole profile says whether its mechanism wants one: its section is its settings.
         yield mechanism.value, (mechanism.value,), root
+    controllers = root.get("controllers")
+    if controllers is not None and isinstance(controllers.value, dict):
+        for name in controllers.value:
+            if is_name(name):
+                yield f"{TUNED}{name}", ("controllers", name), root
 
 
 class _Reader(Sections):
@@ -252,6 +260,11 @@ class _Reader(Sections):
             files=files,
             calibration=calibration,
             uncalibrated=uncalibrated,
+            tunings={
+                name.removeprefix(TUNED): calibration
+                for name, calibration in self._calibrations.items()
+                if name.startswith(TUNED)
+            },
         )
 
     def _mechanism(self) -> tuple[object, Calibration | None, object]:

@@ -28,12 +28,15 @@ class PlantModel:
         without it `rig faults` cannot judge the rig.
     is_restorable : bool
         It is a `rig.hal.RestorablePlant`; without that nothing is known of frozen setpoints.
+    lends_kernel : bool
+        It is a `rig.hal.plant.LendingPlant`; without that `rig tune` cannot work with it.
     """
 
     settings: Path
     plant: Path
     hazards: Path | None = None
     is_restorable: bool = False
+    lends_kernel: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,10 +84,13 @@ class MechanismParts(Additions):
         Dataclass of the profile's section with the mechanism's name.
     view : Path
         The class that the loop runs, a `rig.hal.Mechanism`.
+    bench : Path, optional
+        A `rig.hal.bench.TuningBench`, on which `rig tune` tries gains; without it nothing is tuned.
     """
 
     settings: Path
     view: Path
+    bench: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

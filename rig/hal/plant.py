@@ -1,8 +1,8 @@
 """The port of a plant: what the simulation needs of the physics of a mechanism."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
-from typing import Protocol, Self
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple, Protocol, Self
 
 
 class Plant(Protocol):
@@ -71,6 +71,46 @@ class RestorablePlant(Plant, Protocol):
         """Go back to a snapshot of this plant."""
 
 
+class LentPlant(NamedTuple):
+    """A plant with its devices as one compiled function, for loops that are compiled as a whole.
+
+    Parameters
+    ----------
+    exchange : callable
+        ``exchange(memory, setpoints, seen, truth)`` writes into `seen` what the devices measure
+        now (the extensions of all rods in m, then the pressures of all chambers in Pa gauge),
+        takes `setpoints` (Pa gauge), integrates over one period, and writes into `truth` what is
+        true then of the axes that are controlled, SI. Compiled functions may call it.
+    memory : tuple
+        What it works on and changes in place: arrays, and tuples of arrays.
+    """
+
+    exchange: Callable[..., None]
+    memory: tuple[object, ...]
+
+
+class LendingPlant(Plant, Protocol):
+    """A plant that lends its kernel to loops that are compiled as a whole."""
+
+    @abstractmethod
+    def lend(
+        self, period: float, rod_step: float, pressure_step: float, seed: int
+    ) -> tuple[Callable[..., None], tuple[object, ...]]:
+        """Return what a `LentPlant` is made of; from then on that alone advances the plant.
+
+        Its supply is open.
+
+        Parameters
+        ----------
+        period : float
+            The loop's, s.
+        rod_step, pressure_step : float
+            The finest steps of the devices, m and Pa.
+        seed : int
+            Of the devices' noise.
+        """
+
+
 class PhysicsSettings(Protocol):
     """The settings of a plant. Inherit it: what has a default need not be written."""
 
@@ -93,3 +133,17 @@ class PhysicsSettings(Protocol):
             By how much more the rods are extended when the wires are taut, m.
         """
         return self
+
+
+class LendingSettings(PhysicsSettings, Protocol):
+    """The settings of a plant that lends its kernel."""
+
+    @abstractmethod
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """Return the settings of a plant that is as the laws are told that the rig is.
+
+        Parameters
+        ----------
+        told : mapping
+            Numbers of the mechanism's model by name, SI (`Mechanism.model_of`).
+        """

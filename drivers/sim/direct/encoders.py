@@ -63,7 +63,8 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         self.stroke = stroke
         self._channel = self._own_channel = channel
         self._plant = plant
-        self._resolution = resolution
+        self.resolution = resolution
+        """Of its position, m."""
         self._speed_resolution = speed_resolution
         self._max_speed = max_speed
         self._frozen_until = 0.0
@@ -110,7 +111,7 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         position = self._position
         ((here,), t), ((before,), then) = position, self._before
         moved = here - before
-        bound = self._max_speed * (t - then) + self._resolution
+        bound = self._max_speed * (t - then) + self.resolution
         if moved > bound or -moved > bound:
             raise DeviceFault(
                 self.name,
@@ -125,7 +126,7 @@ class SimulatedEncoder(SimulatedDevice, LinearEncoder):
         """Do nothing: an encoder moves nothing."""
 
     def _sample(self) -> None:
-        now, step = self._clock.now(), self._resolution
+        now, step = self._clock.now(), self.resolution
         if now < self._silent_until:
             return
         if now < self._frozen_until:

@@ -95,7 +95,8 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
         self.channels = tuple(channels)
         self.pressure_range = pressure_range
         self._plant = plant
-        self._resolution = resolution
+        self.resolution = resolution
+        """Of its monitors, Pa."""
         self._deviation = deviation
         self._deviation_time = deviation_time
         count = len(self.channels)
@@ -216,7 +217,7 @@ class SimulatedRegulators(SimulatedDevice, PressureRegulator, EmergencyStopInput
                 give(channel, pressure)
 
     def _sample(self) -> None:
-        now, step, pressure = self._clock.now(), self._resolution, self._plant.pressure
+        now, step, pressure = self._clock.now(), self.resolution, self._plant.pressure
         if now < self._silent_until:
             return
         values = tuple([round(pressure(k) / step) * step for k in self._numbers])

@@ -4,7 +4,13 @@ import math
 
 import numpy as np
 
-from drivers.sim.plants.pair_kernel import PAIR_PARAMETERS, PAIR_STATE, advance_pair
+from drivers.sim.plants.lending import Kernel, Lending, Memory
+from drivers.sim.plants.pair_kernel import (
+    PAIR_PARAMETERS,
+    PAIR_STATE,
+    advance_pair,
+    tell_pair,
+)
 from drivers.sim.plants.parameters import scale_seals
 from drivers.sim.plants.pneumatic_plant import (
     EXTENSION,
@@ -110,6 +116,14 @@ class AntagonisticPairPlant(PneumaticPlant):
             cells[WIDTH + TENSION],
             pair.item(_SUPPLY) - ATMOSPHERE,
         )
+
+    def lend(
+        self, period: float, rod_step: float, pressure_step: float, seed: int
+    ) -> tuple[Kernel, Memory]:
+        """Return its kernel; see `rig.hal.plant.LendingPlant`. The axis is the carriage."""
+        bodies = (self.channels, self.parameters, self.queues, self.pair, self.pair_parameters)
+        timing = Lending(period, rod_step, pressure_step, seed)
+        return self.lend_kernel((advance_pair, tell_pair), bodies, timing)
 
     def _integrate(self, steps: int) -> None:
         advance_pair(

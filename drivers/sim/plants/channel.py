@@ -117,7 +117,10 @@ PARAMETERS = np.dtype(
             "pilot_filter",
             "monitor_time",
             "tube_length",
-            "tube_bore",
+            "tube_push",  # `SegmentNumbers` of each of its segments
+            "tube_drag",
+            "tube_unit",
+            "tube_rise",  # Pa/kg, of the air between two of them
             "tube_volume",
             "outlet_volume",
         )
@@ -206,7 +209,9 @@ def valve_flows(state: Record, p: Record, downstream: float, supply: float) -> t
 def step_chamber(state: Record, p: Record, supply: float, dt: float) -> None:
     """Step the chamber's pressure over the piston's motion of this step, and the tube's."""
     volume = p.dead_volume + p.area * (p.stroke - state.extension)
-    outflow = mass_flow(state.leak, p.critical_ratio, state.pressure, ATMOSPHERE)
+    outflow = 0.0
+    if state.leak > 0.0:
+        outflow = mass_flow(state.leak, p.critical_ratio, state.pressure, ATMOSPHERE)
     if p.tube_length > 0.0:
         fed, exhausted = valve_flows(state, p, state.outlet, supply)
         step_tube(state, p, dt)

@@ -12,6 +12,7 @@ from drivers.sim.plants.settings import (
     SealFriction,
     WireSettings,
 )
+from drivers.sim.plants.tube import SEGMENTS, rise_per_mass, segment_numbers
 
 
 def draw_channel(
@@ -44,6 +45,8 @@ def draw_channel(
     linearity, bandwidth, friction = rng.uniform(-1.0, 1.0, 3)
     full_scale = regulator.full_scale
     unit_friction = 1.0 + friction_spread * friction
+    segment = segment_numbers(tube.length / SEGMENTS, tube.bore)
+    tube_volume = math.pi / 4.0 * tube.bore**2 * tube.length
     values = {
         "full_scale": full_scale,
         "hysteresis": regulator.hysteresis * full_scale,
@@ -81,8 +84,11 @@ def draw_channel(
         "pilot_filter": regulator.pilot_filter,
         "monitor_time": regulator.monitor_time,
         "tube_length": tube.length,
-        "tube_bore": tube.bore,
-        "tube_volume": math.pi / 4.0 * tube.bore**2 * tube.length,
+        "tube_push": segment.push,
+        "tube_drag": segment.drag,
+        "tube_unit": segment.unit,
+        "tube_rise": rise_per_mass(tube_volume),
+        "tube_volume": tube_volume,
         "outlet_volume": tube.outlet,
     }
     return tuple(values[name] for name in PARAMETERS.names or ())

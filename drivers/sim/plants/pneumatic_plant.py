@@ -16,6 +16,7 @@ from drivers.sim.plants.channel import (
     STUCK_CLOSED,
     STUCK_OPEN,
 )
+from drivers.sim.plants.lending import DEVICES, Kernel, Lending, Memory, exchange_of, memory_of
 from drivers.sim.plants.parameters import draw_channel
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.push import Push
@@ -207,6 +208,19 @@ class PneumaticPlant(ABC):
         self._supply_open = snapshot.supply_open
         self._modes, self._locked = list(snapshot.modes), list(snapshot.locked)
         self._shown = list(snapshot.shown)
+
+    def lend_kernel(
+        self, kernels: tuple[Kernel, Kernel], bodies: tuple[Array, ...], timing: Lending
+    ) -> tuple[Kernel, Memory]:
+        """Return the plant's kernel with its devices, and what it works on."""
+        self.set_supply(True)
+        devices = np.zeros(len(self.channel_names), DEVICES)
+        devices["is_filtered"] = self._monitor[0] == _MONITOR
+        devices["monitor_gain"], devices["monitor_zero"] = self._monitor_gains, self._monitor_zeros
+        devices["monitor_noise"] = self._common.regulator.monitor_noise * self._full_scale
+        devices["rod_noise"] = self._common.encoder_noise
+        devices["full_scale"], devices["codes"] = self._full_scale, self._codes
+        return exchange_of(*kernels), memory_of(bodies, devices, timing, self._dt)
 
     def _moving(self) -> tuple[Array, ...]:
         """Return the arrays that change as the plant moves."""

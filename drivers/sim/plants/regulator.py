@@ -8,7 +8,7 @@ All pressures gauge, Pa.
 
 import math
 
-from drivers.sim.plants.compiled import Record, inlined
+from drivers.sim.plants.compiled import Record, inlined, vanish
 from drivers.sim.plants.pneumatics import ATMOSPHERE, flow_function
 
 _DRAW_FACTOR, _DRAW_MODULUS = 16807.0, 2147483647.0
@@ -152,4 +152,4 @@ def step_opening(
     """
     beyond = error - min(max(error, -dead_band), dead_band)
     wanted = min(max(beyond / band, -1.0), 1.0)
-    return opening + (wanted - opening) * dt / (time_constant + dt)
+    return vanish(opening + (wanted - opening) * dt / (time_constant + dt))

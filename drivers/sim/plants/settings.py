@@ -4,6 +4,8 @@ Sources of the defaults: V, seen in a catalogue or paper; C, a catalogue value f
 knowledge; E, an estimate. Pressures are gauge where a catalogue gives gauge, and say so.
 """
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, Self
 
@@ -15,6 +17,11 @@ from drivers.sim.plants.regulator_settings import (
     RegulatorSettings,
     TubeSettings,
 )
+
+SOUND = 343.0
+"""Speed of sound in a tube, m/s."""
+_LEAST_MASS = 0.01
+"""Of a carriage, kg: what settings allow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,6 +197,35 @@ class PneumaticPlantSettings:
             home=self.home + wire_offset,
         )
 
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """Return the settings of a plant that is as the laws are told that the rig is.
+
+        Parameters
+        ----------
+        told : mapping
+            ``area``, ``base_pressure``, ``coulomb``, ``stribeck_velocity``, and the regulators'
+            ``regulator_bandwidth``, ``regulator_damping`` and ``regulator_dead_time``, SI.
+        """
+        seals, regulator, cylinder = SEALS[self.seals], self.regulator, self.cylinder
+        pressure, area = told["base_pressure"], told["area"]
+        # Of a pair at its base pressure: two seals, and the seat that both wires load.
+        nominal = 2.0 * (seals.coulomb + (seals.pressure + seals.seat * area) * pressure)
+        # A calibration sees a dead time at the monitor: all of these come before it.
+        late = 0.5 * regulator.sampling + regulator.valve_time + regulator.monitor_time
+        late += self.tube.length / SOUND
+        return replace(
+            self,
+            friction_scale=told["coulomb"] / nominal,
+            stribeck_scale=told["stribeck_velocity"] / seals.stribeck_velocity,
+            cylinder=replace(cylinder, bore=math.sqrt(4.0 * area / math.pi + cylinder.rod**2)),
+            regulator=replace(
+                regulator,
+                bandwidth=told["regulator_bandwidth"],
+                damping=told["regulator_damping"],
+                dead_time=max(told["regulator_dead_time"] - late, 0.0),
+            ),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class PlantSettings(PneumaticPlantSettings):
@@ -202,6 +238,13 @@ class PlantSettings(PneumaticPlantSettings):
     """
 
     carriage: CarriageSettings = field(default_factory=CarriageSettings)
+
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """See `PneumaticPlantSettings.believed`; besides, the carriage has the ``mass`` told."""
+        # By its name: a dataclass with slots is made anew, which an empty super() does not see.
+        like = PneumaticPlantSettings.believed(self, told)
+        mass = max(told["mass"] - 2.0 * self.cylinder.mass, _LEAST_MASS)
+        return replace(like, carriage=replace(self.carriage, mass=mass))
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ PARTS = MechanismParts(
     mechanism="cylinder",
     settings=f"{_HERE}.settings:CylinderSettings",
     view=f"{_HERE}.mechanism:AntagonisticPair",
+    bench=f"{_HERE}.bench:PairBench",
     controllers={
         "pid": f"{_LAWS}.pid:Pid",
         "pid-friction": f"{_LAWS}.pid_friction:PidFriction",
@@ -27,6 +28,7 @@ PARTS = MechanismParts(
             "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
             "drivers.sim.hazards:pair_hazards",
             is_restorable=True,
+            lends_kernel=True,
         )
         for name, settings in (
             ("antagonistic-pair", "PlantSettings"),

@@ -1,0 +1,168 @@
+"""`rig tune`: gains that a rig and its uncertainty bear."""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import os
+import shlex
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.names import complete_config, complete_rig, configs_option, set_option
+from rig.cli.tables import Table, print_tables
+
+if TYPE_CHECKING:
+    from rig.tuning.search import FoundGains
+    from rig.tuning.verdict import EnsembleVerdict
+    from rig.tuning.workbench import Request, Workbench
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.option("--controller", default="cascade", show_default=True, help="The law.")
+@click.option(
+    "--for", "experiment", metavar="EXPERIMENT", shell_complete=complete_config,
+    help="Tune for its motion; default: slow and fast ones of the rig, and holds.",
+)  # fmt: skip
+@click.option("--generations", type=click.IntRange(3), default=60, show_default=True,
+              help="Of twelve candidates each.")  # fmt: skip
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True,
+              help="Of the plants and of the search.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(1), help="Processes; default: every core.")
+@click.option("--dry-run", is_flag=True, help="Put nothing in force.")
+@click.option("--replace", is_flag=True, help="Put in force what is found, though it be worse.")
+@click.option("--operator", default=None, help="Who tunes; default: the user's name.")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
+              help="Where the search keeps what it has tried.")  # fmt: skip
+@set_option
+@configs_option
+def tune(rig: str, controller: str, experiment: str | None, **options: Any) -> int:
+    """Find gains of RIG's law, and write configs/calibration/RIG/controllers.LAW.yaml.
+
+    The law runs on simulated plants that are as the profile and its calibration say, and on
+    others within what they leave open. Gains are put in force that keep their distance from
+    instability on all of them; the older file is kept, as by `rig calibrate`, whose --history,
+    --diff and --restore take controllers.LAW for a device. Interrupted, the same command goes on.
+    """
+    from rig.config.names import find_configs
+    from rig.sweeping.errors import SweepStopped
+    from rig.tuning.search import GainSearch
+    from rig.tuning.verdict import judge, objections
+    from rig.tuning.workbench import Request, Workbench
+
+    configs = options["configs"]
+    request = Request(
+        rig, controller, experiment, tuple(options["overrides"]),
+        None if configs is None else str(configs.resolve()), options["seed"],
+    )  # fmt: skip
+    bench = Workbench(request)
+    folder = _folder(options["out"], bench, request)
+    _announce(bench, options["generations"], folder)
+    try:
+        search = GainSearch(
+            bench, request, folder, options["workers"] or os.cpu_count() or 1,
+            options["generations"],
+        )  # fmt: skip
+        found = search.run()
+    except SweepStopped as stop:
+        click.echo(f"tune: {stop}", err=True)
+        return 3
+    except KeyboardInterrupt:
+        click.echo(f"interrupted; the same command goes on from {folder}", err=True)
+        return 130
+    click.echo("on every plant of the ensemble, before and now …", err=True)
+    before, now = judge(bench, search.before), judge(bench, found.gains)
+    _show(bench, before, now)
+    _draw(folder, found, now, before)
+    against = objections(now, before)
+    for objection in against:
+        click.echo(f"against these gains: {objection}", err=True)
+    if options["dry_run"]:
+        return 0
+    if against and not options["replace"]:
+        click.echo("nothing was changed; --replace puts them in force all the same", err=True)
+        return 1
+    return _apply(bench, request, now, find_configs(configs), options)
+
+
+def _folder(out: Path, bench: Workbench, request: Request) -> Path:
+    from rig.config.dump import dump_resolved
+    from rig.sweeping.code import code_version
+
+    text = f"{request.text()} {dump_resolved(bench.profile)} {code_version().digest}"
+    name = hashlib.sha256(text.encode()).hexdigest()[:8]
+    return out / f"tune-{bench.profile.name}-{request.controller}-{name}"
+
+
+def _announce(bench: Workbench, generations: int, folder: Path) -> None:
+    from rig.tuning.search import GENERATION
+
+    bounds = ", ".join(
+        f"{name} {low:g} to {high:g}" for name, (low, high) in bench.ensemble.bounds.items()
+    )
+    click.echo(
+        f"{len(bench.tunables)} gains, {generations} generations of {GENERATION}, each on several "
+        f"plants for {bench.duration:.0f} s; {len(bench.ensemble.corners())} plants in all: "
+        f"{bounds}",
+        err=True,
+    )
+    click.echo(f"what is tried is kept in {folder}", err=True)
+
+
+def _show(bench: Workbench, before: EnsembleVerdict, now: EnsembleVerdict) -> None:
+    from rig.config import format_quantity
+
+    def text(value: float) -> str:
+        return format_quantity(value, bench.unit) if value < float("inf") else "lost"
+
+    rows = []
+    for name in now.nominal.errors:
+        told = [text(verdict.nominal.errors.get(name, float("inf"))) for verdict in (before, now)]
+        worst = [verdict.worst(name) for verdict in (before, now)]
+        rows.append((f"error, {name}", *told, *(text(value) for value, _ in worst),
+                     worst[1][1].name or "as told"))  # fmt: skip
+    head = ("rms", "told: before", "now", "worst: before", "now", "worst where")
+    quiet = [
+        ("hunting", text(before.hunting), text(now.hunting)),
+        ("reversals of a setpoint", *(f"{v.reversals:.1f} /s" for v in (before, now))),
+        ("lost plants", str(len(before.lost)), str(len(now.lost))),
+        ("drawn plants with enough margin", *(f"{100 * v.robust:.0f} %" for v in (before, now))),
+        ("cost", f"{before.cost:.3f}", f"{now.cost:.3f}"),
+    ]
+    gains = [(name, f"{before.gains[name]:g}", f"{gain:g}") for name, gain in now.gains.items()]
+    print_tables([
+        Table("errors on the plant as told, and on the worst", head, rows),
+        Table("the most on any plant", ("what", "before", "now"), quiet),
+        Table("gains", ("gain", "before", "now"), gains),
+    ])  # fmt: skip
+
+
+def _draw(folder: Path, found: FoundGains, now: EnsembleVerdict, before: EnsembleVerdict) -> None:
+    from rig.tuning.figure import draw_tuning
+
+    for path in draw_tuning(folder / "tuning", found.costs, now, before):
+        click.echo(str(path), err=True)
+
+
+def _apply(
+    bench: Workbench, request: Request, now: EnsembleVerdict, search: Sequence[Path],
+    options: dict[str, Any],
+) -> int:  # fmt: skip
+    from rig.tuning.overlay import put_in_force
+
+    facts = {
+        "command": shlex.join(["rig", *sys.argv[1:]]),
+        "tuned for": request.experiment or "sines and holds",
+        "generations": str(options["generations"]),
+    }
+    path = put_in_force(
+        bench, request, now, search=search, operator=options["operator"] or getpass.getuser(),
+        facts=facts,
+    )  # fmt: skip
+    click.echo(str(path), err=True)
+    return 0

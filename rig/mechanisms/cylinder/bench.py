@@ -1,0 +1,167 @@
+"""The loop of one pair, compiled as a whole with its plant: what `rig tune` tries gains on."""
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import asdict, replace
+from functools import cache
+from typing import Final, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.compiled import KernelMemory, let_kernels_call
+from controllers.cylinder.law import Output
+from controllers.cylinder.margins import margins_around
+from controllers.cylinder.numeric_law import AnyNumericLaw, NumericPairLaw
+from controllers.cylinder.types import PairModel
+from rig.hal import ConfigurationError
+from rig.hal.bench import Lend, Trial, TuningBench
+from rig.hal.mechanism import ClosedLoop
+from rig.hal.plant import LentPlant
+from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.mechanisms.cylinder.programme import Programme, reversals_of
+from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
+from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
+
+Array = NDArray[np.float64]
+Bytes = NDArray[np.uint8]
+Kernel = Callable[..., int]
+Step = Callable[..., Output]
+
+_SETTLING: Final = 1.0
+"""At base pressure before control begins, s."""
+_LOST: Final = 1.5
+"""Farther out than this share of the permitted positions, a pair is lost."""
+
+
+class PairBench(TuningBench):
+    """Closed loops of one pair; see `TuningBench`."""
+
+    unit = "m"
+    unknowns = UNKNOWNS
+
+    def __init__(
+        self,
+        settings: CylinderSettings,
+        law: type[AnyNumericLaw],
+        period: float,
+        lend: Lend,
+        motions: Sequence[PairMotion] = (),
+    ) -> None:
+        if not issubclass(law, NumericPairLaw) or not law.tunables:
+            raise ConfigurationError(f"{law.__name__} has nothing that could be tuned")
+        self._settings, self._law, self._period, self._lend = settings, law, period, lend
+        self._model = AntagonisticPair.model_of(settings)
+        self._programme = Programme.of(motions or _usual(settings), period)
+        self._limits = _limits(settings, period)
+        self._settled: dict[tuple[object, ...], tuple[LentPlant, object, Array]] = {}
+        self.duration = len(self._programme.references) * period
+
+    def told(self) -> dict[str, float]:
+        """Return the numbers of the model that laws are told, SI."""
+        return asdict(self._model)
+
+    def trial(self, chosen: object, true: Mapping[str, float], seed: int) -> Trial:
+        """Run a law on a plant; see `TuningBench.trial`."""
+        trace, cycles = self.run(chosen, true, seed)
+        of = self._programme
+        lasted = cycles / len(of.references)
+        if lasted < 1.0:
+            return Trial({}, 0.0, 0.0, lasted)
+        errors = trace[:, 0] - of.references[:, 0]
+        reversals = max(reversals_of(trace[:, k]) for k in (1, 2))
+        return Trial(of.rms(errors), of.hunting(errors), reversals / self.duration, 1.0)
+
+    def run(self, chosen: object, true: Mapping[str, float], seed: int) -> tuple[Array, int]:
+        """Return position (m) and both setpoints (Pa) of each cycle, and how many it lasted."""
+        law = self._law(chosen, self._model, self._period)
+        lent, settled, seen = self._settle(true, seed)
+        seen = seen.copy()
+        memory = deepcopy(settled)
+        difference = seen[2] - seen[3]
+        law.numbers.reset(0.5 * (seen[1] - seen[0]), difference)
+        numbers = KernelMemory(law.numbers)
+        loop = _loop(type(law.numbers).step, numbers.kind, lent.exchange)
+        motion = self._programme.references
+        trace = np.zeros((len(motion), 3))
+        return trace, loop(numbers.bytes, memory, seen, motion, self._limits, trace)
+
+    def margins(
+        self, chosen: object, plants: Sequence[Mapping[str, float]]
+    ) -> Sequence[ClosedLoop]:
+        """Return the margins around each plant; see `TuningBench.margins`."""
+        law = self._law(chosen, self._model, self._period)
+        models = [replace(self._model, **_numbers(plant)) for plant in plants]
+        return [ClosedLoop(*margin) for margin in margins_around(law, models)]
+
+    def _settle(self, true: Mapping[str, float], seed: int) -> tuple[LentPlant, object, Array]:
+        """Return a plant at rest at base pressure, and what its devices show."""
+        key = (seed, *sorted(true.items()))
+        if key not in self._settled:
+            lent = self._lend(true, seed)
+            seen, truth = np.zeros(4), np.zeros(1)
+            base = np.full(2, self._settings.base_pressure)
+            for _ in range(round(_SETTLING / self._period)):
+                lent.exchange(lent.memory, base, seen, truth)
+            self._settled[key] = lent, lent.memory, seen
+        return self._settled[key]
+
+
+def _numbers(plant: Mapping[str, float]) -> dict[str, float]:
+    return {name: plant[name] for name in PairModel.__dataclass_fields__}
+
+
+def _usual(settings: CylinderSettings) -> tuple[PairMotion, ...]:
+    """Return what a pair is tuned for if nobody says: slow and fast sines, and holds."""
+    lower, upper = settings.limits.position
+    half = 0.25 * (upper - lower)
+    middle = 0.5 * (lower + upper)
+    tones = (SineTone(0.1, 2), SineTone(0.2, 2), SineTone(0.5, 3))
+    levels = tuple(middle + share * half for share in (0.0, 0.3, 0.8, 0.0, -0.1))
+    return Sine(half, tones), Staircase(levels, rise=0.5, dwell=2.0)
+
+
+def _limits(settings: CylinderSettings, period: float) -> Array:
+    """Return what the choke point and the program keep to, in the order of the kernel."""
+    limits = settings.limits
+    lower, upper = limits.pressure
+    force, farthest = limits.pair_force / settings.area, max(map(abs, limits.position))
+    return np.array([force, lower, upper, limits.pressure_rate * period, _LOST * farthest])
+
+
+@cache
+def _loop(step: Step, kind: "np.dtype[np.void]", exchange: Callable[..., None]) -> Kernel:
+    """Return the loop of a law on a plant, compiled."""
+    import numba
+
+    let_kernels_call()
+
+    def loop(
+        law_bytes: Bytes, memory: object, seen: Array, motion: Array, limits: Array, trace: Array
+    ) -> int:  # pragma: no cover - compiled
+        law = law_bytes.view(kind)[0]
+        most, lower, upper, rate, lost = limits
+        setpoints, truth = seen[2:].copy(), np.zeros(1)
+        for k in range(len(motion)):
+            wanted, velocity, acceleration = motion[k]
+            position, difference = 0.5 * (seen[1] - seen[0]), seen[2] - seen[3]
+            agonist, antagonist, _, _, _ = step(
+                law, position, difference, wanted, velocity, acceleration, 0.0
+            )
+            apart = agonist - antagonist
+            if abs(apart) > most:  # as `AntagonisticPair.limit` and `VectorLimiter` clip it
+                mean = 0.5 * (agonist + antagonist)
+                agonist = mean + np.copysign(0.5 * most, apart)
+                antagonist = 2.0 * mean - agonist
+            for channel, asked in enumerate((agonist, antagonist)):
+                inside = min(max(asked, lower), upper)
+                before = setpoints[channel]
+                setpoints[channel] = before + min(max(inside - before, -rate), rate)
+            exchange(memory, setpoints, seen, truth)
+            trace[k, 0], trace[k, 1], trace[k, 2] = truth[0], setpoints[0], setpoints[1]
+            if not abs(truth[0]) < lost:
+                return k
+        return len(motion)
+
+    return cast(Kernel, numba.njit(error_model="numpy")(loop))

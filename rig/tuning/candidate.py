@@ -1,0 +1,70 @@
+"""One candidate of a search, judged where a worker is."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rig.sweeping.finding import MetricCell, PointFinding, one_line
+from rig.sweeping.point import PointJob
+from rig.sweeping.source import PointSource
+from rig.tuning.score import LOST, UNSTABLE, score
+from rig.tuning.workbench import Workbench, workbench_of
+
+PERFORM = "rig.tuning.candidate:perform"
+
+
+def job_of(
+    text: str,
+    gains: Mapping[str, float],
+    members: Sequence[int],
+    code: str,
+    folder: Path,
+    name: str,
+) -> PointJob:
+    """Return a candidate as a worker gets it.
+
+    Parameters
+    ----------
+    text : str
+        Of the request.
+    gains : mapping of str to float
+        To be judged.
+    members : sequence of int
+        Of the ensemble's corners: on these.
+    code, folder, name
+        Of the code, of the search, and of this candidate.
+    """
+    options = (text, json.dumps(gains), json.dumps(list(members)))
+    return PointJob(name, PointSource("", (), None, "", code), options, folder, folder)
+
+
+def perform(job: PointJob) -> PointFinding:
+    """Judge a candidate; return its cost."""
+    text, gains, members = job.options
+    try:
+        cost = cost_of(workbench_of(text), json.loads(gains), json.loads(members))
+    except ValueError as error:  # the law refuses these gains
+        return PointFinding(
+            point=job.name, status="refused", reason=one_line(str(error)), metrics=[]
+        )
+    cell = MetricCell(name="cost", value=cost, unit="", bound=None, kind=None)
+    return PointFinding(point=job.name, status="ok", reason="", metrics=[cell])
+
+
+def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]) -> float:
+    """Return what gains cost on some corners of the ensemble.
+
+    No time is spent on those that are not stable, nor on more plants than one that is lost.
+    """
+    corners = bench.ensemble.corners()
+    chosen = [corners[number] for number in members]
+    margins = bench.margins(gains, chosen)
+    unstable = sum(not margin.stable for margin in margins)
+    if unstable:
+        return UNSTABLE + unstable + sum(min(margin.sensitivity, 9.0) for margin in margins)
+    trials = []
+    for number, member in enumerate(chosen):
+        trials.append(bench.trial(gains, member, coarse=True))
+        if trials[-1].lasted < 1.0:
+            return LOST + len(chosen) - number - trials[-1].lasted
+    return score(trials, margins).cost

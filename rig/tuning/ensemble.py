@@ -1,0 +1,113 @@
+"""The plants that gains have to bear: what is told of a rig, and what may be true instead."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from rig.hal.bench import Unknown
+
+Numbers = dict[str, float]
+"""A mechanism's model by the names of its numbers, SI."""
+
+
+class Member(NamedTuple):
+    """One plant of the ensemble.
+
+    Parameters
+    ----------
+    name : str
+        What is other in it than told; empty: nothing.
+    numbers : dict of str to float
+        Of its model.
+    seed : int
+        Of what its units are off besides.
+    """
+
+    name: str
+    numbers: Numbers
+    seed: int
+
+
+class Ensemble:
+    """Plants within what is not known of a rig.
+
+    Parameters
+    ----------
+    told : mapping of str to float
+        Numbers of the model that the laws are told, SI.
+    unknowns : sequence of Unknown
+        What may be other.
+    measured : iterable of str
+        Keys of the mechanism's section that a calibration has replaced.
+    seed : int
+        Of the units.
+    """
+
+    def __init__(
+        self,
+        told: Mapping[str, float],
+        unknowns: Sequence[Unknown],
+        measured: Iterable[str],
+        seed: int,
+    ) -> None:
+        self._told, self._unknowns, self._seed = dict(told), tuple(unknowns), seed
+        known = set(measured)
+        self.bounds = {
+            unknown.name: unknown.measured if unknown.measured_by in known else unknown.guessed
+            for unknown in unknowns
+        }
+        """Of each unknown, as its `Unknown.unit` says."""
+
+    @property
+    def nominal(self) -> Member:
+        """The plant that is as told."""
+        return Member("", dict(self._told), self._seed)
+
+    def corners(self) -> list[Member]:
+        """Return every combination of least, told and greatest, the nominal plant first."""
+        levels = []
+        for unknown in self._unknowns:
+            low, high = self.bounds[unknown.name]
+            levels.append((0.0 if unknown.unit else 1.0, low, high))
+        found = [self._member(values, self._seed + k) for k, values in enumerate(product(*levels))]
+        return [self.nominal, *found[1:]]
+
+    def first(self) -> tuple[int, ...]:
+        """Return the numbers of the corners that stand for all at first.
+
+        The nominal plant, and half of those where everything is least or greatest: of any two
+        unknowns every combination is among them.
+        """
+        levels = product(range(3), repeat=len(self._unknowns))
+        extreme = [
+            number for number, level in enumerate(levels)
+            if 0 not in level and level.count(2) % 2 == 1
+        ]  # fmt: skip
+        return (0, *extreme)
+
+    def draw(self, count: int) -> list[Member]:
+        """Return plants anywhere within the bounds, from the ensemble's seed."""
+        rng = np.random.default_rng([self._seed, count])
+        lows, highs = np.array([self.bounds[u.name] for u in self._unknowns]).T
+        values = rng.uniform(lows, highs, (count, len(self._unknowns)))
+        return [self._member(row, self._seed + 1000 + k) for k, row in enumerate(values.tolist())]
+
+    def _member(self, values: Iterable[float], seed: int) -> Member:
+        numbers, words = dict(self._told), []
+        for unknown, value in zip(self._unknowns, values, strict=True):
+            for name in unknown.numbers:
+                one = numbers[name]
+                numbers[name] = max(one + value, 0.0) if unknown.unit else one * value
+            if value != (0.0 if unknown.unit else 1.0):
+                words.append(_said(unknown, value))
+        return Member(", ".join(words), numbers, seed)
+
+
+def _said(unknown: Unknown, value: float) -> str:
+    if unknown.unit == "s":
+        return f"{unknown.name} {value * 1e3:+.3g} ms"
+    return f"{unknown.name} {value:+.3g} {unknown.unit}" if unknown.unit else (
+        f"{unknown.name} x {value:.3g}"
+    )  # fmt: skip

@@ -1,0 +1,69 @@
+"""One figure of a tuning: the search, the errors on every plant, and the margins."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rig.report.style import BLUE, GREY, INK, PAGE, VERMILION, new_figure, paper_style
+from rig.tuning.score import SENSITIVITY
+from rig.tuning.verdict import EnsembleVerdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_MOST_SHOWN = 4.0
+"""Greatest sensitivity that is drawn where it is."""
+
+
+def draw_tuning(
+    path: Path, costs: Sequence[float], now: EnsembleVerdict, before: EnsembleVerdict
+) -> tuple[Path, ...]:
+    """Draw a tuning into files of a name, as png and svg; return them."""
+    with paper_style():
+        figure = new_figure(PAGE, 62.0)
+        search, errors, margins = figure.subplots(1, 3, width_ratios=(1.0, 1.5, 1.0))
+        search.plot(range(len(costs)), costs, color=BLUE)
+        search.set_xlabel("generation")
+        search.set_ylabel("least cost")
+        _draw_errors(errors, now, before)
+        _draw_margins(margins, now, before)
+        written = []
+        for suffix in ("png", "svg"):
+            written.append(path.with_suffix(f".{suffix}"))
+            figure.savefig(written[-1], metadata={"Date": None} if suffix == "svg" else None)
+    return tuple(written)
+
+
+def _draw_errors(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -> None:
+    """Draw each plant's error of each stretch; the plant that is as told has a ring."""
+    names = list(now.nominal.errors)
+    for verdict, color, shift, label in ((before, GREY, -0.16, "before"), (now, BLUE, 0.16, "now")):
+        for place, name in enumerate(names):
+            values = [1e3 * trial.errors[name] for trial in verdict.trials if name in trial.errors]
+            spread = shift + np.linspace(-0.1, 0.1, max(len(values), 1))
+            axes.plot(place + spread[: len(values)], values, ".", ms=3.0, color=color,
+                      label=label if place == 0 else None)  # fmt: skip
+            if name in verdict.nominal.errors:
+                told = 1e3 * verdict.nominal.errors[name]
+                axes.plot(place + shift, told, "o", ms=5.0, mfc="none", color=INK, mew=0.7)
+    axes.set_xticks(range(len(names)), labels=names)
+    axes.set_yscale("log")
+    axes.set_ylabel("error (mm rms), ring: as told")
+    lost = [len(verdict.lost) for verdict in (before, now)]
+    title = f"lost plants: {lost[0]} before, {lost[1]} now" if any(lost) else ""
+    axes.legend(title=title, loc="upper left", bbox_to_anchor=(0.0, 1.16), ncols=2)
+
+
+def _draw_margins(axes: "Axes", now: EnsembleVerdict, before: EnsembleVerdict) -> None:
+    for verdict, color in ((before, GREY), (now, BLUE)):
+        sizes = sorted(
+            min(margin.sensitivity, _MOST_SHOWN) if margin.stable else _MOST_SHOWN
+            for margin in verdict.margins
+        )
+        axes.step(sizes, np.arange(1, len(sizes) + 1) / len(sizes), color=color, where="post")
+    axes.axvline(SENSITIVITY, color=VERMILION, lw=0.8, ls="--")
+    axes.set_xlim(1.0, 1.02 * _MOST_SHOWN)
+    axes.set_xlabel("sensitivity (4: or more)")
+    axes.set_ylabel("share of drawn plants")

@@ -1,0 +1,64 @@
+"""One number for gains on an ensemble: accuracy where they are quiet, and what they overstep."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Final, NamedTuple
+
+from rig.hal.bench import Trial
+from rig.hal.mechanism import ClosedLoop
+
+SENSITIVITY: Final = 1.7
+"""Greatest sensitivity that a loop may have: it is then at least 1/1.7 from the critical point."""
+REVERSALS: Final = 25.0
+"""So often may a setpoint turn round by 25 kPa, 1/s: a valve's life is counted in them."""
+_QUIET: Final = 0.1e-3
+"""More motion than this in a hold is hunting, SI."""
+_FINEST: Final = 1e-6
+"""Errors below this are none, SI."""
+LOST: Final = 100.0
+"""Cost of gains that lose a plant, and more the earlier they do."""
+UNSTABLE: Final = 200.0
+"""Cost of gains that are not stable, and more the farther they are from it."""
+_WORST: Final = 0.5
+"""Weight of the worst plant beside the nominal one."""
+_PER_SENSITIVITY: Final = 3.0
+_PER_REVERSAL: Final = 1.0 / REVERSALS
+
+
+class Score(NamedTuple):
+    """The worth of gains; less is better.
+
+    Parameters
+    ----------
+    cost : float
+        Mean logarithm of the nominal and of the worst errors, and what is overstepped.
+    errors : float
+        Its first part.
+    """
+
+    cost: float
+    errors: float
+
+
+def score(trials: Sequence[Trial], margins: Sequence[ClosedLoop]) -> Score:
+    """Judge gains by their trials, the nominal plant's first, and by their margins.
+
+    The errors of slow and fast motions count by their ratios: no unit and no rig's size is in it.
+    """
+    if any(trial.lasted < 1.0 for trial in trials):
+        return Score(LOST, math.inf)
+    if not all(margin.stable for margin in margins):
+        return Score(UNSTABLE, math.inf)
+    nominal = trials[0].errors
+    worst = {name: max(trial.errors[name] for trial in trials) for name in nominal}
+    errors = _mean_log(nominal.values()) + _WORST * _mean_log(worst.values())
+    over = [max(0.0, trial.reversals - REVERSALS) * _PER_REVERSAL for trial in trials]
+    hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / _QUIET)) for trial in trials]
+    near = max((margin.sensitivity - SENSITIVITY for margin in margins), default=0.0)
+    overstepped = (sum(over) + sum(hunts)) / len(trials) + max(over)
+    return Score(errors + overstepped + _PER_SENSITIVITY * max(near, 0.0), errors)
+
+
+def _mean_log(errors: Iterable[float]) -> float:
+    logs = [math.log(max(error, _FINEST) / 1e-3) for error in errors]
+    return sum(logs) / len(logs)

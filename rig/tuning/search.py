@@ -1,0 +1,192 @@
+"""The search for gains: a covariance matrix adaptation over candidates that workers judge.
+
+References
+----------
+N. Hansen, "The CMA evolution strategy: a tutorial", arXiv:1604.00772, 2016.
+"""
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from pathlib import Path
+from typing import Final, NamedTuple, Protocol
+
+import numpy as np
+
+from rig.sweeping.best import KEEP_ALL, Best
+from rig.sweeping.code import code_version
+from rig.sweeping.coordinator import Coordinator, Limits
+from rig.sweeping.engine import WorkerSetup
+from rig.sweeping.journal import Journal
+from rig.sweeping.point import PointJob
+from rig.sweeping.pool import Pool
+from rig.sweeping.progress import SweepProgress
+from rig.tuning.candidate import PERFORM, job_of
+from rig.tuning.gains import gains_at, place_of, values_of
+from rig.tuning.score import score
+from rig.tuning.workbench import Request, Workbench
+
+GENERATION: Final = 12
+"""Candidates at once: what CMA takes for some 15 numbers."""
+_STEPS: Final = (0.2, 0.12, 0.06)
+"""Of each part of the search as it begins, as a share of the bounds."""
+_MORE: Final = 2
+"""So many plants come in before each part but the first: those that the best gains bear least."""
+_FIRST_LOOK: Final = 4
+"""So many generations look anywhere; the best of them is where the search begins."""
+_BAD: Final = 300.0
+"""Cost of gains that a law refuses."""
+
+
+class FoundGains(NamedTuple):
+    """The end of a search.
+
+    Parameters
+    ----------
+    gains : dict of str to float
+        The best.
+    costs : tuple of float
+        The least cost after each generation.
+    members : tuple of int
+        Corners of the ensemble that it was judged on in the end.
+    """
+
+    gains: dict[str, float]
+    costs: tuple[float, ...]
+    members: tuple[int, ...]
+
+
+class GainSearch:
+    """A search that goes on where it was broken off: what was judged before is not judged again.
+
+    Parameters
+    ----------
+    bench : Workbench
+        Of the request.
+    request : Request
+        What is tuned.
+    folder : Path
+        Keeps what was judged.
+    workers : int
+        Processes.
+    generations : int
+        How many.
+    """
+
+    def __init__(
+        self, bench: Workbench, request: Request, folder: Path, workers: int, generations: int
+    ) -> None:
+        self._bench, self._text, self._folder = bench, request.text(), folder
+        self._code = code_version().digest
+        self._rng = np.random.default_rng(request.seed)
+        self._workers, self._generations = workers, generations
+        self.before = values_of(bench.tunables, bench.settings)
+        """The gains that the profile has."""
+
+    def run(self) -> FoundGains:
+        """Search.
+
+        Raises
+        ------
+        SweepStopped
+            It cannot go on; what was judged is kept.
+        """
+        setup = WorkerSetup(PERFORM, self._code, self._folder.resolve() / "workers.log")
+        progress = SweepProgress((self._generations + _FIRST_LOOK) * GENERATION)
+        with closing(Journal(self._folder)) as journal, closing(Pool(self._workers, setup)) as pool:
+            judge = _Judge(self._text, self._code, self._folder, journal, pool, progress)
+            try:
+                return self._go(judge, progress)
+            finally:
+                progress.clear()
+
+    def _go(self, judge: "_Judge", progress: SweepProgress) -> FoundGains:
+        tunables, count = self._bench.tunables, len(self._bench.tunables)
+        members = self._bench.ensemble.first()
+        looks = [place_of(tunables, self._bench.settings)]
+        looks += self._rng.uniform(size=(_FIRST_LOOK * GENERATION - 1, count)).tolist()
+        costs = judge([gains_at(tunables, place) for place in looks], members)
+        best, least = looks[int(np.argmin(costs))], min(costs)
+        history = [least]
+        for part, step in zip(_parts(self._generations), _STEPS, strict=True):
+            if history[1:]:
+                members = self._with_worst(gains_at(tunables, best), members)
+                least = math.inf  # judged on more plants, it costs more
+            strategy = self._strategy(best, step)
+            for _ in range(part):
+                places = strategy.ask()
+                costs = judge([gains_at(tunables, place) for place in places], members)
+                strategy.tell(places, costs)
+                if min(costs) < least:
+                    best, least = list(places[int(np.argmin(costs))]), min(costs)
+                history.append(least)
+            progress.say(f"cost {least:.3f} on {len(members)} plants")
+        return FoundGains(gains_at(tunables, best), tuple(history), members)
+
+    def _strategy(self, place: Sequence[float], step: float) -> "_Strategy":
+        import cma
+
+        options = {
+            "bounds": [0.0, 1.0], "popsize": GENERATION, "verbose": -9,
+            "seed": int(self._rng.integers(1, 2**31)),
+        }  # fmt: skip
+        strategy: _Strategy = cma.CMAEvolutionStrategy(np.clip(place, 0.01, 0.99), step, options)
+        return strategy
+
+    def _with_worst(self, gains: Mapping[str, float], members: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the members, and besides the corners that these gains bear least."""
+        bench, corners = self._bench, self._bench.ensemble.corners()
+        nominal = bench.trial(gains, corners[0], coarse=True)
+        costs = {}
+        for number, corner in enumerate(corners):
+            if number not in members:
+                trial = bench.trial(gains, corner, coarse=True)
+                costs[number] = score([nominal, trial], bench.margins(gains, [corner])).cost
+        worst = sorted(costs, key=lambda number: -costs[number])
+        return (*members, *worst[:_MORE])
+
+
+class _Strategy(Protocol):
+    """A search that is asked for places and told what they cost."""
+
+    def ask(self) -> Sequence[Sequence[float]]: ...
+
+    def tell(self, places: Sequence[Sequence[float]], costs: Sequence[float]) -> None: ...
+
+
+class _Judge:
+    """Has candidates judged by workers, the same ones never twice."""
+
+    def __init__(
+        self, text: str, code: str, folder: Path, journal: Journal, pool: Pool,
+        progress: SweepProgress,
+    ) -> None:  # fmt: skip
+        self._text, self._code, self._folder = text, code, folder
+        self._journal, self._pool, self._progress = journal, pool, progress
+
+    def __call__(
+        self, candidates: Sequence[Mapping[str, float]], members: tuple[int, ...]
+    ) -> list[float]:
+        """Return what candidates cost on some corners of the ensemble."""
+        jobs = [self._job(gains, members) for gains in candidates]
+        best = Best(None, KEEP_ALL, self._folder)
+        coordinator = Coordinator(self._journal, self._pool, self._progress, Limits(), best)
+        coordinator.run(iter(jobs))
+        return [self._cost(job.name) for job in jobs]
+
+    def _job(self, gains: Mapping[str, float], members: tuple[int, ...]) -> PointJob:
+        text = json.dumps([self._text, gains, members, self._code])
+        name = hashlib.sha256(text.encode()).hexdigest()[:32]
+        return job_of(self._text, gains, members, self._code, self._folder, name)
+
+    def _cost(self, name: str) -> float:
+        metrics = self._journal[name]["metrics"] if name in self._journal else []
+        return metrics[0]["value"] if metrics else _BAD
+
+
+def _parts(generations: int) -> list[int]:
+    """Return how the generations are parted: the last part has what is left."""
+    each = generations // len(_STEPS)
+    return [*(each for _ in _STEPS[1:]), generations - each * (len(_STEPS) - 1)]

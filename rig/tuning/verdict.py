@@ -1,0 +1,99 @@
+"""What gains come to on the whole ensemble, on plants as fine as those that experiments run on."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rig.hal.bench import Trial
+from rig.hal.mechanism import ClosedLoop
+from rig.tuning.ensemble import Member
+from rig.tuning.score import SENSITIVITY, score
+from rig.tuning.workbench import Workbench
+
+DRAWN = 200
+"""Plants whose margins are looked at."""
+ENOUGH = 0.99
+"""Share of them whose loop must keep its distance from the critical point."""
+
+
+class EnsembleVerdict(NamedTuple):
+    """The outcome of gains on the whole ensemble.
+
+    Parameters
+    ----------
+    gains : dict of str to float
+        The gains.
+    members : tuple of Member
+        The corners of the ensemble, the nominal plant first.
+    trials : tuple of Trial
+        On each.
+    margins : tuple of ClosedLoop
+        On plants drawn from the ensemble.
+    cost : float
+        What the search minimises.
+    """
+
+    gains: dict[str, float]
+    members: tuple[Member, ...]
+    trials: tuple[Trial, ...]
+    margins: tuple[ClosedLoop, ...]
+    cost: float
+
+    @property
+    def lost(self) -> list[Member]:
+        """The plants that were lost."""
+        both = zip(self.members, self.trials, strict=True)
+        return [member for member, trial in both if trial.lasted < 1.0]
+
+    @property
+    def nominal(self) -> Trial:
+        """What they did on the plant that is as told."""
+        return self.trials[0]
+
+    def worst(self, stretch: str) -> tuple[float, Member]:
+        """Return the greatest error of a stretch of the motion, and on which plant it was."""
+        errors = [trial.errors.get(stretch, np.inf) for trial in self.trials]
+        number = int(np.argmax(errors))
+        return float(errors[number]), self.members[number]
+
+    @property
+    def reversals(self) -> float:
+        """The most reversals of a setpoint, 1/s."""
+        return max(trial.reversals for trial in self.trials)
+
+    @property
+    def hunting(self) -> float:
+        """The greatest motion in a hold, peak to peak, SI."""
+        return max(trial.hunting for trial in self.trials)
+
+    @property
+    def robust(self) -> float:
+        """Share of the drawn plants whose loop keeps its distance from the critical point."""
+        kept = [margin.stable and margin.sensitivity <= SENSITIVITY for margin in self.margins]
+        return float(np.mean(kept))
+
+
+def judge(bench: Workbench, gains: Mapping[str, float]) -> EnsembleVerdict:
+    """Run gains on every corner of the ensemble, and look at the margins of drawn plants."""
+    members = tuple(bench.ensemble.corners())
+    trials = tuple(bench.trial(gains, member, coarse=False) for member in members)
+    margins = bench.margins(gains, [bench.ensemble.nominal, *bench.ensemble.draw(DRAWN)])[1:]
+    return EnsembleVerdict(
+        dict(gains), members, trials, tuple(margins), score(trials, margins).cost
+    )
+
+
+def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
+    """Return why gains are not to be put in force; empty: nothing speaks against them."""
+    found = []
+    if now.lost:
+        found.append(f"they lose {len(now.lost)} of {len(now.trials)} plants")
+    if now.robust < ENOUGH:
+        found.append(
+            f"only {100 * now.robust:.0f} % of {len(now.margins)} drawn plants keep a sensitivity "
+            f"of at most {SENSITIVITY:g}"
+        )
+    if now.cost >= before.cost:
+        found.append(f"they cost {now.cost:.3f}, those in force {before.cost:.3f}")
+    return found
