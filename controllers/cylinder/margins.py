@@ -29,6 +29,8 @@ _WARM = 400
 _SHARE = 1e-3
 """Of what a memory changes by in a cycle: by so much it is varied."""
 _POINTS = 1500
+_NO_GAIN = 1e-300
+"""Of a law that does nothing; its logarithm is a number."""
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -101,7 +103,7 @@ def _margins(linear: _Linear, pair: "_Pair", period: float) -> LoopMargins:
     w = np.geomspace(1.0, 0.999 * math.pi / period, _POINTS)
     loop = pair.loop(linear, np.exp(1j * w * period))
     sensitivity = float(np.max(1.0 / np.abs(1.0 + loop)))
-    gain = np.log(np.abs(loop))
+    gain = np.log(np.maximum(np.abs(loop), _NO_GAIN))
     crossings = np.flatnonzero(gain[:-1] * gain[1:] < 0.0)
     if not len(crossings):
         return LoopMargins(stable, 0.0, math.pi, math.inf if stable else 0.0, sensitivity)

@@ -49,7 +49,7 @@ class Trial(NamedTuple):
     reversals : float
         Of the setpoint that turns round most often, 1/s.
     lasted : float
-        Share of the motion until it was lost; 1 if it never was.
+        Share of the motion until it was lost, or left its limits; 1 if it never did.
     """
 
     errors: Mapping[str, float]

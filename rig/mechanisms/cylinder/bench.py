@@ -19,7 +19,7 @@ from rig.hal.bench import Lend, Trial, TuningBench
 from rig.hal.mechanism import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
-from rig.mechanisms.cylinder.programme import Programme, reversals_of
+from rig.mechanisms.cylinder.programme import Programme, followed, reversals_of
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
@@ -33,6 +33,9 @@ _SETTLING: Final = 1.0
 """At base pressure before control begins, s."""
 _LOST: Final = 1.5
 """Farther out than this share of the permitted positions, a pair is lost."""
+
+
+_Settled = tuple[LentPlant, object, Array, Array]
 
 
 class PairBench(TuningBench):
@@ -55,7 +58,7 @@ class PairBench(TuningBench):
         self._model = AntagonisticPair.model_of(settings)
         self._programme = Programme.of(motions or _usual(settings), period)
         self._limits = _limits(settings, period)
-        self._settled: dict[tuple[object, ...], tuple[LentPlant, object, Array]] = {}
+        self._settled: dict[tuple[object, ...], _Settled] = {}
         self.duration = len(self._programme.references) * period
 
     def told(self) -> dict[str, float]:
@@ -66,26 +69,26 @@ class PairBench(TuningBench):
         """Run a law on a plant; see `TuningBench.trial`."""
         trace, cycles = self.run(chosen, true, seed)
         of = self._programme
-        lasted = cycles / len(of.references)
-        if lasted < 1.0:
-            return Trial({}, 0.0, 0.0, lasted)
-        errors = trace[:, 0] - of.references[:, 0]
+        errors = trace[:cycles, 0] - of.references[:cycles, 0]
+        limits, alarm = self._settings.limits, self._settings.alarms.oscillation
+        cycles = followed(errors, limits.following, round(alarm.lost / self._period))
+        if cycles < len(of.references):
+            return Trial({}, 0.0, 0.0, cycles / len(of.references))
         reversals = max(reversals_of(trace[:, k]) for k in (1, 2))
         return Trial(of.rms(errors), of.hunting(errors), reversals / self.duration, 1.0)
 
     def run(self, chosen: object, true: Mapping[str, float], seed: int) -> tuple[Array, int]:
         """Return position (m) and both setpoints (Pa) of each cycle, and how many it lasted."""
         law = self._law(chosen, self._model, self._period)
-        lent, settled, seen = self._settle(true, seed)
-        seen = seen.copy()
-        memory = deepcopy(settled)
+        lent, *_ = settled = self._settle(true, seed)
+        memory, seen, truth = deepcopy(settled[1:])
         difference = seen[2] - seen[3]
         law.numbers.reset(0.5 * (seen[1] - seen[0]), difference)
         numbers = KernelMemory(law.numbers)
         loop = _loop(type(law.numbers).step, numbers.kind, lent.exchange)
         motion = self._programme.references
         trace = np.zeros((len(motion), 3))
-        return trace, loop(numbers.bytes, memory, seen, motion, self._limits, trace)
+        return trace, loop(numbers.bytes, memory, seen, truth, motion, self._limits, trace)
 
     def margins(
         self, chosen: object, plants: Sequence[Mapping[str, float]]
@@ -95,8 +98,8 @@ class PairBench(TuningBench):
         models = [replace(self._model, **_numbers(plant)) for plant in plants]
         return [ClosedLoop(*margin) for margin in margins_around(law, models)]
 
-    def _settle(self, true: Mapping[str, float], seed: int) -> tuple[LentPlant, object, Array]:
-        """Return a plant at rest at base pressure, and what its devices show."""
+    def _settle(self, true: Mapping[str, float], seed: int) -> _Settled:
+        """Return a plant at rest at base pressure, what its devices show, and what is true."""
         key = (seed, *sorted(true.items()))
         if key not in self._settled:
             lent = self._lend(true, seed)
@@ -104,7 +107,7 @@ class PairBench(TuningBench):
             base = np.full(2, self._settings.base_pressure)
             for _ in range(round(_SETTLING / self._period)):
                 lent.exchange(lent.memory, base, seen, truth)
-            self._settled[key] = lent, lent.memory, seen
+            self._settled[key] = lent, lent.memory, seen, truth
         return self._settled[key]
 
 
@@ -138,11 +141,17 @@ def _loop(step: Step, kind: "np.dtype[np.void]", exchange: Callable[..., None]) 
     let_kernels_call()
 
     def loop(
-        law_bytes: Bytes, memory: object, seen: Array, motion: Array, limits: Array, trace: Array
+        law_bytes: Bytes,
+        memory: object,
+        seen: Array,
+        truth: Array,
+        motion: Array,
+        limits: Array,
+        trace: Array,
     ) -> int:  # pragma: no cover - compiled
         law = law_bytes.view(kind)[0]
         most, lower, upper, rate, lost = limits
-        setpoints, truth = seen[2:].copy(), np.zeros(1)
+        setpoints = seen[2:].copy()
         for k in range(len(motion)):
             wanted, velocity, acceleration = motion[k]
             position, difference = 0.5 * (seen[1] - seen[0]), seen[2] - seen[3]
@@ -158,8 +167,8 @@ def _loop(step: Step, kind: "np.dtype[np.void]", exchange: Callable[..., None]) 
                 inside = min(max(asked, lower), upper)
                 before = setpoints[channel]
                 setpoints[channel] = before + min(max(inside - before, -rate), rate)
-            exchange(memory, setpoints, seen, truth)
             trace[k, 0], trace[k, 1], trace[k, 2] = truth[0], setpoints[0], setpoints[1]
+            exchange(memory, setpoints, seen, truth)
             if not abs(truth[0]) < lost:
                 return k
         return len(motion)

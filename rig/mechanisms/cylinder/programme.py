@@ -97,3 +97,13 @@ def reversals_of(setpoints: Array) -> int:
         elif not rises and value - low > REVERSAL:
             rises, top, count = True, value, count + 1
     return count
+
+
+def followed(errors: Array, most: float, cycles: int) -> int:
+    """Return for how many cycles errors are at most `most`, but for less than `cycles` in a row."""
+    beyond = np.abs(errors) > most
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]])))
+    for first, end in edges.reshape(-1, 2).tolist():
+        if end - first >= cycles:
+            return int(first + cycles)
+    return len(errors)

@@ -1,0 +1,147 @@
+"""Gains as a search sees them, the plants that they must bear, and what they are worth."""
+
+import random
+from collections import Counter
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from controllers.cylinder.cascade import Cascade
+from controllers.cylinder.cascade_settings import CascadeSettings
+from rig.hal.bench import Trial, Unknown
+from rig.hal.mechanism import ClosedLoop
+from rig.mechanisms.cylinder.programme import REVERSAL, reversals_of
+from rig.tuning.ensemble import Ensemble
+from rig.tuning.gains import gains_at, nested, place_of, values_of, with_gains
+from rig.tuning.score import LOST, UNSTABLE, score
+
+DRAWN = random.Random(1919)
+TOLD = {"force": 10.0, "rate": 40.0, "late": 2e-3, "mass": 0.2}
+UNKNOWNS = (
+    Unknown("friction", ("force",), "", (0.6, 1.6), (0.9, 1.1), "friction"),
+    Unknown("bandwidth", ("rate",), "", (0.67, 1.5), (0.8, 1.2), "response"),
+    Unknown("dead time", ("late",), "s", (-3e-3, 3e-3), (-1e-3, 1e-3), "response"),
+)
+
+
+@pytest.mark.parametrize("number", range(20))
+def test_gains_that_were_put_into_settings_come_out_again(number):
+    rng = np.random.default_rng([77, number])
+    place = rng.uniform(0.0, 1.0, len(Cascade.tunables)).tolist()
+    gains = gains_at(Cascade.tunables, place)
+    settings = with_gains(CascadeSettings(), gains)
+    assert values_of(Cascade.tunables, settings) == gains
+    assert place_of(Cascade.tunables, settings) == pytest.approx(place, abs=1e-3)
+    for tunable in Cascade.tunables:
+        assert tunable.low * 0.999 <= gains[tunable.key] <= tunable.high * 1.001
+    again = nested(gains)
+    assert again["feedforward"]["distance"] == gains["feedforward.distance"]
+    assert again["position_rate"] == gains["position_rate"]
+
+
+def test_what_no_search_may_change_of_a_law_stays():
+    settings = CascadeSettings(pressure_floor=31e3, trim_rate=1.25)
+    changed = with_gains(settings, {"integral": 5.0, "feedforward.gain": 0.5})
+    assert (changed.pressure_floor, changed.trim_rate) == (31e3, 1.25)
+    assert changed.feedforward.friction == settings.feedforward.friction
+    assert (changed.integral, changed.feedforward.gain) == (5.0, 0.5)
+
+
+def test_an_ensemble_goes_to_its_bounds_and_never_beyond():
+    ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
+    corners = ensemble.corners()
+    assert len(corners) == 27
+    assert corners[0].numbers == TOLD
+    assert corners[0].name == ""
+    assert {m.numbers["force"] for m in corners} == {6.0, 10.0, 16.0}
+    assert min(m.numbers["late"] for m in corners) == 0.0, "no dead time is negative"
+    drawn = ensemble.draw(300)
+    for name, (low, high) in {"force": (6, 16), "rate": (26.8, 60), "late": (0, 5e-3)}.items():
+        values = [member.numbers[name] for member in drawn]
+        assert low <= min(values) < max(values) <= high
+        assert np.ptp(values) > 0.9 * (high - low)
+    assert {member.numbers["mass"] for member in (*corners, *drawn)} == {0.2}
+    assert [m.numbers for m in ensemble.draw(300)] == [m.numbers for m in drawn]
+
+
+def test_what_was_measured_varies_less_and_nothing_else():
+    ensemble = Ensemble(TOLD, UNKNOWNS, ("response",), 3)
+    assert ensemble.bounds == {
+        "friction": (0.6, 1.6), "bandwidth": (0.8, 1.2), "dead time": (-1e-3, 1e-3),
+    }  # fmt: skip
+
+
+def test_the_first_corners_have_every_pair_of_extremes_once():
+    ensemble = Ensemble(TOLD, UNKNOWNS, (), 3)
+    corners = [ensemble.corners()[number] for number in ensemble.first()[1:]]
+    assert len(corners) == 4
+    for one, other in combinations(("force", "rate", "late"), 2):
+        met = Counter((m.numbers[one], m.numbers[other]) for m in corners)
+        assert set(met.values()) == {1}
+
+
+def trial(error=1e-3, hunting=0.0, reversals=0.0, lasted=1.0):
+    return Trial({"slow": error, "fast": 2 * error}, hunting, reversals, lasted)
+
+
+STABLE = ClosedLoop(True, 50.0, 1.0, 0.01, 1.4)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_less_error_less_hunting_and_more_margin_are_never_worse(seed):
+    rng = np.random.default_rng([5, seed])
+    error, hunting, reversals = rng.uniform([1e-4, 0, 0], [1e-3, 1e-3, 60])
+    sensitivity = rng.uniform(1.2, 3.0)
+    here = score([trial(error, hunting, reversals)] * 2, [STABLE._replace(sensitivity=sensitivity)])
+    for better in (
+        score([trial(0.9 * error, hunting, reversals)] * 2,
+              [STABLE._replace(sensitivity=sensitivity)]),
+        score([trial(error, 0.9 * hunting, reversals)] * 2,
+              [STABLE._replace(sensitivity=sensitivity)]),
+        score([trial(error, hunting, 0.9 * reversals)] * 2,
+              [STABLE._replace(sensitivity=sensitivity)]),
+        score([trial(error, hunting, reversals)] * 2,
+              [STABLE._replace(sensitivity=0.95 * sensitivity)]),
+    ):  # fmt: skip
+        assert better.cost <= here.cost
+
+
+def test_ten_times_the_error_costs_the_same_more_on_any_rig():
+    at = [score([trial(error)] * 3, [STABLE]).cost for error in (1e-5, 1e-4, 1e-3)]
+    assert at[1] - at[0] == pytest.approx(at[2] - at[1])
+
+
+def test_gains_that_lose_a_plant_or_are_not_stable_are_behind_all_others():
+    bad = score([trial(1.0, 1.0, 500.0)], [STABLE._replace(sensitivity=9.0)]).cost
+    assert bad < LOST <= score([trial(), trial(lasted=0.5)], [STABLE]).cost < UNSTABLE
+    assert score([trial()], [STABLE._replace(stable=False)]).cost >= UNSTABLE
+
+
+def turned_round(values):
+    """Count turning points a `REVERSAL` apart by looking at every pair of extremes: slow, plain."""
+    count, start = 0, 0
+    direction = 1
+    while True:
+        rest = values[start:]
+        best = rest[0]
+        for k, value in enumerate(rest):
+            best = max(best, value) if direction > 0 else min(best, value)
+            if direction * (best - value) > REVERSAL:
+                count, start, direction = count + 1, start + k, -direction
+                break
+        else:
+            return count
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_reversals_are_those_that_a_plain_count_finds(number):
+    rng = np.random.default_rng([9, number])
+    walk = np.cumsum(rng.normal(0, DRAWN.uniform(1e3, 20e3), 3000))
+    values = np.round(walk / 500) * 500 if number % 2 else walk
+    assert reversals_of(values) == turned_round(values.tolist())
+
+
+def test_a_setpoint_that_never_moves_never_turns_round():
+    assert reversals_of(np.full(100, 1.2e5)) == 0
+    assert reversals_of(np.linspace(0, 3e5, 100)) == 0
