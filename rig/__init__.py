@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rig.scripting.comparing import compare
     from rig.scripting.errors import (
         BoundMissed,
+        MeasureFailed,
         NotEnergised,
         RunError,
         RunFaulted,
@@ -49,9 +50,16 @@ _OFFERED = {
     "SweepInterrupted": "rig.sweeping.result",
     "StopRequests": "rig.runtime.stop",
     **dict.fromkeys(
-        ("RunError", "BoundMissed", "NotEnergised", "RunFaulted", "RunInterrupted"),
+        (
+            "RunError",
+            "BoundMissed",
+            "MeasureFailed",
+            "NotEnergised",
+            "RunFaulted",
+            "RunInterrupted",
+        ),
         "rig.scripting.errors",
-    ),
+    ),  # fmt: skip
     **dict.fromkeys(("RigError", "ConfigurationError", "DeviceError", "SafetyError"), "rig.hal"),
 }
 
@@ -59,6 +67,7 @@ __all__ = [
     "BoundMissed",
     "ConfigurationError",
     "DeviceError",
+    "MeasureFailed",
     "NotEnergised",
     "RigError",
     "Run",

@@ -16,7 +16,7 @@ from rig.hal import ConfigurationError
 from rig.run_folder import MANIFEST
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
-from rig.scripting.errors import error_of
+from rig.scripting.errors import MeasureFailed, error_of
 from rig.scripting.given import MOST, Given
 from rig.scripting.played import PlanFunction, refuse_within_plan
 from rig.scripting.recorded import Run
@@ -91,7 +91,7 @@ def run(
     ------
     ConfigurationError
         A file, a setting, an object or the motion cannot be; nothing was opened.
-    NotEnergised, RunFaulted, RunInterrupted, BoundMissed
+    NotEnergised, RunFaulted, RunInterrupted, BoundMissed, MeasureFailed
         How the run ended; each has it as `run`. All are `RunError`.
     DeviceError
         Hardware was refused before there was a run.
@@ -121,6 +121,9 @@ def run(
             report=report, frames=frames, stop=stop,
         )  # fmt: skip
     recorded = Run(result.path)
+    if result.unmeasured:
+        what = "; ".join(str(error) for error in result.unmeasured)
+        raise MeasureFailed(recorded, what) from result.unmeasured[0]
     error = error_of(recorded, result.exit_code, strict=strict)
     if error is not None:
         raise error

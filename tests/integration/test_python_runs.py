@@ -233,10 +233,55 @@ def test_a_law_and_a_measure_in_python(out):
     assert dict(rig.load(run.path).metrics) == before
 
 
-def test_a_measure_that_raises_names_itself(out):
-    with pytest.raises(rig.RigError, match="metric bad: ZeroDivisionError"):
-        rig.run("cylinder-staircase", on="sim", set=SHORT, out=out,
-                measures={"bad": lambda data: 1 / 0})  # fmt: skip
+def divides(data):
+    return 1 / 0
+
+
+def leaves(data):
+    raise SystemExit(3)
+
+
+def misses(data):
+    return data["no.such.column"].max()
+
+
+def returns_text(data):
+    return "much"
+
+
+@pytest.mark.parametrize(
+    ("broken", "said", "line"),
+    [
+        (divides, "ZeroDivisionError: division by zero", 1),
+        (leaves, "SystemExit: 3", 1),
+        (misses, "ValueError: no field of name no.such.column", 1),
+        (returns_text, "returned 'much', and no number", 0),
+    ],
+)
+@pytest.mark.parametrize("bound", ["1 m", "1 nm"])
+def test_a_measure_that_fails_says_where_and_leaves_the_run_as_it_was(
+    broken, said, line, bound, out
+):
+    wanted = {"first": len, "bad": broken, "last": (excursion, "m")}
+    setting = SHORT | {"metrics.hold_rms.max": bound}
+    with pytest.raises(rig.MeasureFailed) as failed:
+        rig.run("cylinder-staircase", on="sim", set=setting, out=out, measures=wanted)
+    assert f"measure bad ({__file__}, line {broken.__code__.co_firstlineno + line})" in str(
+        failed.value
+    )
+    assert said in str(failed.value)
+    run = failed.value.run
+    assert str(run.path) in str(failed.value)
+    assert (run.status, run.manifest["exit_code"]) == (
+        ("ok", 0) if bound == "1 m" else ("failed", 1)
+    )
+    assert isinstance(failed.value, rig.RunError)
+    assert len(run.data) == float(run.metrics["first"]) + np.sum(run.data["phase"] != 1)
+    assert {"hold_rms", "first", "last"} < set(run.metrics) and "bad" not in run.metrics
+    assert [event["message"] for event in run.events if event["kind"] == "measure"] == [
+        str(failed.value).removesuffix(f" ({run.path})")
+    ]
+    assert "measure bad" in run.report.read_text()
 
 
 def test_a_measure_that_is_nan_says_so_and_one_that_never_came_does_not(out, capsys):
