@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from rig.sweeping.api import sweep
     from rig.sweeping.result import SweepInterrupted
 
+_ENDS = (
+    "RunError", "BoundMissed", "MeasureFailed", "NotEnergised", "RunFaulted", "RunInterrupted",
+)  # fmt: skip
 _OFFERED = {
     **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
     "Run": "rig.scripting.recorded",
@@ -49,17 +52,7 @@ _OFFERED = {
     "sweep": "rig.sweeping.api",
     "SweepInterrupted": "rig.sweeping.result",
     "StopRequests": "rig.runtime.stop",
-    **dict.fromkeys(
-        (
-            "RunError",
-            "BoundMissed",
-            "MeasureFailed",
-            "NotEnergised",
-            "RunFaulted",
-            "RunInterrupted",
-        ),
-        "rig.scripting.errors",
-    ),  # fmt: skip
+    **dict.fromkeys(_ENDS, "rig.scripting.errors"),
     **dict.fromkeys(("RigError", "ConfigurationError", "DeviceError", "SafetyError"), "rig.hal"),
 }
 

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from rig.config.setting import Setting
 from rig.replaying.open_loop import OpenLoopAnswer, answer
 from rig.replaying.recorded import open_recorded
 from rig.replaying.verify import Verification, verify
@@ -42,6 +43,6 @@ def replay(
     path = run.path if isinstance(run, Run) else Path(run)
     options = as_options(set)
     if controller is not None:
-        options.append(f"controller={controller}")
+        options.append(Setting(f"controller={controller}", f"controller={controller!r}"))
     recorded = open_recorded(path, options)
     return answer(recorded) if options else verify(recorded)

@@ -171,9 +171,16 @@ def test_a_fault_is_an_exception_with_its_run(out):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"set": {"reference.amplitud": 1}}, "amplitud"),
-        ({"set": {"nothing.at.all": 1}}, "there is no key 'nothing'"),
-        ({"controller": "pdi"}, "did you mean 'pid'|no controller"),
+        ({"set": {"reference.amplitud": 1}}, "^set={'reference.amplitud': 1}: unknown key 'ampli"),
+        ({"set": {"reference.dwell": [1]}}, r"^set={'reference.dwell': \[1\]}: dwell"),
+        ({"set": {"loop.rate": "1 m"}}, "^set={'loop.rate': '1 m'}: loop.rate: '1 m' is not in Hz"),
+        ({"set": {"nothing.at.all": 1}}, "^set={'nothing.at.all': 1}: there is no key 'nothing'"),
+        ({"seed": -3}, "^seed=-3: seed is -3, expected at least 0"),
+        (
+            {"controller": "pdi"},
+            r"(?s)^controller='pdi': no .*mean pid\? .*: cascade, pid, pid-friction, super-twist",
+        ),
+        ({"controller": "pdi", "rig": "arm"}, "are: dls, esc, esc-paper, inv"),
         ({"controller": object()}, "it has no"),
         ({"controller": 3.0}, "it has no"),
         ({"reference": object()}, "not one for a pair"),
