@@ -136,6 +136,10 @@ def test_another_version_says_so_before_it_replays(folder, capsys):
     assert invoke(["replay", str(folder)]) == 0
     err = capsys.readouterr().err
     assert "rig 0.0.7 (no checkout) recorded it, rig " in err and "replays it" in err
+    for more in ({}, {"controller": "pid"}):
+        with pytest.warns(UserWarning, match=r"rig 0.0.7 \(no checkout\) recorded it") as told:
+            rig.replay(folder, **more)
+        assert [one.filename for one in told] == [__file__]
 
 
 @pytest.mark.parametrize("command", ["replay", "rerun", "export", "report", "diff"])
