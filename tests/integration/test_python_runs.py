@@ -141,6 +141,12 @@ def test_a_calibration_is_written(tmp_path):
         "cylinder-uncalibrated", "encoders", out=tmp_path, configs=configs, on="sim"
     )
     assert done.files
+    lines = repr(done).splitlines()
+    assert lines[-len(done.files) :] == [str(path) for path in done.files]
+    estimates = [one for finding in done.findings for one in finding.estimates]
+    assert len(lines) == len(estimates) + len(done.files)
+    for line, estimate in zip(lines, estimates, strict=False):
+        assert f" {estimate.name}: " in line and "95 %" in line
     assert all(path.is_relative_to(configs) for path in done.files)
     with pytest.raises(rig.ConfigurationError, match="yes='cylinder'"):
         rig.calibrate("cylinder", "encoders", out=tmp_path, configs=configs, on="hardware")

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import random
 import subprocess
 import sys
 from pathlib import Path
@@ -131,6 +132,23 @@ def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, 
         assert word in told
     assert "--set" not in told
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("controller", ["cascade", "pid", "super-twisting"])
+def test_a_pressure_that_leaves_a_law_no_room_is_a_refused_point(controller, tmp_path, capsys):
+    pressure = f"{random.Random(controller).uniform(0.1, 10.0):.3f} kPa"
+    out = ("--set", f"controller={controller}", "--out", tmp_path)
+    wrong = f"cylinder.base_pressure={pressure},150 kPa"
+    code, _, told = run(
+        capsys, "cylinder-step", *SHORT, *out, "--vary", wrong, "--workers", 1, "--json"
+    )
+    assert code == 0
+    rows = (tmp_path / "sweep.csv").read_text().splitlines()
+    assert ",refused," in rows[1] and "leaves no differential" in rows[1]
+    assert ",refused," not in rows[2] and "lost" not in told
+    single = ["run", "cylinder-step", "--on", "sim", "--set", f"cylinder.base_pressure={pressure}"]
+    assert invoke([*single, "--set", f"controller={controller}", "--out", str(tmp_path)]) == 2
+    assert "leaves no differential" in capsys.readouterr().err
 
 
 def test_a_refusal_names_what_the_file_says(tmp_path, capsys):
