@@ -1,5 +1,6 @@
 """`rig.sweep`: what a Python program gives it, prints of it, and catches when it is interrupted."""
 
+import math
 import os
 import random
 import signal
@@ -41,6 +42,8 @@ def test_a_sweep_prints_as_a_table_of_its_best_points(tmp_path):
     assert found.best()["rise_time"] == ordered[0]
     assert rows[0].split()[0] == f"{found.best()['plant.friction_scale']}"
     assert len(rows) == 6
+    for row, line in zip(sorted(found.table, key=lambda row: row["rise_time"]), rows, strict=True):
+        assert ("never" in line) == math.isinf(row["settling_time"]) and "inf" not in line
     part = sweep(tmp_path / "part", seeds=range(4), budget="1 points", workers=1)
     assert not part.complete and repr(part).startswith("part: budget, 1 of 4 points")
 
