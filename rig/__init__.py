@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from rig.scripting.comparing import compare
     from rig.scripting.errors import (
         BoundMissed,
+        MeasureFailed,
         NotEnergised,
         RunError,
         RunFaulted,
@@ -38,6 +39,9 @@ if TYPE_CHECKING:
     from rig.sweeping.api import sweep
     from rig.sweeping.result import SweepInterrupted
 
+_ENDS = (
+    "RunError", "BoundMissed", "MeasureFailed", "NotEnergised", "RunFaulted", "RunInterrupted",
+)  # fmt: skip
 _OFFERED = {
     **dict.fromkeys(("run", "load", "runs"), "rig.scripting.running"),
     "Run": "rig.scripting.recorded",
@@ -48,10 +52,7 @@ _OFFERED = {
     "sweep": "rig.sweeping.api",
     "SweepInterrupted": "rig.sweeping.result",
     "StopRequests": "rig.runtime.stop",
-    **dict.fromkeys(
-        ("RunError", "BoundMissed", "NotEnergised", "RunFaulted", "RunInterrupted"),
-        "rig.scripting.errors",
-    ),
+    **dict.fromkeys(_ENDS, "rig.scripting.errors"),
     **dict.fromkeys(("RigError", "ConfigurationError", "DeviceError", "SafetyError"), "rig.hal"),
 }
 
@@ -59,6 +60,7 @@ __all__ = [
     "BoundMissed",
     "ConfigurationError",
     "DeviceError",
+    "MeasureFailed",
     "NotEnergised",
     "RigError",
     "Run",

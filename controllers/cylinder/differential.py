@@ -10,6 +10,7 @@ import math
 
 from controllers.compiled import PlainNumbers
 from controllers.cylinder.types import PairModel
+from controllers.motion import InfeasibleMotion
 
 
 class DifferentialRange(PlainNumbers):
@@ -27,7 +28,7 @@ class DifferentialRange(PlainNumbers):
 
     Raises
     ------
-    ValueError
+    InfeasibleMotion
         The base pressure leaves no room above the floor, or below the top of the range.
     """
 
@@ -36,7 +37,7 @@ class DifferentialRange(PlainNumbers):
         above = model.pressure_max - model.base_pressure
         half = min(model.base_pressure - lower, above)
         if half <= 0.0:
-            raise ValueError(
+            raise InfeasibleMotion(
                 f"base_pressure ({model.base_pressure:g} Pa) leaves no differential between the "
                 f"pressure floor ({lower:g} Pa) and pressure_max ({model.pressure_max:g} Pa)."
             )

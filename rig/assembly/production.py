@@ -96,7 +96,8 @@ def make_controller(profile: Profile, name: str) -> Any:
     ConfigurationError
         The profile has no settings for it.
     MotionRefused
-        It cannot be had here: a package that it needs is not installed.
+        It cannot be had here: a package that it needs is not installed, or the rig's settings
+        leave it no room.
     """
     if name not in profile.controllers:
         raise ConfigurationError(
@@ -104,7 +105,10 @@ def make_controller(profile: Profile, name: str) -> Any:
             f"it has {', '.join(profile.controllers)}"
         )
     view = REGISTRY.load("mechanism", profile.mechanism)
-    model = view.model_of(profile.mechanism_settings)
+    try:
+        model = view.model_of(profile.mechanism_settings)
+    except ValueError as error:  # settings that are each right do not go together
+        raise MotionRefused(str(error)) from error
     key = controller_key(REGISTRY, profile.mechanism, name)
     controller = REGISTRY.load("controller", key)
     what = f"the controller {name} of a {profile.mechanism}"

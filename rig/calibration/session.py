@@ -14,7 +14,14 @@ from rig.calibration.instruments import Readings
 from rig.calibration.page import draw_page
 from rig.calibration.procedure import AnyProcedure, Data, Excitation, Finding, Procedure
 from rig.calibration.recording import CalibrationRefused, Recording
-from rig.config import Experiment, Profile, ProfileError, ReferenceEntry, SimulationSettings
+from rig.config import (
+    Experiment,
+    Profile,
+    ProfileError,
+    ReferenceEntry,
+    SimulationSettings,
+    format_quantity,
+)
 from rig.experiment.plan import Plan
 from rig.experiment.run import Result, run_experiment
 from rig.experiment.watcher import Watcher
@@ -37,6 +44,16 @@ class Calibrated(NamedTuple):
     findings: Sequence[Finding]
     files: Sequence[Path]
     figures: Sequence[Path]
+
+    def __repr__(self) -> str:
+        found = [
+            f"{finding.target} {estimate.name}: {format_quantity(estimate.value, estimate.unit)} "
+            f"({format_quantity(estimate.low, estimate.unit)} to "
+            f"{format_quantity(estimate.high, estimate.unit)}, 95 %)"
+            for finding in self.findings
+            for estimate in finding.estimates
+        ]
+        return "\n".join([*found, *map(str, self.files)])
 
 
 def plan_of(procedure: AnyProcedure, excitation: Excitation) -> Plan:

@@ -80,12 +80,13 @@ def compare(
     time, one per processor; a physical rig takes them one after the other.
     """
     from rig.cli.announce import may_move
+    from rig.config.setting import Setting
     from rig.experiment.plan import load_plan
     from rig.report.compare import compare_metrics, draw_comparison
 
     options = list(overrides)
     if seed is not None:
-        options.append(f"simulation.seed={seed}")
+        options.append(Setting(f"simulation.seed={seed}", f"--seed {seed}"))
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if not may_move(plan, backend, yes):
         return 2
@@ -149,10 +150,12 @@ def _chosen(text: str | None, known: Sequence[str]) -> tuple[str, ...]:
 
 def _variants(names: Sequence[str], vary: str | None) -> list[tuple[str, tuple[str, ...]]]:
     """Return label and options of each run: every controller with every value."""
+    from rig.config.setting import Setting
     from rig.hal import ConfigurationError
 
+    laws = {name: Setting(f"controller={name}", f"--controllers {name}") for name in names}
     if vary is None:
-        return [(name, (f"controller={name}",)) for name in names]
+        return [(name, (law,)) for name, law in laws.items()]
     key, equals, text = vary.partition("=")
     values = [value.strip() for value in text.split(",") if value.strip()]
     if not equals or not key.strip() or len(values) < 2:
@@ -164,9 +167,9 @@ def _variants(names: Sequence[str], vary: str | None) -> list[tuple[str, tuple[s
     return [
         (
             f"{name}, {short} {value}" if len(names) > 1 else f"{short} {value}",
-            (f"controller={name}", f"{key.strip()}={value}"),
+            (law, Setting(f"{key.strip()}={value}", f"--vary {key.strip()}={value}")),
         )
-        for name in names
+        for name, law in laws.items()
         for value in values
     ]
 

@@ -51,6 +51,7 @@ def replay(
     readings: in open loop, since the rig did not follow it.
     """
     path = find_run(run, runs)
+    from rig.config.setting import Setting
     from rig.replaying.recorded import open_recorded, other_version
     from rig.run_folder import RunFolder
 
@@ -59,7 +60,7 @@ def replay(
         click.echo(versions, err=True)
     options = list(overrides)
     if controller is not None:
-        options.append(f"controller={controller}")
+        options.append(Setting(f"controller={controller}", f"--controller {controller}"))
     if not options:
         return _verify(open_recorded(path), explains, from_frames)
     if verifies or explains or from_frames:

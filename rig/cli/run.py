@@ -77,15 +77,16 @@ def run(
     from rig.assembly import Backend, backend_of
     from rig.cli.announce import may_move
     from rig.cli.progress import ProgressLine
+    from rig.config.setting import Setting
     from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
     from rig.experiment.plan import load_plan
     from rig.experiment.run import run_experiment
 
     options = list(overrides)
     if controller is not None:
-        options.append(f"controller={controller}")
+        options.append(Setting(f"controller={controller}", f"--controller {controller}"))
     if seed is not None:
-        options.append(f"simulation.seed={seed}")
+        options.append(Setting(f"simulation.seed={seed}", f"--seed {seed}"))
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")

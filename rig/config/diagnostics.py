@@ -120,7 +120,7 @@ def shown(value: object) -> str:
 def _excerpt(mark: Mark) -> list[str]:
     """Return the marked line and a caret below the column, cut to a width."""
     lines = mark.source.lines
-    if not 1 <= mark.line <= len(lines):
+    if mark.source.is_whole or not 1 <= mark.line <= len(lines):
         return []
     line = "".join(
         char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in lines[mark.line - 1]

@@ -9,6 +9,7 @@ from rig.config.diagnostics import Problems, ProfileError, shown
 from rig.config.located import BROKEN, Mark, Node, Source
 from rig.config.names import Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
+from rig.config.setting import Setting
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
 from rig.hal import ConfigurationError
 
@@ -155,7 +156,12 @@ def parse_overrides(overrides: Sequence[str], problems: Problems) -> tuple[Overr
     for text in overrides:
         path, equals, value = text.partition("=")
         # Blanks in the place of the path keep the columns.
-        source = Source("--set", " " * (len(path) + 1) + value, seen=text)
+        blank = " " * (len(path) + 1)
+        source = (
+            Source(text.written, blank + value, is_whole=True)
+            if isinstance(text, Setting)
+            else Source("--set", blank + value, seen=text)
+        )
         mark = Mark(source, 1, 1)
         keys = tuple(key.strip() for key in path.split("."))
         if not equals or not all(keys) or len(keys) > MAX_DEPTH:

@@ -1,6 +1,6 @@
 """Load an experiment and the options over it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Final
@@ -19,6 +19,7 @@ from rig.config.located import Node
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
 from rig.config.named_settings import Registry, controller_names
 from rig.config.names import find_file, is_name
+from rig.config.profile import load_profile
 from rig.config.settings import build
 from rig.hal import ConfigurationError
 
@@ -107,7 +108,7 @@ def load_experiment(
     }
     head = sections.rest(ExperimentHead)
     if head is not None:
-        _check_names(head, root, registry, problems)
+        _check_names(head, root, registry, problems, search)
     problems.raise_if_any()
     assert head is not None and reference is not None
     return Experiment(
@@ -145,18 +146,31 @@ def _with_controller(root: Node, problems: Problems) -> Node:
     return root.with_items(items)
 
 
+def _controllers_of(rig: str, registry: Registry, search: Sequence[Path]) -> Iterable[str]:
+    """Return the controllers that a rig has; all that there are, if it cannot be read."""
+    try:
+        return load_profile(rig, registry, search=search).controllers
+    except ConfigurationError:
+        return controller_names(registry)
+
+
 def _metric(node: Node, problems: Problems) -> MetricSpec | None:
     return build(MetricSpec, with_plain_quantities(node, ("max", "min"), problems), problems)
 
 
-def _check_names(head: ExperimentHead, root: Node, registry: Registry, problems: Problems) -> None:
-    controllers = controller_names(registry)
-    if head.controller not in controllers:
+def _check_names(
+    head: ExperimentHead,
+    root: Node,
+    registry: Registry,
+    problems: Problems,
+    search: Sequence[Path],
+) -> None:
+    if head.controller not in controller_names(registry):
         place, _ = root.descend(("controller",))
         problems.add(
             place.mark,
             f"no controller is called {shown(head.controller)}",
-            nearest(head.controller, controllers),
+            nearest(head.controller, _controllers_of(head.rig, registry, search)),
         )
     if head.name and not is_name(head.name):
         place, _ = root.descend(("name",))

@@ -23,11 +23,16 @@ class Source:
         All of it.
     seen : str, optional
         What is shown of it in an error; default: the text.
+    is_whole : bool
+        The name says all of it: an error names no place in it, and shows no more.
     """
 
-    def __init__(self, name: str, text: str, seen: str | None = None) -> None:
+    def __init__(
+        self, name: str, text: str, seen: str | None = None, *, is_whole: bool = False
+    ) -> None:
         self.name = name
         self.text = text
+        self.is_whole = is_whole
         self._seen = text if seen is None else seen
 
     @cached_property
@@ -49,7 +54,8 @@ class Mark(NamedTuple):
     column: int
 
     def __str__(self) -> str:
-        return f"{self.source.name}:{self.line}:{self.column}"
+        source = self.source
+        return source.name if source.is_whole else f"{source.name}:{self.line}:{self.column}"
 
 
 class Broken:

@@ -21,6 +21,7 @@ from rig.config import (
 )
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
+from rig.config.setting import written
 from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
 from rig.experiment.metrics import known_measures
@@ -124,7 +125,7 @@ def split_overrides(overrides: Sequence[str]) -> tuple[list[str], list[str]]:
         else:
             near = difflib.get_close_matches(key, {*EXPERIMENT_KEYS, *profile_keys}, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise ConfigurationError(f"--set {option}: there is no key {key!r}{hint}")
+            raise ConfigurationError(f"{written(option)}: there is no key {key!r}{hint}")
     return for_experiment, for_profile
 
 

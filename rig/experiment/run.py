@@ -23,7 +23,7 @@ from rig.experiment.ending import (
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
-from rig.experiment.metrics import Metric, all_passed, evaluate
+from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import Plan
@@ -31,10 +31,10 @@ from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import Column, RigError
+from rig.hal import Column, ContractBroken, RigError
 from rig.run_folder import RunFolder, RunFolderError, RunStatus
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
-from rig.runtime.log import LogError, read_log
+from rig.runtime.log import Log, LogError, read_log
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
 from rig.runtime.realtime import real_time
@@ -58,6 +58,8 @@ class Result(NamedTuple):
         What ended it early.
     metrics : tuple of Metric
         Empty if it did not get far enough.
+    unmeasured : tuple of RigError
+        What the measures that came with the plan failed by; the run is none the worse for it.
     """
 
     path: Path
@@ -65,6 +67,7 @@ class Result(NamedTuple):
     exit_code: int
     message: str | None
     metrics: tuple[Metric, ...]
+    unmeasured: tuple[RigError, ...] = ()
 
 
 def run_experiment(
@@ -162,7 +165,9 @@ def run_experiment(
             if frame_log is not None:
                 counts["frames"] = frame_log.facts(rig.clock)
                 _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
-            metrics, ending = _finish(plan, folder, ending, stopwatch)
+            metrics, unmeasured, ending = _finish(plan, folder, ending, stopwatch)
+            for error in unmeasured:
+                _Events(folder)(None, "measure", str(error), {})
             if backend.is_simulated and stopwatch.facts:
                 watcher.said(str(stopwatch))
             if ending.status is RunStatus.OK and not all_passed(metrics):
@@ -172,7 +177,9 @@ def run_experiment(
         raise ending.bug  # the rig is safe by now, and the traceback is wanted
     if report:
         _report(folder.path, watcher)
-    return Result(folder.path, ending.status, ending.code, ending.message, tuple(metrics))
+    return Result(
+        folder.path, ending.status, ending.code, ending.message, tuple(metrics), tuple(unmeasured)
+    )
 
 
 def _close(folder: RunFolder, ending: Ending, counts: dict[str, Any], watcher: Watcher) -> None:
@@ -328,13 +335,24 @@ def _judge(
 
 def _finish(
     plan: Plan, folder: RunFolder, ending: Ending, stopwatch: Stopwatch
-) -> tuple[list[Metric], Ending]:
-    """Write metrics and timing of whatever was recorded; return the metrics, and the ending."""
+) -> tuple[list[Metric], list[RigError], Ending]:
+    """Write metrics and timing of whatever was recorded.
+
+    Returns
+    -------
+    metrics : list of Metric
+        Those that could be computed.
+    unmeasured : list of RigError
+        What the plan's own measures failed by.
+    ending : Ending
+        Of a run that could or could not be written down.
+    """
     from rig.report.timing import summarise_timing
 
-    if not folder.log_path.exists():
-        return [], ending
     metrics: list[Metric] = []
+    unmeasured: list[RigError] = []
+    if not folder.log_path.exists():
+        return metrics, unmeasured, ending
     try:
         log = read_log(folder.log_path)
         if plan.motion.watches:  # what it came to is known only now
@@ -342,18 +360,27 @@ def _finish(
         if len(log.cycle):
             folder.write_timing(summarise_timing(log) | stopwatch.facts)
         if ending.status is RunStatus.OK:
-            metrics = evaluate(
-                log,
-                plan.motion.segments,
-                plan.experiment.metrics,
-                plan.motion.facts,
-                plan.profile.mechanism,
-                plan.measures,
-            )
+            metrics, unmeasured = _measure(plan, log)
             folder.write_metrics(metrics)
     except (RunFolderError, LogError) as error:
-        return metrics, ending.losing(str(error))
-    return metrics, ending
+        return metrics, unmeasured, ending.losing(str(error))
+    return metrics, unmeasured, ending
+
+
+def _measure(plan: Plan, log: Log) -> tuple[list[Metric], list[RigError]]:
+    """Compute the metrics; return them, and what those of the plan's own measures failed by."""
+    mechanism, motion = plan.profile.mechanism, plan.motion
+    wanted = plan.experiment.metrics
+    own = {name: spec for name, spec in wanted.items() if spec.measure in plan.measures}
+    installed = {name: spec for name, spec in wanted.items() if name not in own}
+    metrics = evaluate(log, motion.segments, installed, motion.facts, mechanism)
+    unmeasured: list[RigError] = []
+    for name, spec in own.items():
+        try:
+            metrics += evaluate(log, motion.segments, {name: spec}, measures=plan.measures)
+        except (MetricError, ContractBroken) as error:
+            unmeasured.append(error)
+    return metrics, unmeasured
 
 
 class _Events:

@@ -131,13 +131,7 @@ class FramesRig:
     def __init__(self, run: RecordedRun) -> None:
         profile = run.plan.profile
         _check_has_all(profile)
-        frames = run.folder.manifest.get("frames", {})
-        origin = frames.get("origin") if isinstance(frames, dict) else None
-        if run.folder.manifest.get("backend") != Backend.VIRTUAL or origin is None:
-            raise ConfigurationError(
-                f"{run.folder.path}: only frames of a run on virtual can be replayed: on the "
-                "wall's clock nobody has written down when the drivers looked at their buses"
-            )
+        origin = _origin_of_frames(run)
         told = _with_ways(run, list(read_frames(frames_of_run(run.folder.path), profile)))
         self.clock = ReplayClock()
         self._interfaces = {
@@ -188,6 +182,33 @@ class FramesRig:
         for interface in self._interfaces.values():
             interface.is_over = True
         self._rig.close()
+
+
+def _origin_of_frames(run: RecordedRun) -> float:
+    """Return the time of the rig's clock at which a run's frames count 0, s.
+
+    Raises
+    ------
+    ConfigurationError
+        Nothing can be replayed from its frames.
+    """
+    frames, backend = run.folder.manifest.get("frames"), run.folder.manifest.get("backend")
+    if backend == Backend.SIM:
+        raise ConfigurationError(
+            f"{run.folder.path} ran on sim, which has no buses and so no frames; runs on "
+            f"{', '.join(b for b in Backend if b is not Backend.SIM)} have, with --frames, and "
+            "those on virtual can be replayed"
+        )
+    if backend != Backend.VIRTUAL:
+        raise ConfigurationError(
+            f"{run.folder.path} ran on {backend}: only frames of a run on virtual can be replayed: "
+            "on the wall's clock nobody has written down when the drivers looked at their buses"
+        )
+    if not isinstance(frames, dict) or frames.get("origin") is None:
+        raise ConfigurationError(
+            f"{run.folder.path} has no frames: they are recorded by rig run --frames=log"
+        )
+    return float(frames["origin"])
 
 
 def _check_has_all(profile: Profile) -> None:

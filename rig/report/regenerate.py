@@ -60,7 +60,8 @@ def write_report(path: str | Path) -> RunReport:
     try:
         log = read_log(folder.log_path)
     except LogError as error:
-        return RunReport(write_html(folder, [], [str(error)]), [])
+        damaged = [str(error)] if folder.log_path.exists() else []  # a run may have had none
+        return RunReport(write_html(folder, [], [str(error)]), damaged)
     if folder.status is not RunStatus.RUNNING:
         torn = [sentence] if (sentence := folder.missing_end(complete=log.complete)) else []
         metrics, problems = measure_run(folder, log)

@@ -18,9 +18,9 @@ class RunError(RigError):
         otherwise.
     """
 
-    def __init__(self, run: "Run") -> None:
+    def __init__(self, run: "Run", what: str | None = None) -> None:
         self.run = run
-        super().__init__(f"{run.message or run.status} ({run.path})")
+        super().__init__(f"{what or run.message or run.status} ({run.path})")
 
 
 class BoundMissed(RunError):
@@ -33,6 +33,10 @@ class NotEnergised(RunError):
 
 class RunFaulted(RunError):
     """A fault ended it (exit 4)."""
+
+
+class MeasureFailed(RunError):
+    """A measure given in Python raised, or returned no number; the run itself ended as it says."""
 
 
 class RunInterrupted(RunError, KeyboardInterrupt):

@@ -14,11 +14,12 @@ from rig.config.quantities import USUAL_UNITS, UnitError, parse_unit
 from rig.experiment.measure import Measure, Windows
 from rig.experiment.plan import Plan
 from rig.experiment.rehearsal import play_through
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, ContractBroken
 from rig.hal.controller import Law
+from rig.hal.fits import shown
 from rig.hal.motion import Motion
 from rig.scripting.played import PlanFunction, PlayedPlan
-from rig.scripting.sources import keep_source
+from rig.scripting.sources import first_line_of, keep_source, line_of
 
 AnyLaw: TypeAlias = Law[object, object, object]
 
@@ -213,9 +214,15 @@ def _measure(name: str, given: object, sources: dict[str, str]) -> tuple[Measure
         log = windows[0].samples.log
         followed = as_structured(log)[log.column("phase") == 1.0]
         try:
-            return float(function(followed))
-        except Exception as error:
-            raise ValueError(f"{type(error).__name__}: {error}") from error
+            value = function(followed)
+        except (Exception, SystemExit) as error:  # nobody's measure ends the program
+            what = f"measure {name}{line_of(error)}: {type(error).__name__}: {error}"
+            raise ContractBroken(what) from error
+        try:
+            return float(value)
+        except (TypeError, ValueError):
+            what = f"measure {name}{first_line_of(function)} returned {shown(value)}, and no number"
+            raise ContractBroken(what) from None
 
     described = inspect.getdoc(function) or f"{name}, given in Python"
     return Measure(compute, unit, described), source

@@ -1,6 +1,7 @@
 """A run as Python sees it: everything comes from its folder."""
 
 import html
+import warnings
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -143,7 +144,15 @@ class Run:
 
     @cached_property
     def data(self) -> "NDArray[np.void]":
-        """Every cycle: ``run.data["reading.position"]``, in SI, shape (n,)."""
+        """Every cycle: ``run.data["reading.position"]``, in SI, shape (n,).
+
+        Of a log that was cut off after its run what was left, with a warning.
+
+        Raises
+        ------
+        LogError
+            The log is damaged.
+        """
         return as_structured(self._data.log)
 
     @property
@@ -204,7 +213,13 @@ class Run:
 
     @cached_property
     def _data(self) -> RunData:
-        return load_run(self.path)
+        data = load_run(self.path)
+        torn = self._folder.missing_end(complete=data.log.complete)
+        if torn is not None:
+            warnings.warn(
+                f"{torn}: what was left of it is read", stacklevel=5
+            )  # to who asked for `data`
+        return data
 
     def __repr__(self) -> str:
         said = f": {self.message}" if self.message else ""

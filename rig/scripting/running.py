@@ -9,14 +9,16 @@ from pathlib import Path
 import numpy as np
 
 from rig.assembly import Backend, backend_of
+from rig.config.setting import Setting
 from rig.experiment.plan import Plan, load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
+from rig.hal.fits import shown
 from rig.run_folder import MANIFEST
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
-from rig.scripting.errors import error_of
+from rig.scripting.errors import MeasureFailed, error_of
 from rig.scripting.given import MOST, Given
 from rig.scripting.played import PlanFunction, refuse_within_plan
 from rig.scripting.recorded import Run
@@ -91,7 +93,7 @@ def run(
     ------
     ConfigurationError
         A file, a setting, an object or the motion cannot be; nothing was opened.
-    NotEnergised, RunFaulted, RunInterrupted, BoundMissed
+    NotEnergised, RunFaulted, RunInterrupted, BoundMissed, MeasureFailed
         How the run ended; each has it as `run`. All are `RunError`.
     DeviceError
         Hardware was refused before there was a run.
@@ -101,12 +103,12 @@ def run(
         raise ConfigurationError(
             f"experiment and on are {experiment!r} and {on!r}: names, or the path of a file"
         )
-    options = as_options(set)
+    options: list[str] = [*as_options(set)]
     if isinstance(controller, str):
-        options.append(f"controller={controller}")
+        options.append(Setting(f"controller={controller}", f"controller={controller!r}"))
         controller = None
     if seed is not None:
-        options.append(f"simulation.seed={seed}")
+        options.append(Setting(f"simulation.seed={seed}", f"seed={seed!r}"))
     backend = backend_of(on)
     loaded = load_plan(experiment, options, rig=rig, configs=_path(configs))
     given = Given(reference, plan, controller, measures)
@@ -121,6 +123,9 @@ def run(
             report=report, frames=frames, stop=stop,
         )  # fmt: skip
     recorded = Run(result.path)
+    if result.unmeasured:
+        what = "; ".join(str(error) for error in result.unmeasured)
+        raise MeasureFailed(recorded, what) from result.unmeasured[0]
     error = error_of(recorded, result.exit_code, strict=strict)
     if error is not None:
         raise error
@@ -176,7 +181,7 @@ def _candidate(run: Run) -> Candidate:
     return Candidate({**run.manifest, "name": run.path.name}, metrics)
 
 
-def as_options(settings: Settings | None) -> list[str]:
+def as_options(settings: Settings | None) -> list[Setting]:
     """Return settings as the options of the command line.
 
     Raises
@@ -186,7 +191,10 @@ def as_options(settings: Settings | None) -> list[str]:
     """
     if settings is not None and not isinstance(settings, Mapping):
         raise ConfigurationError(f"set is {settings!r}, and no mapping of settings to values")
-    return [f"{key}={_as_text(value)}" for key, value in (settings or {}).items()]
+    return [
+        Setting(f"{key}={_as_text(value)}", f"set={{{key!r}: {shown(value)}}}")
+        for key, value in (settings or {}).items()
+    ]
 
 
 def _as_text(value: object) -> str:

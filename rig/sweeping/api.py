@@ -11,6 +11,7 @@ from rig.sweeping.result import Sweep, SweepEnd, SweepInterrupted
 from rig.sweeping.run import run_sweep
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
 from rig.sweeping.sweep_file import axes_of, seeds_of
+from rig.sweeping.written import in_python
 
 
 def sweep(
@@ -91,10 +92,10 @@ def sweep(
     seconds, points = parse_budget(budget) if budget is not None else (None, None)
     request = SweepRequest(
         experiment=str(experiment),
-        axes=axes_of(vary or {}),
+        axes=axes_of(vary or {}, in_python),
         seeds=None if seeds is None else seeds_of(seeds),
         on=on,
-        options=as_options(set or {}),
+        options=as_options(set or {}, in_python),
         rig=rig,
         configs=None if configs is None else Path(configs),
         workers=workers or 0,

@@ -5,7 +5,9 @@ from fractions import Fraction
 from typing import Final, Literal, NamedTuple
 
 from rig.config.quantities import UnitError, parse_any_quantity
+from rig.config.setting import Setting
 from rig.hal import ConfigurationError
+from rig.sweeping.written import Written, on_command_line
 
 MAX_VALUES: Final = 100_000
 """Most values of one axis."""
@@ -40,10 +42,17 @@ class Axis(NamedTuple):
         Its dotted name, as for ``--set``.
     texts : tuple of str
         The values, as for ``--set``.
+    written : callable
+        How it was.
     """
 
     setting: str
     texts: tuple[str, ...]
+    written: Written = on_command_line
+
+    def option(self, text: str) -> Setting:
+        """Return one of its values as an option for ``--set``."""
+        return Setting(f"{self.setting}={text}", self.written("vary", self.setting, text))
 
 
 class DrawnAxis(NamedTuple):
@@ -62,6 +71,8 @@ class DrawnAxis(NamedTuple):
         Written after each number; may be empty.
     draws : int
         How many values.
+    written : callable
+        How it was.
     """
 
     setting: str
@@ -70,6 +81,7 @@ class DrawnAxis(NamedTuple):
     high: float
     unit: str
     draws: int
+    written: Written = on_command_line
 
 
 def parse_axis(text: str) -> Axis | DrawnAxis:
@@ -89,7 +101,7 @@ def parse_axis(text: str) -> Axis | DrawnAxis:
     return make_axis(setting, values)
 
 
-def make_axis(setting: str, values: str) -> Axis | DrawnAxis:
+def make_axis(setting: str, values: str, written: Written = on_command_line) -> Axis | DrawnAxis:
     """Return the axis of a setting from its values as they are written.
 
     Raises
@@ -97,45 +109,40 @@ def make_axis(setting: str, values: str) -> Axis | DrawnAxis:
     ConfigurationError
         They are of no form that there is, or too many.
     """
+    said = written("vary", setting, values)
     found = _RANGE.fullmatch(values) or _NORMAL.fullmatch(values)
     if found is None:
         if _MEANT_AS_RANGE.fullmatch(values):
-            raise ConfigurationError(f"--vary {setting}={values}: no such range; there is {_FORMS}")
-        listed = tuple(dict.fromkeys(_split(setting, values)))
+            raise ConfigurationError(f"{said}: no such range; there is {_FORMS}")
+        listed = tuple(dict.fromkeys(_split(said, values)))
         bare = [value for value in listed if _unit_of(value) == "1"]
         united = [value for value in listed if _unit_of(value) not in (None, "1")]
         if bare and united:  # 1,2,3 mm: nobody means metres by the first two
             raise ConfigurationError(
-                f"--vary {setting}={values}: {bare[0]!r} has no unit, and {united[0]!r} has one; "
+                f"{said}: {bare[0]!r} has no unit, and {united[0]!r} has one; "
                 "in a list each value has its own"
             )
-        return Axis(setting, listed)
+        return Axis(setting, listed, written)
     low, high, count = float(found["low"]), float(found["high"]), int(found["count"])
     unit = found["unit"] or found.groupdict().get("unit_high") or ""
     if found.groupdict().get("unit_high") and found["unit"] not in ("", found["unit_high"]):
-        raise ConfigurationError(
-            f"--vary {setting}={values}: both ends of a range have the same unit"
-        )
+        raise ConfigurationError(f"{said}: both ends of a range have the same unit")
     if not 1 <= count <= MAX_VALUES:
-        raise ConfigurationError(
-            f"--vary {setting}={values}: {count} values; an axis has 1 to {MAX_VALUES:,}"
-        )
+        raise ConfigurationError(f"{said}: {count} values; an axis has 1 to {MAX_VALUES:,}")
     if values.startswith("normal"):
-        return DrawnAxis(setting, "normal", low, high, unit, count)
+        return DrawnAxis(setting, "normal", low, high, unit, count, written)
     kind = found["kind"]
     if kind == "uniform":
-        return DrawnAxis(setting, "uniform", low, high, unit, count)
+        return DrawnAxis(setting, "uniform", low, high, unit, count, written)
     if kind == "sobol":
-        return DrawnAxis(setting, "sobol", low, high, unit, count)
+        return DrawnAxis(setting, "sobol", low, high, unit, count, written)
     if kind == "log":
         if not (low > 0.0 and high > 0.0):
-            raise ConfigurationError(
-                f"--vary {setting}={values}: both ends of a logarithmic range are greater than 0"
-            )
+            raise ConfigurationError(f"{said}: both ends of a logarithmic range are greater than 0")
         numbers = [low * (high / low) ** _share(i, count) for i in range(count)]
     else:
         numbers = _evenly(Fraction(found["low"]), Fraction(found["high"]), count)
-    return Axis(setting, tuple(dict.fromkeys(with_unit(x, unit) for x in numbers)))
+    return Axis(setting, tuple(dict.fromkeys(with_unit(x, unit) for x in numbers)), written)
 
 
 def _unit_of(value: str) -> str | None:
@@ -182,7 +189,7 @@ def _evenly(low: Fraction, high: Fraction, count: int) -> list[float]:
     return [float(low + (high - low) * i / (count - 1)) for i in range(count)]
 
 
-def _split(setting: str, values: str) -> list[str]:
+def _split(said: str, values: str) -> list[str]:
     """Split a list at the commas that stand in no bracket and no quotes."""
     parts, depth, quote = [""], 0, ""
     for char in values:
@@ -198,9 +205,7 @@ def _split(setting: str, values: str) -> list[str]:
             parts[-1] += char
     texts = [part.strip() for part in parts]
     if not all(texts):
-        raise ConfigurationError(f"--vary {setting}={values}: a value between commas is missing")
+        raise ConfigurationError(f"{said}: a value between commas is missing")
     if len(texts) > MAX_VALUES:
-        raise ConfigurationError(
-            f"--vary {setting}: {len(texts)} values; an axis has 1 to {MAX_VALUES:,}"
-        )
+        raise ConfigurationError(f"{said}: {len(texts)} values; an axis has 1 to {MAX_VALUES:,}")
     return texts

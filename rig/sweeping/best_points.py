@@ -1,5 +1,7 @@
 """The best points of a sweep as rows of text, for a terminal and for Python."""
 
+import math
+
 from rig.config.formats import format_quantity
 from rig.sweeping.data import SweepData
 
@@ -25,13 +27,17 @@ def best_points(
             *(str(values[number]) for values in data.settings.values()),
             data.statuses[number],
             *(
-                format_quantity(column.numbers[number], column.unit or "1")
+                _told(column.numbers[number], column.unit or "1")
                 for column in data.metrics.values()
             ),
         )
         for number in data.order(metric)[:SHOWN]
     ]
     return header, rows
+
+
+def _told(value: float, unit: str) -> str:
+    return "never" if math.isinf(value) else format_quantity(value, unit)
 
 
 def as_columns(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

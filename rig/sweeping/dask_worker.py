@@ -46,7 +46,7 @@ def run_here(job: PointJob, setup: WorkerSetup, configs: bytes) -> PointReport:
         try:
             own = _OWN.own = _ThreadsOwn(setup)
         except SweepStopped as error:
-            return PointReport(job.name, trouble=str(error))
+            return PointReport(job.name, trouble=error.what)
     return own.run(job, configs)
 
 

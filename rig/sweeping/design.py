@@ -46,7 +46,7 @@ class Design:
     def options(self, number: int) -> tuple[str, ...]:
         """Return the settings of a point, as for ``--set``."""
         texts = self.texts(number)
-        return tuple(f"{axis.setting}={text}" for axis, text in zip(self.axes, texts, strict=True))
+        return tuple(axis.option(text) for axis, text in zip(self.axes, texts, strict=True))
 
 
 def make_design(

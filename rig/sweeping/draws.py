@@ -51,7 +51,7 @@ def _axis(axis: DrawnAxis, shares: "NDArray[np.float64] | None", seed: int) -> A
         if shares is None:
             shares = _chance(axis, seed).random(axis.draws)
         values = axis.low + (axis.high - axis.low) * shares
-    return Axis(axis.setting, tuple(with_unit(float(x), axis.unit) for x in values))
+    return Axis(axis.setting, tuple(with_unit(float(x), axis.unit) for x in values), axis.written)
 
 
 def _chance(axis: DrawnAxis, seed: int) -> np.random.Generator:

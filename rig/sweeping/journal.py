@@ -1,13 +1,15 @@
 """What is finished of a sweep: one line for each point, on the disk before the next one counts."""
 
+import contextlib
 import fcntl
 import json
 import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from rig.hal import ConfigurationError
+from rig.hal import ConfigurationError, RigError
 from rig.spare_room import SpareRoom, append_line
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
@@ -38,6 +40,7 @@ class Journal:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._places: dict[bytes, int] = {}
+        self._made = [path for path in (folder, *folder.parents) if not path.exists()]
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._lock = _take_lock(folder / _LOCK, folder)
@@ -94,6 +97,28 @@ class Journal:
         self._reader.close()
         os.close(self._fd)
         os.close(self._lock)
+
+    @contextlib.contextmanager
+    def provisional(self, beside: Path) -> Iterator[None]:
+        """Leave no trace of a sweep that is refused meanwhile, if nothing of it is finished.
+
+        Parameters
+        ----------
+        beside : Path
+            A folder that is made meanwhile, which goes as well.
+        """
+        try:
+            yield
+        except RigError:
+            if not self._places:
+                shutil.rmtree(beside, ignore_errors=True)
+                self._spare.give_back()
+                with contextlib.suppress(OSError):  # where somebody keeps something, it stays
+                    for name in (JOURNAL, _LOCK):
+                        (self.folder / name).unlink()
+                    for path in self._made:
+                        path.rmdir()
+            raise
 
     def read(self) -> None:
         """Find again what is finished: an interrupt may have come between a line and its place.

@@ -18,7 +18,8 @@ from rig.sweeping.source import PointSource, resolve
 
 _ADDRESS: Final = re.compile(r" at 0x[0-9a-f]{6,}")
 _DISK: Final = re.compile(
-    "No space left|Disk quota exceeded|Input/output error|Read-only file|Too many open files"
+    "No space left on device|Disk quota exceeded|Input/output error|Read-only file system"
+    "|Too many open files"
     "|Cannot allocate memory"
 )
 
@@ -58,7 +59,8 @@ def perform(job: PointJob) -> PointFinding:
     resolved = resolve(job.source, job.options, job.configs)
     if resolved.name != job.name:
         raise SweepStopped(
-            "configurations", "they are not what they were when the sweep began; start it again"
+            "sweep",
+            "the configurations are not what they were when it began; start it again",
         )
     try:
         plan = make_plan(resolved.experiment, resolved.profile)
@@ -104,9 +106,15 @@ def _cell(metric: Metric) -> MetricCell:
 
 def _refuse_if_outside(message: str, job: PointJob) -> None:
     """Raise if a message is about the place where the point ran, and not about the point."""
-    if _DISK.search(message) or str(job.logs) in message:
-        shutil.rmtree(job.logs / f".{job.name}", ignore_errors=True)
-        raise SweepStopped("sweep", message)
+    trouble = _DISK.search(message)
+    if trouble or str(job.logs) in message:
+        hidden = job.logs / f".{job.name}"
+        shutil.rmtree(hidden, ignore_errors=True)
+        seen = message.replace(str(hidden), str(job.logs))
+        what = f"{job.logs}: {trouble[0]}" if trouble else seen
+        raise SweepStopped(
+            "sweep", f"{what}; what is finished is kept, and the same command goes on from there"
+        )
 
 
 def _keep(place: Path, kept: Path) -> None:

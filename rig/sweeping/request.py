@@ -9,9 +9,11 @@ from typing import Final
 import numpy as np
 
 from rig.assembly import Backend
+from rig.config.setting import Setting
 from rig.hal import ConfigurationError
 from rig.sweeping.axis import Axis, DrawnAxis
 from rig.sweeping.stop_rule import StopRule
+from rig.sweeping.written import Written
 
 SWEEPS: Final = Path("runs/sweeps")
 """Where sweeps live unless they are told otherwise."""
@@ -112,9 +114,12 @@ class SweepRequest:
         return self
 
 
-def as_options(settings: Mapping[str, object]) -> tuple[str, ...]:
-    """Return settings as options for ``--set``."""
-    return tuple(f"{key}={as_text(value)}" for key, value in settings.items())
+def as_options(settings: Mapping[str, object], written: Written) -> tuple[str, ...]:
+    """Return settings as options for ``--set``, which know how they were written."""
+    return tuple(
+        Setting(f"{key}={as_text(value)}", written("set", key, value))
+        for key, value in settings.items()
+    )
 
 
 def as_text(value: object) -> str:

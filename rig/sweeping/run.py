@@ -68,10 +68,12 @@ def run_sweep(
         code = code_version()
         configs = request.folder.resolve() / _CONFIGS
         logs = request.folder.resolve() / LOGS
-        source = _checked_source(request, design, configs, code)
-        shown = progress(design.count)
         setup = WorkerSetup(perform, code.digest, request.folder.resolve() / "workers.log")
-        with closing(_engine(request, setup, configs, shown.say)) as engine:
+        with journal.provisional(configs):
+            source = _checked_source(request, design, configs, code)
+            shown = progress(design.count)
+            opened = _engine(request, setup, configs, shown.say)
+        with closing(opened) as engine:
             best = Best(request.best, request.keep, logs)
             coordinator = Coordinator(journal, engine, shown, _limits(request), best)
             end, trouble = SweepEnd.DONE, None
@@ -127,13 +129,13 @@ def check_axes(source: PointSource, design: Design, configs: Path) -> None:
     resolve(source, first, configs)
     for place, axis in enumerate(design.axes):
         for text in _telling(axis):
-            options = (*first[:place], f"{axis.setting}={text}", *first[place + 1 :])
+            option = axis.option(text)
             try:
-                resolve(source, options, configs)
+                resolve(source, (*first[:place], option, *first[place + 1 :]), configs)
             except ProfileError as error:
-                raise ConfigurationError(
-                    f"--vary {axis.setting}={text}: {reason_of(error)}"
-                ) from error
+                if option.written in str(error):
+                    raise
+                raise ConfigurationError(f"{option.written}: {reason_of(error)}") from error
 
 
 def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:

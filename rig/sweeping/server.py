@@ -81,7 +81,7 @@ def _work(connection: Connection, perform: Perform) -> None:
             try:
                 report = PointReport(job.name, finding=perform(job))
             except SweepStopped as error:
-                report = PointReport(job.name, trouble=str(error))
+                report = PointReport(job.name, trouble=error.what)
             connection.send(report)
 
 

@@ -16,6 +16,7 @@ from rig.hal import ConfigurationError
 from rig.sweeping.axis import MAX_VALUES, Axis, DrawnAxis, make_axis, parse_seeds
 from rig.sweeping.request import SweepRequest, as_options, as_text
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
+from rig.sweeping.written import Written, in_file
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -66,9 +67,9 @@ def load_sweep(path: Path) -> SweepRequest:
     return request
 
 
-def axes_of(vary: Mapping[str, object]) -> tuple[Axis | DrawnAxis, ...]:
+def axes_of(vary: Mapping[str, object], written: Written) -> tuple[Axis | DrawnAxis, ...]:
     """Return axes from settings and their values: a list, or a text as on the command line."""
-    return tuple(_axis(setting, values) for setting, values in vary.items())
+    return tuple(_axis(setting, values, written) for setting, values in vary.items())
 
 
 def seeds_of(value: object) -> Axis:
@@ -78,12 +79,12 @@ def seeds_of(value: object) -> Axis:
     return parse_seeds(str(value))
 
 
-def _axis(setting: str, values: object) -> Axis | DrawnAxis:
+def _axis(setting: str, values: object, written: Written) -> Axis | DrawnAxis:
     if isinstance(values, str):
-        return make_axis(setting, values)
+        return make_axis(setting, values, written)
     if not isinstance(values, list | tuple | range | np.ndarray) or not len(_few(setting, values)):
         raise ConfigurationError(f"{setting}: expected a list of values, or a range such as 1..5:9")
-    return Axis(setting, tuple(dict.fromkeys(as_text(value) for value in values)))
+    return Axis(setting, tuple(dict.fromkeys(as_text(value) for value in values)), written)
 
 
 def _few(name: str, values: Values) -> Values:
@@ -105,7 +106,7 @@ def _mapping(value: Plain) -> dict[str, Plain]:
 
 def _perturbation(request: SweepRequest, value: Plain) -> SweepRequest:
     more = {f"{PERTURBATION}.{name}": bound for name, bound in _mapping(value).items()}
-    return replace(request, options=(*request.options, *as_options(more)))
+    return replace(request, options=(*request.options, *as_options(more, in_file)))
 
 
 def _repeat(request: SweepRequest, value: Plain) -> SweepRequest:
@@ -122,10 +123,10 @@ _READERS: Final[dict[str, Callable[[SweepRequest, Plain], SweepRequest]]] = {
     "on": lambda request, value: replace(request, on=str(value)),
     "rig": lambda request, value: replace(request, rig=str(value)),
     "set": lambda request, value: replace(
-        request, options=(*request.options, *as_options(_mapping(value)))
+        request, options=(*request.options, *as_options(_mapping(value), in_file))
     ),
     "perturbation": _perturbation,
-    "vary": lambda request, value: replace(request, axes=axes_of(_mapping(value))),
+    "vary": lambda request, value: replace(request, axes=axes_of(_mapping(value), in_file)),
     "seeds": lambda request, value: replace(request, seeds=seeds_of(value)),
     "repeat": _repeat,
     "draw_seed": lambda request, value: replace(request, draw_seed=int(str(value))),

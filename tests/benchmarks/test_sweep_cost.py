@@ -5,6 +5,7 @@ that work for one show what two processors are worth, on a machine that has noth
 `pytest -m benchmark -s -n 0 tests/benchmarks/test_sweep_cost.py`
 """
 
+import multiprocessing
 import os
 import resource
 import subprocess
@@ -63,6 +64,23 @@ LOOPS = 8_000_000
 """About a second."""
 
 
+def by_hand(point):
+    """Return what a second process is worth here, with no sweep around it."""
+    with multiprocessing.get_context("fork").Pool(2) as processes:
+        spent = []
+        for together in (1, 2):
+            began = time.perf_counter()
+            for _ in range(12 // together):
+                processes.map(at_once, [point] * together, chunksize=1)
+            spent.append(time.perf_counter() - began)
+    return spent[0] / spent[1]
+
+
+def at_once(point):
+    """Run a point in a process of its own."""
+    point()
+
+
 @pytest.fixture
 def engine_of(monkeypatch):
     monkeypatch.syspath_prepend(Path(__file__).parent)
@@ -116,6 +134,7 @@ def test_workers_and_what_a_point_costs_besides(engine_of, tmp_path, table, what
     table(what=f"a point that is {what}", seconds=alone)
     table(what="besides, of it", ratio=besides)
     table(what="two workers over one", ratio=spent[1] / spent[2])
+    table(what="two processes by hand over one", ratio=by_hand(point))
     assert besides <= 0.05
     assert spent[1] / spent[2] >= 1.85
 

@@ -36,9 +36,18 @@ def dies(job):
 
 
 def fills_the_disk(job):
-    from rig.sweeping.errors import SweepStopped
+    """Run a point whose log cannot be written to its end."""
+    from rig.experiment.ending import EXIT_FAULT
+    from rig.experiment.run import Result
+    from rig.run_folder import RunStatus
+    from rig.sweeping import point
 
-    raise SweepStopped("sweep", "No space left on device")
+    def cut_off(plan, backend, out, **more):
+        what = f"cannot write {out / 'some-run' / 'log.mcap'}: No space left on device; it ends"
+        return Result(out, RunStatus.FAULTED, EXIT_FAULT, what, ())
+
+    point.run_experiment = cut_off
+    return point.perform(job)
 
 
 def sweep(out, workers, count, dask=None, what="perform", quiet=True, **more):

@@ -1,5 +1,6 @@
 """What the joint must not do is refused before anything is opened, with number and pose."""
 
+import random
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,10 @@ def plan(*options):
 
 
 REFUSED = {
+    "pressure-too-low-for-the-wires": (
+        (f"joint.base_pressure={random.Random(18).uniform(0.1, 20.0):.3f} kPa",),
+        ("base_pressure (", "which is not between least_tension (5 N) and most_tension (90 N)"),
+    ),
     "eq-17": (
         (f"{GEOMETRY}.ring_radius=17 mm", f"{LIMITS}.tilt=90 deg"),
         ("max_tilt (90.00 deg) must be below 87.84 deg", "Eq. (17)", "upsilon is 44."),

@@ -141,6 +141,12 @@ def test_a_calibration_is_written(tmp_path):
         "cylinder-uncalibrated", "encoders", out=tmp_path, configs=configs, on="sim"
     )
     assert done.files
+    lines = repr(done).splitlines()
+    assert lines[-len(done.files) :] == [str(path) for path in done.files]
+    estimates = [one for finding in done.findings for one in finding.estimates]
+    assert len(lines) == len(estimates) + len(done.files)
+    for line, estimate in zip(lines, estimates, strict=False):
+        assert f" {estimate.name}: " in line and "95 %" in line
     assert all(path.is_relative_to(configs) for path in done.files)
     with pytest.raises(rig.ConfigurationError, match="yes='cylinder'"):
         rig.calibrate("cylinder", "encoders", out=tmp_path, configs=configs, on="hardware")
@@ -171,9 +177,16 @@ def test_a_fault_is_an_exception_with_its_run(out):
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"set": {"reference.amplitud": 1}}, "amplitud"),
-        ({"set": {"nothing.at.all": 1}}, "there is no key 'nothing'"),
-        ({"controller": "pdi"}, "did you mean 'pid'|no controller"),
+        ({"set": {"reference.amplitud": 1}}, "^set={'reference.amplitud': 1}: unknown key 'ampli"),
+        ({"set": {"reference.dwell": [1]}}, r"^set={'reference.dwell': \[1\]}: dwell"),
+        ({"set": {"loop.rate": "1 m"}}, "^set={'loop.rate': '1 m'}: loop.rate: '1 m' is not in Hz"),
+        ({"set": {"nothing.at.all": 1}}, "^set={'nothing.at.all': 1}: there is no key 'nothing'"),
+        ({"seed": -3}, "^seed=-3: seed is -3, expected at least 0"),
+        (
+            {"controller": "pdi"},
+            r"(?s)^controller='pdi': no .*mean pid\? .*: cascade, pid, pid-friction, super-twist",
+        ),
+        ({"controller": "pdi", "rig": "arm"}, "are: dls, esc, esc-paper, inv"),
         ({"controller": object()}, "it has no"),
         ({"controller": 3.0}, "it has no"),
         ({"reference": object()}, "not one for a pair"),
@@ -233,10 +246,55 @@ def test_a_law_and_a_measure_in_python(out):
     assert dict(rig.load(run.path).metrics) == before
 
 
-def test_a_measure_that_raises_names_itself(out):
-    with pytest.raises(rig.RigError, match="metric bad: ZeroDivisionError"):
-        rig.run("cylinder-staircase", on="sim", set=SHORT, out=out,
-                measures={"bad": lambda data: 1 / 0})  # fmt: skip
+def divides(data):
+    return 1 / 0
+
+
+def leaves(data):
+    raise SystemExit(3)
+
+
+def misses(data):
+    return data["no.such.column"].max()
+
+
+def returns_text(data):
+    return "much"
+
+
+@pytest.mark.parametrize(
+    ("broken", "said", "line"),
+    [
+        (divides, "ZeroDivisionError: division by zero", 1),
+        (leaves, "SystemExit: 3", 1),
+        (misses, "ValueError: no field of name no.such.column", 1),
+        (returns_text, "returned 'much', and no number", 0),
+    ],
+)
+@pytest.mark.parametrize("bound", ["1 m", "1 nm"])
+def test_a_measure_that_fails_says_where_and_leaves_the_run_as_it_was(
+    broken, said, line, bound, out
+):
+    wanted = {"first": len, "bad": broken, "last": (excursion, "m")}
+    setting = SHORT | {"metrics.hold_rms.max": bound}
+    with pytest.raises(rig.MeasureFailed) as failed:
+        rig.run("cylinder-staircase", on="sim", set=setting, out=out, measures=wanted)
+    assert f"measure bad ({__file__}, line {broken.__code__.co_firstlineno + line})" in str(
+        failed.value
+    )
+    assert said in str(failed.value)
+    run = failed.value.run
+    assert str(run.path) in str(failed.value)
+    assert (run.status, run.manifest["exit_code"]) == (
+        ("ok", 0) if bound == "1 m" else ("failed", 1)
+    )
+    assert isinstance(failed.value, rig.RunError)
+    assert len(run.data) == float(run.metrics["first"]) + np.sum(run.data["phase"] != 1)
+    assert {"hold_rms", "first", "last"} < set(run.metrics) and "bad" not in run.metrics
+    assert [event["message"] for event in run.events if event["kind"] == "measure"] == [
+        str(failed.value).removesuffix(f" ({run.path})")
+    ]
+    assert "measure bad" in run.report.read_text()
 
 
 def test_a_measure_that_is_nan_says_so_and_one_that_never_came_does_not(out, capsys):

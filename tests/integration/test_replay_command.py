@@ -161,7 +161,13 @@ def test_a_driver_that_sends_something_else_is_seen(framed, capsys, monkeypatch)
 @pytest.mark.parametrize(
     ("experiment", "on", "options", "words"),
     [
-        ("cylinder-step", "sim", SHORT, "virtual"),
+        (
+            "cylinder-step",
+            "sim",
+            SHORT,
+            "on sim, which has no buses and so no frames; runs on virtual, vcan, hardware have",
+        ),
+        ("cylinder-step", "virtual", SHORT, "no frames: they are recorded by rig run --frames"),
         ("legs-squat", "virtual", BEND, "hangs on no CAN bus"),
     ],
 )
@@ -171,6 +177,15 @@ def test_frames_that_are_not_there_are_a_sentence(experiment, on, options, words
     (folder,) = tmp_path.iterdir()
     assert invoke(["replay", str(folder), "--frames"]) == 2
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("backend", ["vcan", "hardware"])
+def test_frames_of_the_walls_clock_are_not_replayed(backend, framed, tmp_path, capsys):
+    folder = shutil.copytree(framed["cylinder-step"], tmp_path / "run")
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps({**manifest, "backend": backend}))
+    assert invoke(["replay", str(folder), "--frames"]) == 2
+    assert f"ran on {backend}: only frames of a run on virtual" in capsys.readouterr().err
 
 
 # Again ------------------------------------------------------------------------------------------

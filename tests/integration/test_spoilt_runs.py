@@ -47,6 +47,9 @@ def test_a_log_that_was_cut_off_is_not_taken_for_whole(seed, folder, capsys):
         assert "was cut off" in capsys.readouterr().err
     with pytest.raises(rig.ConfigurationError, match="was cut off"):
         rig.replay(folder)
+    with pytest.warns(UserWarning, match=r"log.mcap was cut off: .* what was left") as told:
+        assert len(rig.load(folder).data) == rows
+    assert [one.filename for one in told] == [__file__]
     assert invoke(["export", str(folder), "--format", "csv"]) == 1
     said = capsys.readouterr()
     assert "was cut off" in said.err and said.out.strip() == str(folder / "log.csv")
@@ -57,6 +60,31 @@ def test_a_log_that_was_cut_off_is_not_taken_for_whole(seed, folder, capsys):
     assert (
         folder / "metrics.json"
     ).read_bytes() == metrics  # of the whole log, and not of the rest
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_flipped_bit_is_said_by_every_reader(seed, folder, capsys):
+    log, chance = folder / "log.mcap", random.Random(seed)
+    content = bytearray(log.read_bytes())
+    file = LogFile(log)
+    rows = sum(len(piece) for piece in file.pieces())
+    first = content.index(next(file.pieces())[:1].tobytes())
+    row = chance.randrange(rows)
+    place = first + row * file.record.itemsize + chance.randrange(40, file.record.itemsize - 8)
+    content[place] ^= 1 << chance.randrange(8)
+    log.write_bytes(content)
+    said = f"is damaged: row {row} of it does not fit its checksum"
+    run = rig.load(folder)
+    for read in (lambda: run.data, run.frame, lambda: run.figure("tracking"), lambda: run.segments):
+        with pytest.raises(rig.ConfigurationError, match=said):
+            read()
+    with pytest.raises(rig.ConfigurationError, match=said):
+        rig.replay(folder)
+    assert invoke(["export", str(folder), "--format", "csv"]) == 2
+    assert said in capsys.readouterr().err
+    assert invoke(["report", str(folder)]) == 0
+    assert said in capsys.readouterr().err
+    assert said in (folder / "report.html").read_text()
 
 
 @pytest.mark.parametrize("status", ["crashed", "faulted"])
@@ -108,6 +136,10 @@ def test_another_version_says_so_before_it_replays(folder, capsys):
     assert invoke(["replay", str(folder)]) == 0
     err = capsys.readouterr().err
     assert "rig 0.0.7 (no checkout) recorded it, rig " in err and "replays it" in err
+    for more in ({}, {"controller": "pid"}):
+        with pytest.warns(UserWarning, match=r"rig 0.0.7 \(no checkout\) recorded it") as told:
+            rig.replay(folder, **more)
+        assert [one.filename for one in told] == [__file__]
 
 
 @pytest.mark.parametrize("command", ["replay", "rerun", "export", "report", "diff"])

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import random
 import subprocess
 import sys
 from pathlib import Path
@@ -102,6 +103,10 @@ def test_a_point_that_cannot_be_is_a_row(tmp_path):
         (("--vary", "plant.frictoin_scale=1,2"), ("frictoin_scale", "did you mean friction_scale")),
         (("--vary", "planet.friction_scale=1,2"), ("planet",)),
         (("--vary", "plant.friction_scale=1,2 mm"), ("friction_scale", "2 mm")),
+        (("--vary", "plant.friction_scale=1 mm,2 mm"), ("--vary plant.friction_scale=1 mm: ",)),
+        (("--vary", "plant.friction_scale=1,five"), ("--vary plant.friction_scale=five: ",)),
+        (("--vary", "planet.friction_scale=1,2"), ("--vary planet.friction_scale=1: there is no",)),
+        (("--vary", "controller=nope"), ("--vary controller=nope: ", "are: cascade, pid, pid-f")),
         (("--vary", "plant.friction_scale=1..2:100000", "--seeds", "0:10000"),
          ("1,000,000,000 points",)),
         (("--vary", "plant.friction_scale=1..2"), ("no such range",)),
@@ -125,7 +130,50 @@ def test_what_cannot_be_swept_is_refused_before_anything_runs(tmp_path, capsys, 
     assert code == 2
     for word in words:
         assert word in told
-    assert not (tmp_path / "runs").exists()
+    assert "--set" not in told
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("controller", ["cascade", "pid", "super-twisting"])
+def test_a_pressure_that_leaves_a_law_no_room_is_a_refused_point(controller, tmp_path, capsys):
+    pressure = f"{random.Random(controller).uniform(0.1, 10.0):.3f} kPa"
+    out = ("--set", f"controller={controller}", "--out", tmp_path)
+    wrong = f"cylinder.base_pressure={pressure},150 kPa"
+    code, _, told = run(
+        capsys, "cylinder-step", *SHORT, *out, "--vary", wrong, "--workers", 1, "--json"
+    )
+    assert code == 0
+    rows = (tmp_path / "sweep.csv").read_text().splitlines()
+    assert ",refused," in rows[1] and "leaves no differential" in rows[1]
+    assert ",refused," not in rows[2] and "lost" not in told
+    single = ["run", "cylinder-step", "--on", "sim", "--set", f"cylinder.base_pressure={pressure}"]
+    assert invoke([*single, "--set", f"controller={controller}", "--out", str(tmp_path)]) == 2
+    assert "leaves no differential" in capsys.readouterr().err
+
+
+def test_a_refusal_names_what_the_file_says(tmp_path, capsys):
+    file = tmp_path / "sweep.yaml"
+    for entry, said in (
+        ("vary: {plant.friction_scale: [1 mm]}", "plant.friction_scale: 1 mm: "),
+        ("vary: {plant.friction_scale: 1..2}", "vary: plant.friction_scale: 1..2: no such range"),
+        ("set: {loop.raet: 1}\nseeds: 0:2", "loop.raet: 1: unknown key 'raet'"),
+    ):
+        file.write_text(f"experiment: cylinder-step\non: sim\n{entry}\n")
+        code, _, told = run(capsys, file, "--configs", CONFIGS, "--out", tmp_path / "deep" / "er")
+        assert code == 2 and said in told and "--" not in told
+        assert not (tmp_path / "deep").exists()
+
+
+def test_a_refusal_leaves_what_others_keep_and_what_is_finished(tmp_path, capsys):
+    (tmp_path / "notes.txt").write_text("mine")
+    wrong = ("--vary", "plant.friction_scale=1 mm,2 mm", "--out", tmp_path)
+    assert run(capsys, "cylinder-step", *SHORT, *wrong)[0] == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+    right = ("--vary", "plant.friction_scale=1", "--out", tmp_path, "--workers", 1)
+    assert run(capsys, "cylinder-step", *SHORT, *right)[0] == 0
+    kept = (tmp_path / "points.jsonl").read_bytes()
+    assert run(capsys, "cylinder-step", *SHORT, *wrong)[0] == 2
+    assert (tmp_path / "points.jsonl").read_bytes() == kept and len(kept.splitlines()) == 1
 
 
 def test_a_scheduler_that_is_not_there(tmp_path, capsys):
@@ -133,6 +181,7 @@ def test_a_scheduler_that_is_not_there(tmp_path, capsys):
         capsys, "cylinder-step", *SHORT, *AXES, "--out", tmp_path, "--dask", "tcp://127.0.0.1:9"
     )
     assert code == 3 and "no Dask scheduler answers" in told
+    assert not list(tmp_path.iterdir())
 
 
 def test_without_pyarrow_there_is_a_csv_and_a_sentence(tmp_path, monkeypatch):

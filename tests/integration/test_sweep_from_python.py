@@ -1,5 +1,6 @@
 """`rig.sweep`: what a Python program gives it, prints of it, and catches when it is interrupted."""
 
+import math
 import os
 import random
 import signal
@@ -41,6 +42,8 @@ def test_a_sweep_prints_as_a_table_of_its_best_points(tmp_path):
     assert found.best()["rise_time"] == ordered[0]
     assert rows[0].split()[0] == f"{found.best()['plant.friction_scale']}"
     assert len(rows) == 6
+    for row, line in zip(sorted(found.table, key=lambda row: row["rise_time"]), rows, strict=True):
+        assert ("never" in line) == math.isinf(row["settling_time"]) and "inf" not in line
     part = sweep(tmp_path / "part", seeds=range(4), budget="1 points", workers=1)
     assert not part.complete and repr(part).startswith("part: budget, 1 of 4 points")
 
@@ -89,12 +92,16 @@ def test_an_interrupted_sweep_is_an_exception_with_what_is_finished(tmp_path):
         ({"stop_when": 3}, "stop_when is 3"), ({"budget": 30}, "budget is 30"),
         ({"metric": 1}, "metric is 1"), ({"quiet": "yes"}, "quiet is 'yes'"),
         ({"on": "mars"}, "runs on one of sim, virtual; .*not on 'mars'"),
+        ({"vary": {"plant.friction_scale": [1.0, "x"]}}, r"^vary={'plant.friction_scale': 'x'}: "),
+        ({"vary": {"plant.friction_scale": "1..2"}}, r"^vary={'plant.friction_scale': '1..2'}: no"),
+        ({"vary": {"planet.scale": [2]}}, r"^vary={'planet.scale': '2'}: there is no key 'planet'"),
+        ({"set": {"loop.rate": "1 furlong"}}, r"^set={'loop.rate': '1 furlong'}: loop.rate: "),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_a_sentence_before_anything_runs(wrong, said, tmp_path):
     with pytest.raises(rig.ConfigurationError, match=said):
         sweep(**{"out": tmp_path / "s", "seeds": range(2), **wrong})
-    assert not (tmp_path / "s" / "runs").exists()
+    assert not (tmp_path / "s").exists()
 
 
 @pytest.mark.parametrize("file", sorted(CONFIGS.glob("sweeps/*.yaml")), ids=lambda file: file.stem)

@@ -148,8 +148,12 @@ def test_a_point_that_kills_its_workers_is_a_row_and_tried_again(tmp_path):
 
 def test_a_full_disk_is_a_sentence(tmp_path):
     sweep_stub.sweep(tmp_path, 2, 10)
-    with pytest.raises(SweepStopped, match="No space left"):
+    with pytest.raises(SweepStopped) as stopped:
         sweep_stub.sweep(tmp_path, 2, 20, what="fills_the_disk")
+    assert str(stopped.value) == (
+        f"sweep: {tmp_path / 'runs'}: No space left on device; what is finished is kept, and the "
+        "same command goes on from there"
+    )
     assert finished(tmp_path) == 10
 
 

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
+from controllers.motion import InfeasibleMotion
 
 PERIOD = 1e-3
 
@@ -42,7 +43,7 @@ def test_the_upper_end_of_the_range_binds_too(model):
 
 
 def test_a_floor_above_the_base_pressure_is_refused(model):
-    with pytest.raises(ValueError, match="leaves no differential"):
+    with pytest.raises(InfeasibleMotion, match="leaves no differential"):
         DifferentialRange(model, floor=model.base_pressure)
 
 
