@@ -48,13 +48,16 @@ class Trial(NamedTuple):
         to come to rest, SI.
     reversals : float
         Of the setpoint that turns round most often, 1/s.
+    strayed : float
+        Greatest error that lasts until the program would stop the rig for it, over its limit.
     lasted : float
-        Share of the motion until it was lost, or left its limits; 1 if it never did.
+        Share of the motion until the rig was lost; 1 if it never was.
     """
 
     errors: Mapping[str, float]
     hunting: float
     reversals: float
+    strayed: float
     lasted: float
 
 

@@ -11,6 +11,8 @@ SENSITIVITY: Final = 1.7
 """Greatest sensitivity that a loop may have: it is then at least 1/1.7 from the critical point."""
 REVERSALS: Final = 25.0
 """So often may a setpoint turn round by 25 kPa, 1/s: a valve's life is counted in them."""
+STRAYED: Final = 0.8
+"""More than this share of the error that stops a rig is too much on any plant."""
 _QUIET: Final = 0.1e-3
 """More motion than this in a hold is hunting, SI."""
 _FINEST: Final = 1e-6
@@ -55,7 +57,8 @@ def score(trials: Sequence[Trial], margins: Sequence[ClosedLoop]) -> Score:
     over = [max(0.0, trial.reversals - REVERSALS) * _PER_REVERSAL for trial in trials]
     hunts = [max(0.0, math.log(max(trial.hunting, _FINEST) / _QUIET)) for trial in trials]
     near = max((margin.sensitivity - SENSITIVITY for margin in margins), default=0.0)
-    overstepped = (sum(over) + sum(hunts)) / len(trials) + max(over)
+    strays = [max(0.0, trial.strayed - STRAYED) for trial in trials]
+    overstepped = (sum(over) + sum(hunts)) / len(trials) + max(over) + sum(strays) + max(strays)
     return Score(errors + overstepped + _PER_SENSITIVITY * max(near, 0.0), errors)
 
 

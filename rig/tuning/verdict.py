@@ -42,9 +42,9 @@ class EnsembleVerdict(NamedTuple):
 
     @property
     def lost(self) -> list[Member]:
-        """The plants that were lost."""
+        """The plants that were lost, or on which the program would have stopped."""
         both = zip(self.members, self.trials, strict=True)
-        return [member for member, trial in both if trial.lasted < 1.0]
+        return [member for member, trial in both if trial.strayed >= 1.0]
 
     @property
     def nominal(self) -> Trial:
@@ -88,7 +88,9 @@ def objections(now: EnsembleVerdict, before: EnsembleVerdict) -> Sequence[str]:
     """Return why gains are not to be put in force; empty: nothing speaks against them."""
     found = []
     if now.lost:
-        found.append(f"they lose {len(now.lost)} of {len(now.trials)} plants")
+        found.append(
+            f"they lose {len(now.lost)} of {len(now.trials)} plants, or would be stopped there"
+        )
     if now.robust < ENOUGH:
         found.append(
             f"only {100 * now.robust:.0f} % of {len(now.margins)} drawn plants keep a sensitivity "

@@ -1,5 +1,6 @@
 """The loop of one pair, compiled as a whole with its plant: what `rig tune` tries gains on."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import asdict, replace
@@ -19,7 +20,7 @@ from rig.hal.bench import Lend, Trial, TuningBench
 from rig.hal.mechanism import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
-from rig.mechanisms.cylinder.programme import Programme, followed, reversals_of
+from rig.mechanisms.cylinder.programme import Programme, lasting_error, reversals_of
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
@@ -69,13 +70,13 @@ class PairBench(TuningBench):
         """Run a law on a plant; see `TuningBench.trial`."""
         trace, cycles = self.run(chosen, true, seed)
         of = self._programme
-        errors = trace[:cycles, 0] - of.references[:cycles, 0]
-        limits, alarm = self._settings.limits, self._settings.alarms.oscillation
-        cycles = followed(errors, limits.following, round(alarm.lost / self._period))
         if cycles < len(of.references):
-            return Trial({}, 0.0, 0.0, cycles / len(of.references))
+            return Trial({}, 0.0, 0.0, math.inf, cycles / len(of.references))
+        errors = trace[:, 0] - of.references[:, 0]
+        alarm = round(self._settings.alarms.oscillation.lost / self._period)
+        strayed = lasting_error(errors, alarm) / self._settings.limits.following
         reversals = max(reversals_of(trace[:, k]) for k in (1, 2))
-        return Trial(of.rms(errors), of.hunting(errors), reversals / self.duration, 1.0)
+        return Trial(of.rms(errors), of.hunting(errors), reversals / self.duration, strayed, 1.0)
 
     def run(self, chosen: object, true: Mapping[str, float], seed: int) -> tuple[Array, int]:
         """Return position (m) and both setpoints (Pa) of each cycle, and how many it lasted."""

@@ -99,11 +99,12 @@ def reversals_of(setpoints: Array) -> int:
     return count
 
 
-def followed(errors: Array, most: float, cycles: int) -> int:
-    """Return for how many cycles errors are at most `most`, but for less than `cycles` in a row."""
-    beyond = np.abs(errors) > most
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], beyond, [False]])))
-    for first, end in edges.reshape(-1, 2).tolist():
-        if end - first >= cycles:
-            return int(first + cycles)
-    return len(errors)
+def lasting_error(errors: Array, cycles: int) -> float:
+    """Return the greatest error (m) that is reached or passed for so many cycles in a row."""
+    from scipy.ndimage import minimum_filter1d
+
+    sizes = np.abs(errors)
+    if len(sizes) < cycles:
+        return 0.0
+    whole = minimum_filter1d(sizes, cycles)[cycles // 2 : len(sizes) - (cycles - 1) // 2]
+    return float(np.max(whole))

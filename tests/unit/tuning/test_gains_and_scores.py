@@ -11,7 +11,7 @@ from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.cascade_settings import CascadeSettings
 from rig.hal.bench import Trial, Unknown
 from rig.hal.mechanism import ClosedLoop
-from rig.mechanisms.cylinder.programme import REVERSAL, reversals_of
+from rig.mechanisms.cylinder.programme import REVERSAL, lasting_error, reversals_of
 from rig.tuning.ensemble import Ensemble
 from rig.tuning.gains import gains_at, nested, place_of, values_of, with_gains
 from rig.tuning.score import LOST, UNSTABLE, score
@@ -81,8 +81,8 @@ def test_the_first_corners_have_every_pair_of_extremes_once():
         assert set(met.values()) == {1}
 
 
-def trial(error=1e-3, hunting=0.0, reversals=0.0, lasted=1.0):
-    return Trial({"slow": error, "fast": 2 * error}, hunting, reversals, lasted)
+def trial(error=1e-3, hunting=0.0, reversals=0.0, strayed=0.5, lasted=1.0):
+    return Trial({"slow": error, "fast": 2 * error}, hunting, reversals, strayed, lasted)
 
 
 STABLE = ClosedLoop(True, 50.0, 1.0, 0.01, 1.4)
@@ -140,6 +140,16 @@ def test_reversals_are_those_that_a_plain_count_finds(number):
     walk = np.cumsum(rng.normal(0, DRAWN.uniform(1e3, 20e3), 3000))
     values = np.round(walk / 500) * 500 if number % 2 else walk
     assert reversals_of(values) == turned_round(values.tolist())
+
+
+@pytest.mark.parametrize("number", range(8))
+def test_an_error_lasts_as_long_as_a_plain_count_says(number):
+    rng = np.random.default_rng([10, number])
+    errors = np.cumsum(rng.normal(0, 1e-4, 800))
+    cycles = int(rng.integers(2, 301))
+    lasting = lasting_error(errors, cycles)
+    runs = [np.abs(errors[k : k + cycles]).min() for k in range(len(errors) - cycles + 1)]
+    assert lasting == max(runs)
 
 
 def test_a_setpoint_that_never_moves_never_turns_round():
