@@ -30,11 +30,22 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
         Roles without devices, limits beyond a device's range, a bus that is too full, two
         devices with one node number.
     """
+    _check_plant(profile)
     check_answers(profile)
     bus_loads(profile)
     mechanism, devices = make_unconnected(profile)
     measured = [column for device in devices.values() for column in device.log_columns]
     return (*mechanism.columns, *measured)
+
+
+def _check_plant(profile: Profile) -> None:
+    """Refuse the plant of another mechanism."""
+    plants = REGISTRY.plants(profile.mechanism)
+    if profile.plant is not None and profile.plant.model not in plants:
+        raise ConfigurationError(
+            f"{profile.name}: plant.model {profile.plant.model} is no plant of the "
+            f"mechanism {profile.mechanism}; it has {', '.join(plants)}"
+        )
 
 
 def make_unconnected(

@@ -129,6 +129,11 @@ class InstalledParts:
                 return found
         return None
 
+    def plants(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of the plants of a mechanism."""
+        rows = (row for row in _additions() if row.mechanism == mechanism)
+        return tuple(name for row in rows for name in row.plants)
+
     def is_restorable(self, plant: str) -> bool:
         """Return whether a plant can be taken back to where it was."""
         rows = [row.plants[plant] for row in _additions() if plant in row.plants]

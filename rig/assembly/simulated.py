@@ -149,7 +149,8 @@ def lend_plant(
     believed = dataclasses.replace(entry, settings=settings)
     simulation = dataclasses.replace(profile.simulation, seed=seed)
     plant = make_plant(dataclasses.replace(profile, plant=believed, simulation=simulation))
-    return LentPlant(*plant.lend(profile.loop.period, max(rods), max(chambers), seed))
+    kernel, memory = plant.lend(profile.loop.period, max(rods), max(chambers), seed)
+    return LentPlant(kernel, memory, len(plant.channel_names))
 
 
 def board_renderer(

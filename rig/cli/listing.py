@@ -92,24 +92,29 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     found = [describe_run(path) for path in list_runs(out)]
     if where is None:
         return found
-    from rig.run_query import Candidate, choose
+    from rig.run_query import Candidate, choose, parse_query
 
     chosen = choose(where, [Candidate(run._asdict(), _values(run)) for run in found])
-    runs = list(compress(found, chosen))
+    asked = [term.name for term in parse_query(where)]
+    runs = [_with_metric(run, asked) for run in compress(found, chosen)]
     for run in found:
         if run.status == "unreadable" and run not in runs:
             click.echo(f"{run.name} cannot be read: nothing is known of it", err=True)
     return runs
 
 
+def _with_metric(run: RunEntry, asked: Sequence[str]) -> RunEntry:
+    """Return a run that shows the first metric that was asked for, if one was."""
+    metrics = _metrics(Path(run.path))
+    shown = [metric for name in asked for metric in metrics if metric.get("name") == name]
+    return run._replace(metric=shown[0]) if shown else run
+
+
 def _values(run: RunEntry) -> dict[str, tuple[float, str]]:
     """Return value and unit of every metric of a run; NaN for one without a value."""
-    content = _read_object(Path(run.path) / "metrics.json").get("metrics")
     found = {}
-    for metric in content if isinstance(content, list) else ():
-        if isinstance(metric, dict) and isinstance(
-            value := metric.get("value"), int | float | None
-        ):
+    for metric in _metrics(Path(run.path)):
+        if isinstance(value := metric.get("value"), int | float | None):
             number = math.nan if value is None else float(value)
             found[str(metric.get("name"))] = number, str(metric.get("unit") or "")
     return found
@@ -143,14 +148,20 @@ def describe_run(path: Path) -> RunEntry:
 
     return RunEntry(
         path.name, str(path), text("status") or "unreadable", text("experiment"), text("backend"),
-        text("started"), _headline(_read_object(path / "metrics.json")), text("rig"), text("law"),
+        text("started"), _headline(_metrics(path)), text("rig"), text("law"),
     )  # fmt: skip
 
 
-def _headline(content: dict[str, object]) -> Metric | None:
+def _metrics(path: Path) -> list[Metric]:
+    """Return what a run's folder says of its metrics, as far as it can be read."""
+    found = _read_object(path / "metrics.json").get("metrics")
+    return (
+        [metric for metric in found if isinstance(metric, dict)] if isinstance(found, list) else []
+    )
+
+
+def _headline(metrics: Sequence[Metric]) -> Metric | None:
     """Return the first metric that missed its bound, else the first with one, else the first."""
-    found = content.get("metrics")
-    metrics = [m for m in found if isinstance(m, dict)] if isinstance(found, list) else []
     for wanted in (False, True, None):
         for metric in metrics:
             if metric.get("pass") is wanted:

@@ -83,10 +83,13 @@ class LentPlant(NamedTuple):
         true then of the axes that are controlled, SI. Compiled functions may call it.
     memory : tuple
         What it works on and changes in place: arrays, and tuples of arrays.
+    channels : int
+        How many rods and chambers it has.
     """
 
     exchange: Callable[..., None]
     memory: tuple[object, ...]
+    channels: int
 
 
 class LendingPlant(Plant, Protocol):
@@ -96,7 +99,7 @@ class LendingPlant(Plant, Protocol):
     def lend(
         self, period: float, rod_step: float, pressure_step: float, seed: int
     ) -> tuple[Callable[..., None], tuple[object, ...]]:
-        """Return what a `LentPlant` is made of; from then on that alone advances the plant.
+        """Return the first two of a `LentPlant`; from then on they alone advance the plant.
 
         Its supply is open.
 

@@ -65,7 +65,7 @@ def test_a_lent_plant_and_its_devices_do_to_the_bit_what_those_of_a_run_do(law, 
     data = rig.load(run_experiment(plan, Backend.SIM, tmp_path, report=False).path).data
     regulators, rod = (build_sim(plan.profile).devices[name] for name in DEVICES)
     plant = AntagonisticPairPlant(plan.profile.plant.settings, plan.profile.simulation.seed)
-    lent = LentPlant(*plant.lend(1e-3, rod.resolution, regulators.resolution, 0))
+    lent = LentPlant(*plant.lend(1e-3, rod.resolution, regulators.resolution, 0), 2)
     seen, truth = np.zeros(4), np.zeros(1)
     applied = np.stack([data["applied.agonist"], data["applied.antagonist"]], 1)
     shown = np.stack([data[f"reading.{name}"] for name in READ], 1)

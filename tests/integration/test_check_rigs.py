@@ -43,6 +43,15 @@ def test_check_says_what_a_cut_wire_comes_to_and_what_an_alarm_is(capsys, name):
 
 
 @pytest.mark.parametrize(
+    ("rig", "plant"), [("cylinder", "spherical-joint"), ("arm", "legs"), ("legs", "arm")]
+)
+def test_the_plant_of_another_mechanism_is_refused_before_anything_runs(capsys, rig, plant):
+    of = ["check", rig, "--configs", str(CONFIGS), "--set", f"plant.model={plant}"]
+    assert invoke(of) == 2
+    assert f"plant.model {plant} is no plant of the mechanism {rig}" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
     ("experiment", "known"),
     [("cylinder-sine", True), ("joint-circle", True), ("arm-elbow-circle", False)],
 )

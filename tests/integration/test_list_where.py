@@ -63,6 +63,14 @@ def test_the_runs_of_which_it_is_true(where, is_true, runs, capsys):
     assert found(out, where, capsys) == {name for name, run in made.items() if is_true(run)}
 
 
+@pytest.mark.parametrize("where", ["rise_time < 1 s", "rig = joint and rise_time < 1 s"])
+def test_a_run_is_listed_with_the_metric_that_was_asked_for(where, runs, capsys):
+    assert invoke(["list", "runs", "--out", str(runs[0]), "--where", where]) == 0
+    shown = capsys.readouterr().out
+    assert "rise_time 0.2 s" in shown
+    assert "marker_rms" not in shown
+
+
 @pytest.mark.parametrize(
     ("where", "words"),
     [

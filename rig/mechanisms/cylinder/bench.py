@@ -23,6 +23,7 @@ from rig.mechanisms.cylinder.mechanism import AntagonisticPair
 from rig.mechanisms.cylinder.programme import Programme, lasting_error, reversals_of
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
+from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
 
 Array = NDArray[np.float64]
@@ -58,6 +59,8 @@ class PairBench(TuningBench):
         self._settings, self._law, self._period, self._lend = settings, law, period, lend
         self._model = AntagonisticPair.model_of(settings)
         self._programme = Programme.of(motions or _usual(settings), period)
+        if lend(self.told(), 0).channels != len(CHANNELS):
+            raise ConfigurationError("the profile's plant is no pair of cylinders")
         self._limits = _limits(settings, period)
         self._settled: dict[tuple[object, ...], _Settled] = {}
         self.duration = len(self._programme.references) * period
