@@ -56,12 +56,12 @@ def cost_of(bench: Workbench, gains: Mapping[str, float], members: Sequence[int]
 
     No time is spent on those that are not stable, nor on more plants than one that is lost.
     """
-    corners = bench.ensemble.corners()
-    chosen = [corners[number] for number in members]
-    margins = bench.margins(gains, chosen)
+    margins = bench.margins(gains, bench.ensemble.near())
     unstable = sum(not margin.stable for margin in margins)
     if unstable:
         return UNSTABLE + unstable + sum(min(margin.sensitivity, 9.0) for margin in margins)
+    corners = bench.ensemble.corners()
+    chosen = [corners[number] for number in members]
     trials = []
     for number, member in enumerate(chosen):
         trials.append(bench.trial(gains, member, coarse=True))

@@ -87,10 +87,19 @@ class Ensemble:
         ]  # fmt: skip
         return (0, *extreme)
 
+    def near(self) -> list[Member]:
+        """Return the told plant, and those at the ends of what a calibration would leave open.
+
+        A linear model says how far their loops are from instability. It leaves Coulomb friction
+        out, which holds a loop on plants that are farther off; there trials have the word.
+        """
+        ends = product(*(unknown.measured for unknown in self._unknowns))
+        return [self.nominal, *(self._member(values, self._seed) for values in ends)]
+
     def draw(self, count: int) -> list[Member]:
-        """Return plants anywhere within the bounds, from the ensemble's seed."""
+        """Return plants within what a calibration would leave open, from the ensemble's seed."""
         rng = np.random.default_rng([self._seed, count])
-        lows, highs = np.array([self.bounds[u.name] for u in self._unknowns]).T
+        lows, highs = np.array([unknown.measured for unknown in self._unknowns]).T
         values = rng.uniform(lows, highs, (count, len(self._unknowns)))
         return [self._member(row, self._seed + 1000 + k) for k, row in enumerate(values.tolist())]
 

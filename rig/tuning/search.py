@@ -143,7 +143,7 @@ class GainSearch:
         for number, corner in enumerate(corners):
             if number not in members:
                 trial = bench.trial(gains, corner, coarse=True)
-                costs[number] = score([nominal, trial], bench.margins(gains, [corner])).cost
+                costs[number] = score([nominal, trial], ()).cost
         worst = sorted(costs, key=lambda number: -costs[number])
         return (*members, *worst[:_MORE])
 

@@ -57,11 +57,14 @@ def test_an_ensemble_goes_to_its_bounds_and_never_beyond():
     assert {m.numbers["force"] for m in corners} == {6.0, 10.0, 16.0}
     assert min(m.numbers["late"] for m in corners) == 0.0, "no dead time is negative"
     drawn = ensemble.draw(300)
-    for name, (low, high) in {"force": (6, 16), "rate": (26.8, 60), "late": (0, 5e-3)}.items():
+    for name, (low, high) in {"force": (9, 11), "rate": (32, 48), "late": (1e-3, 3e-3)}.items():
         values = [member.numbers[name] for member in drawn]
         assert low <= min(values) < max(values) <= high
         assert np.ptp(values) > 0.9 * (high - low)
     assert {member.numbers["mass"] for member in (*corners, *drawn)} == {0.2}
+    near = ensemble.near()
+    assert (len(near), near[0].numbers) == (9, TOLD)
+    assert {m.numbers["rate"] for m in near} == {32.0, 40.0, 48.0}
     assert [m.numbers for m in ensemble.draw(300)] == [m.numbers for m in drawn]
 
 
