@@ -163,6 +163,8 @@ def _calibrate(
     except CalibrationRefused as refusal:
         return _tell_refused(procedure, profile, refusal, folders)
     _show(procedure, calibrated)
+    if any(finding.target == profile.mechanism for finding in calibrated.findings):
+        _show_loops(profile, search, options)
     return 0
 
 
@@ -278,6 +280,19 @@ def _show(procedure: AnyProcedure, done: Calibrated) -> None:
         click.echo(f"not found: {note}", err=True)
     for path in (*done.files, *done.figures):
         click.echo(str(path), err=True)
+
+
+def _show_loops(profile: Profile, search: Sequence[Path], options: dict[str, Any]) -> None:
+    """Say what the loops of the rig bear, now that it is known better."""
+    from rig.assembly import REGISTRY
+    from rig.cli.loops import loops_of
+    from rig.config import load_profile
+
+    known = load_profile(profile.files[0], REGISTRY, options["overrides"], search)
+    tables, sentences = loops_of(known)
+    print_tables(tables)
+    for sentence in sentences:
+        click.echo(sentence, err=True)
 
 
 def _history(search: Sequence[Path], rig: str, target: str) -> int:

@@ -50,11 +50,11 @@ def check(
     from rig.cli.description import (
         describe_experiment,
         describe_frozen,
-        describe_loop,
         describe_profile,
         experiment_tables,
         profile_tables,
     )
+    from rig.cli.loops import advice, describe_loop
 
     profile, plan = load(source, overrides, configs)
     if on is not None:
@@ -75,6 +75,8 @@ def check(
         print_data(json.dumps(content, indent=2, ensure_ascii=False))
     else:
         print_tables(tables)
+        if plan is not None and (sentence := advice(plan)) is not None:
+            click.echo(sentence, err=True)
         click.echo(f"{source}: valid", err=True)
     return 0
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any, get_args, get_type_hints
 
 import click
 
+from rig.cli.loops import loop_table
 from rig.cli.tables import Table
 from rig.config.calibration import HARDWARE
 from rig.config.calibration_state import CalibrationState, calibration_states
@@ -194,38 +194,6 @@ def describe_frozen(plan: Plan) -> dict[str, Any]:
     }
 
 
-def describe_loop(plan: Plan) -> dict[str, Any] | None:
-    """Return the margins of the loop that the controller closes, in SI; None: nothing is known."""
-    from rig.assembly import REGISTRY
-    from rig.assembly.contract_check import ask
-    from rig.hal import Mechanism
-    from rig.hal.mechanism import ClosedLoop
-
-    profile = plan.profile
-    view = REGISTRY.load("mechanism", profile.mechanism)
-    what = f"the mechanism {profile.mechanism}"
-    settings, controller = profile.mechanism_settings, plan.controller
-    loop = ask(what, Mechanism, "closed_loop", view, settings, controller)
-    return loop._asdict() if isinstance(loop, ClosedLoop) else None
-
-
-def _loop_table(controller: str, loop: dict[str, Any]) -> Table:
-    bears = "nothing: not stable as it is"
-    if loop["stable"]:
-        bears = format_quantity(loop["delay"], "s")
-    rows = [
-        (
-            "stable without Coulomb friction",
-            "yes" if loop["stable"] else "no: friction holds it",
-        ),
-        ("crossover", format_quantity(loop["crossover"], "rad/s")),
-        ("phase margin", f"{math.degrees(loop['phase']):.3g} deg"),
-        ("bears further dead time of", bears),
-        ("greatest sensitivity", f"{loop['sensitivity']:.3g}"),
-    ]
-    return Table(f"the loop that {controller} closes, linear", ("what", "value"), rows)
-
-
 def _say(sentence: str) -> None:
     click.echo(sentence, err=True)
 
@@ -338,11 +306,7 @@ def experiment_tables(experiment: dict[str, Any]) -> list[Table]:
         Table(f"experiment {experiment['name']}", ("what", "value"), facts),
         Table("segments", ("segment", "start", "end"), segments),
         Table("metrics", ("metric", "what", "segments", "bound"), metrics),
-        *(
-            [_loop_table(experiment["controller"], experiment["loop"])]
-            if experiment["loop"]
-            else []
-        ),
+        *([loop_table(experiment["controller"], experiment["loop"])] if experiment["loop"] else []),
         _frozen_table(experiment["frozen"]),
     ]
 

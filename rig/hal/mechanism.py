@@ -36,6 +36,9 @@ class Expected(NamedTuple):
     unit: str
 
 
+_MOST_SENSITIVE = 2.0
+
+
 class ClosedLoop(NamedTuple):
     """The distance of a controlled loop from instability, as a linear model says.
 
@@ -58,6 +61,17 @@ class ClosedLoop(NamedTuple):
     phase: float
     delay: float
     sensitivity: float
+
+    @property
+    def is_robust(self) -> bool:
+        """Whether it is as far from instability as process control asks for.
+
+        References
+        ----------
+        K. J. Åström, T. Hägglund, "Advanced PID control", ISA, 2006, section 4.5: sensitivities
+        between 1.2 and 2.
+        """
+        return self.stable and self.sensitivity <= _MOST_SENSITIVE
 
 
 class Margin(NamedTuple):

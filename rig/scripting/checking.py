@@ -31,9 +31,9 @@ def check(
     from rig.cli.description import (
         describe_experiment,
         describe_frozen,
-        describe_loop,
         describe_profile,
     )
+    from rig.cli.loops import describe_loop
 
     profile, plan = load(str(source), as_options(set), None if configs is None else Path(configs))
     described = dict(describe_profile(profile))

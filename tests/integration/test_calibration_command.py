@@ -32,7 +32,9 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     assert not (configs.parent / "runs").exists()
 
     assert calibrate(configs, "response", "--yes", "--on", "sim", "--temperature", "23 degC") == 0
-    capsys.readouterr()
+    shown, said = capsys.readouterr()
+    assert "bears more dead time" in shown, "what the loops bear, now that it is known"
+    assert "`rig tune cylinder --controller cascade`" in said
     (run,) = (configs.parent / "runs").iterdir()
     assert (run / "figures" / "calibration-response.png").stat().st_size > 10_000
     assert json.loads((run / "manifest.json").read_text())["status"] == "ok"

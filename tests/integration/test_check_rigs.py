@@ -59,8 +59,10 @@ def test_check_says_how_near_a_loop_is_to_instability_where_that_is_known(
     capsys, experiment, known
 ):
     assert invoke(["check", experiment, "--configs", str(CONFIGS)]) == 0
-    shown = capsys.readouterr().out
+    shown, said = capsys.readouterr()
     assert ("the loop that" in shown) is known
+    assert ("friction only" in said) == ("friction holds it" in shown)
+    assert ("`rig tune cylinder" in said) is (experiment == "cylinder-sine")
     assert invoke(["check", experiment, "--configs", str(CONFIGS), "--json"]) == 0
     loop = json.loads(capsys.readouterr().out)["experiment"]["loop"]
     assert (loop is not None) is known
