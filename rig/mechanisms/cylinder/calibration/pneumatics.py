@@ -60,8 +60,10 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         """See `Pneumatics.with_wider_limits`; a pair that glides by itself follows nothing."""
         limits = self.settings.limits
         low, high = limits.position
-        return with_wider_limits(
-            self.profile, {"mismatch": limits.mismatch + pair, "following": high - low}
+        return self.with_unknown_response(
+            *with_wider_limits(
+                self.profile, {"mismatch": limits.mismatch + pair, "following": high - low}
+            )
         )
 
     def with_blind_monitors(self, give: float) -> tuple[Profile, tuple[str, ...]]:

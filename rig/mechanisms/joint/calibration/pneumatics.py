@@ -152,7 +152,7 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
         self, least: Mapping[str, float], absence: float
     ) -> tuple[Profile, tuple[str, ...]]:
         """Return the profile with wider limits, and a camera that may miss its marker (s)."""
-        profile, notes = with_wider_limits(self.profile, least)
+        profile, notes = self.with_unknown_response(*with_wider_limits(self.profile, least))
         name = self.settings.camera
         if name is None:
             return profile, notes

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Generic, TypeVar
 from controllers.cylinder.types import PairReference
 from rig.calibration.arrays import Array
 from rig.calibration.procedure import Excitation, Procedure
+from rig.calibration.profile_changes import profile_with
 from rig.calibration.recording import Recording, Stretch
 from rig.calibration.sequence import ScriptedMotion
 from rig.config import Profile, format_quantity
@@ -17,6 +18,8 @@ from rig.mechanisms.pneumatic.calibration.pressure_steps import PressureSteps, T
 Reference = TypeVar("Reference")
 Command = TypeVar("Command", bound=tuple[float, ...])
 
+_SLOW = 2.0
+"""Regulators down to a third of the bandwidth that the profile says are no fault meanwhile."""
 _STEP = 0.01
 """A path is looked at every so often for the preview, s."""
 
@@ -70,6 +73,17 @@ class Pneumatics(ABC, Generic[Reference, Command]):
     @abstractmethod
     def limits_in_force(self) -> Iterator[Limit]:
         """Yield the limits that the preview shows."""
+
+    def with_unknown_response(
+        self, profile: Profile, notes: Sequence[str]
+    ) -> tuple[Profile, tuple[str, ...]]:
+        """Return a profile that permits slow regulators, and its notes.
+
+        Whatever is calibrated may come before `response`, which tells how slow they are.
+        """
+        slow = {f"{profile.mechanism}.alarms.pressure.slow": _SLOW}
+        note = f"alarms.pressure.slow is {_SLOW:g}: how slow regulators are may not be known yet"
+        return profile_with(profile, slow), (*notes, note)
 
     @abstractmethod
     def with_wider_limits(self, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
