@@ -26,7 +26,7 @@ from rig.experiment.frozen import refuse_slow_devices
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
-from rig.experiment.plan import Plan
+from rig.experiment.plan import Plan, constants_of
 from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
@@ -373,7 +373,10 @@ def _measure(plan: Plan, log: Log) -> tuple[list[Metric], list[RigError]]:
     wanted = plan.experiment.metrics
     own = {name: spec for name, spec in wanted.items() if spec.measure in plan.measures}
     installed = {name: spec for name, spec in wanted.items() if name not in own}
-    metrics = evaluate(log, motion.segments, installed, motion.facts, mechanism)
+    constants = constants_of(plan.profile)
+    metrics = evaluate(
+        log, motion.segments, installed, motion.facts, mechanism, constants=constants
+    )
     unmeasured: list[RigError] = []
     for name, spec in own.items():
         try:

@@ -146,6 +146,11 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
         return ()
 
     @classmethod
+    def constants_of(cls, settings: Settings) -> Mapping[str, float]:
+        """Return what measures need to know of the rig beside its log: names and SI numbers."""
+        return {}
+
+    @classmethod
     def closed_loop(cls, settings: Settings, controller: object) -> ClosedLoop | None:
         """Return the margins of the loop that a controller closes; None: nothing is known of it.
 

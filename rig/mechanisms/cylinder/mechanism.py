@@ -110,6 +110,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         return (*super().expected_of(settings), *expect_bounds(bounds))
 
     @classmethod
+    def constants_of(cls, settings: CylinderSettings) -> dict[str, float]:
+        """Return piston area, m², and the chambers' volumes where their rods read 0, m³."""
+        return settings.chambers(dict.fromkeys(CHANNELS, 0.0))
+
+    @classmethod
     def closed_loop(cls, settings: CylinderSettings, controller: object) -> ClosedLoop | None:
         """Return the margins of a law of ours; see `Mechanism.closed_loop`."""
         return loop_of(controller) if isinstance(controller, PairLaw) else None

@@ -123,6 +123,12 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         return (*super().expected_of(settings), *expect_bounds(bounds))
 
     @classmethod
+    def constants_of(cls, settings: JointSettings) -> dict[str, float]:
+        """Return piston area, m², and the chambers' volumes where their rods read 0, m³."""
+        homes = [settings.home + offset for offset in settings.wire_offsets]
+        return settings.chambers(dict(zip(CHANNELS, homes, strict=True)))
+
+    @classmethod
     def closed_loop(cls, settings: JointSettings, controller: object) -> ClosedLoop | None:
         """Return the margins of one pair of the joint; see `Mechanism.closed_loop`."""
         return loop_of(controller.pair_law) if isinstance(controller, PoseController) else None
