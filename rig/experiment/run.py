@@ -23,6 +23,7 @@ from rig.experiment.ending import (
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
+from rig.experiment.hindsight import Said, after_fault
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
@@ -263,12 +264,12 @@ def _run(
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
                     )
-        said = [("unsafe", sentence) for sentence in outcome.unsafe]
-        if outcome.fault is not None and (held := rig.mechanism.pose_held()):
-            said.append(("hold", held))
-        for kind, sentence in said:
+        said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
+        if outcome.fault is not None:
+            said += after_fault(rig.mechanism, outcome.fault, folder.log_path)
+        for kind, sentence, data in said:
             watcher.said(sentence)
-            events(loop.t, kind, sentence, {})
+            events(loop.t, kind, sentence, data)
         return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):

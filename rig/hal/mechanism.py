@@ -9,6 +9,7 @@ from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.driver import AxisBounds
 from rig.hal.errors import ConfigurationError
+from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
 from rig.hal.targets import Targets
 
@@ -85,7 +86,7 @@ class Freeze(NamedTuple):
     what: str
 
 
-class Mechanism(Protocol[Settings, State, Reference, Command]):
+class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Command]):
     """The loop's view of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,
@@ -144,11 +145,6 @@ class Mechanism(Protocol[Settings, State, Reference, Command]):
     def expected_of(cls, settings: Settings) -> tuple[Expected, ...]:
         """Return what else `rig check` shows: what the settings lead to if something breaks."""
         return ()
-
-    @classmethod
-    def constants_of(cls, settings: Settings) -> Mapping[str, float]:
-        """Return what measures need to know of the rig beside its log: names and SI numbers."""
-        return {}
 
     @classmethod
     def closed_loop(cls, settings: Settings, controller: object) -> ClosedLoop | None:

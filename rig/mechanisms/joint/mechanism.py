@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
+from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.learning import LapLearning
 from controllers.spherical_joint.pose_control import PoseController
@@ -29,6 +29,7 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
+from rig.hal.hindsight import Suspect
 from rig.hal.mechanism import ClosedLoop, Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
@@ -43,6 +44,9 @@ from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -268,6 +272,15 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             if cause is not None:
                 return SafetyError(f"{cause} ({error})")
         return self._watch.explain(error, state)
+
+    def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
+        """Return what explains the end of a log best; see `Mechanism.diagnose`."""
+        if not self.is_pneumatic(fault):
+            return ()
+        from rig.mechanisms.joint.signals import joint_signals
+        from rig.mechanisms.pneumatic.hindsight import suspects
+
+        return suspects(joint_signals(logged, self.settings), CHANNELS, PAIRS, self.settings)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""

@@ -1,0 +1,30 @@
+"""The joint's log as its diagnosis takes it."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from controllers.spherical_joint.geometry import PAIRS
+from rig.mechanisms.joint.columns import CHANNELS
+from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.pneumatic.diagnosis.evidence import Signals
+from rig.mechanisms.pneumatic.hindsight import stacked
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
+
+
+def joint_signals(logged: "Logged", settings: JointSettings) -> Signals:
+    """Return what a log says of the joint's rods and chambers."""
+    pressures = stacked(logged, "reading.pressure_", CHANNELS)
+    homes = np.array([settings.home + offset for offset in settings.wire_offsets])
+    friction, tensions = settings.friction, settings.area * pressures
+    ring = friction.ring * tensions.sum(axis=1)
+    loads = [ring + friction.wire * (tensions[:, a] + tensions[:, b]) for a, b in PAIRS]
+    return Signals(
+        logged("clock"),
+        stacked(logged, "applied.", CHANNELS),
+        pressures,
+        homes - stacked(logged, "reading.rod_", CHANNELS),
+        np.column_stack(loads),
+    )

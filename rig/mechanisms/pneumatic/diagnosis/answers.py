@@ -1,0 +1,64 @@
+"""What regulators would have made of the setpoints, healthy ones and others."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+
+class Regulators(NamedTuple):
+    """Some regulators of second order with a dead time, which may have changed.
+
+    Parameters
+    ----------
+    channel : ndarray of int, shape (m,)
+        Whose setpoints each gets.
+    bandwidth : ndarray, shape (m,)
+        Once it has changed, over that of the profile.
+    since : ndarray, shape (m,)
+        When that was, s.
+    late : ndarray, shape (m,)
+        Dead time beyond the profile's, s.
+    """
+
+    channel: "NDArray[np.intp]"
+    bandwidth: "Array"
+    since: "Array"
+    late: "Array"
+
+
+def answer(evidence: Evidence, some: Regulators) -> "Array":
+    """Return the pressures that regulators make of the setpoints, Pa gauge, shape (n, m).
+
+    They begin with the measured pressure at rest.
+    """
+    t, response = evidence.t, evidence.response
+    pressure = evidence.signals.pressures[0, some.channel]
+    rate = np.zeros_like(pressure)
+    found = np.empty((len(t), len(pressure)))
+    found[0] = pressure
+    sent = np.searchsorted(t, t[:, None] - (response.dead_time + some.late), "right") - 1
+    inputs = evidence.signals.setpoints[np.maximum(sent, 0), some.channel]
+    changed = some.bandwidth * response.bandwidth
+    for k, step in enumerate(np.diff(t).tolist()):
+        bandwidth = np.where(t[k] >= some.since, changed, response.bandwidth)
+        turn = step * bandwidth
+        rate = rate + turn * bandwidth * (inputs[k] - pressure)
+        rate = rate / (1.0 + 2.0 * response.damping * turn)
+        pressure = pressure + step * rate
+        found[k + 1] = pressure
+    return found
+
+
+def healthy(evidence: Evidence) -> "Array":
+    """Return the pressures of regulators that are as the profile says, Pa gauge, shape (n, k)."""
+    count = len(evidence.names)
+    return answer(
+        evidence, Regulators(np.arange(count), np.ones(count), np.zeros(count), np.zeros(count))
+    )

@@ -1,0 +1,39 @@
+"""All causes of the last second, the likeliest first, and which of them are worth saying."""
+
+from typing import Final
+
+from rig.mechanisms.pneumatic.diagnosis.causes import Trial, scales_of
+from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.forces import force_causes, forces_of
+from rig.mechanisms.pneumatic.diagnosis.pressures import held_or_let_go
+from rig.mechanisms.pneumatic.diagnosis.regulators import slow_or_late
+
+_SURE: Final = 15.0
+"""A cause with less gain may be chance."""
+_CLEAR: Final = 10.0
+"""One that is better by this than any other is the cause (R. E. Kass, A. E. Raftery, "Bayes
+factors", J. Am. Stat. Assoc. 90(430), 1995: very strong evidence)."""
+_OFF: Final = 1.3
+"""Pressures that are off by less than so many times what they scatter show no cause."""
+
+
+def rank(evidence: Evidence) -> list[Trial]:
+    """Return the best figure of each cause and channel, the likeliest first."""
+    scales = scales_of(evidence)
+    trials = [
+        trial
+        for pair in range(len(evidence.pairs))
+        for trial in force_causes(evidence, forces_of(evidence, pair))
+    ]
+    if float(scales.left.max()) > (_OFF * evidence.noise) ** 2:
+        trials += [*slow_or_late(scales), *held_or_let_go(scales)]
+    best: dict[tuple[str, int | None], Trial] = {}
+    for trial in sorted(trials, key=lambda trial: -trial.gain):
+        best.setdefault((trial.cause, trial.channel), trial)
+    return list(best.values())
+
+
+def likeliest(ranked: list[Trial]) -> list[Trial]:
+    """Return the cause that explains it best, two if none is clearly better, or none."""
+    sure = [trial for trial in ranked if trial.gain > _SURE]
+    return [trial for trial in sure[:2] if trial.gain > sure[0].gain - _CLEAR]
