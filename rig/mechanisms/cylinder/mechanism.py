@@ -258,10 +258,9 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """Return what explains the end of a log best; see `Mechanism.diagnose`."""
         if not self.is_pneumatic(fault):
             return ()
-        from rig.mechanisms.cylinder.signals import PAIRS, pair_signals
-        from rig.mechanisms.pneumatic.hindsight import suspects
+        from rig.mechanisms.cylinder.hindsight import pair_suspects
 
-        return suspects(pair_signals(logged), CHANNELS, PAIRS, self.settings)
+        return pair_suspects(logged, self.settings)
 
     def resting_command(self, state: PairState) -> PairCommand:
         """Return the measured pressures, within the permitted range."""

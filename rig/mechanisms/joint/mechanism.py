@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
-from controllers.spherical_joint.geometry import PAIRS, Quadruple, SphericalJointGeometry
+from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
 from controllers.spherical_joint.learning import LapLearning
 from controllers.spherical_joint.pose_control import PoseController
@@ -277,10 +277,9 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Return what explains the end of a log best; see `Mechanism.diagnose`."""
         if not self.is_pneumatic(fault):
             return ()
-        from rig.mechanisms.joint.signals import joint_signals
-        from rig.mechanisms.pneumatic.hindsight import suspects
+        from rig.mechanisms.joint.hindsight import joint_suspects
 
-        return suspects(joint_signals(logged, self.settings), CHANNELS, PAIRS, self.settings)
+        return joint_suspects(logged, self.settings)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.hal.hindsight import Suspect
-from rig.mechanisms.pneumatic.diagnosis.evidence import Signals, gather
+from rig.mechanisms.pneumatic.diagnosis.causes import Trial
+from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence, Signals, gather
 from rig.mechanisms.pneumatic.diagnosis.ranking import likeliest, rank
 from rig.mechanisms.pneumatic.diagnosis.words import suspect_of
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
@@ -27,6 +28,7 @@ def suspects(
     channels: Sequence[str],
     pairs: tuple[tuple[int, int], ...],
     settings: PneumaticSettings,
+    others: Callable[[Evidence], list[Trial]] = lambda _: [],
 ) -> tuple[Suspect, ...]:
     """Return what explains the end of a log best.
 
@@ -40,9 +42,13 @@ def suspects(
         Agonist and antagonist of each pair.
     settings : PneumaticSettings
         Of the mechanism.
+    others : callable
+        Returns causes that are the mechanism's own.
     """
     known = np.all([np.isfinite(x).reshape(len(x), -1).all(axis=1) for x in signals], axis=0)
     evidence = gather(Signals(*(signal[known] for signal in signals)), channels, pairs, settings)
     if evidence is None:
         return ()
-    return tuple(suspect_of(trial, evidence) for trial in likeliest(rank(evidence)))
+    return tuple(
+        suspect_of(trial, evidence) for trial in likeliest(rank(evidence, others(evidence)))
+    )

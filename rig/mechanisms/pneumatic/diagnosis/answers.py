@@ -43,8 +43,7 @@ def answer(evidence: Evidence, some: Regulators) -> "Array":
     rate = np.zeros_like(pressure)
     found = np.empty((len(t), len(pressure)))
     found[0] = pressure
-    sent = np.searchsorted(t, t[:, None] - (response.dead_time + some.late), "right") - 1
-    inputs = evidence.signals.setpoints[np.maximum(sent, 0), some.channel]
+    inputs = _inputs(evidence, some)
     changed = some.bandwidth * response.bandwidth
     for k, step in enumerate(np.diff(t).tolist()):
         bandwidth = np.where(t[k] >= some.since, changed, response.bandwidth)
@@ -53,6 +52,20 @@ def answer(evidence: Evidence, some: Regulators) -> "Array":
         rate = rate / (1.0 + 2.0 * response.damping * turn)
         pressure = pressure + step * rate
         found[k + 1] = pressure
+    return found
+
+
+def _inputs(evidence: Evidence, some: Regulators) -> "Array":
+    """Return the setpoints that act in the middle of each step, Pa gauge, shape (n - 1, m)."""
+    t, setpoints = evidence.t, evidence.signals.setpoints
+    # What a cycle sends acts until the next one does.
+    acts = t + 0.5 * evidence.period
+    middle = 0.5 * (t[1:] + t[:-1]) - evidence.response.dead_time
+    found = np.empty((len(middle), len(some.late)))
+    for late in np.unique(some.late):
+        for channel in range(setpoints.shape[1]):
+            these = (some.late == late) & (some.channel == channel)
+            found[:, these] = np.interp(middle - late, acts, setpoints[:, channel])[:, None]
     return found
 
 

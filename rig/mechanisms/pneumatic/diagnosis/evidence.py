@@ -60,6 +60,8 @@ class Evidence(NamedTuple):
         Agonist and antagonist of each pair.
     settings : PneumaticSettings
         Of the mechanism.
+    period : float
+        Of the cycles that were logged, s.
     """
 
     signals: Signals
@@ -67,6 +69,7 @@ class Evidence(NamedTuple):
     names: tuple[str, ...]
     pairs: tuple[tuple[int, int], ...]
     settings: PneumaticSettings
+    period: float
 
     @property
     def t(self) -> "Array":
@@ -127,10 +130,11 @@ def gather(
     if len(t) < 2 or t[-1] - t[0] < _LEAST:
         return None
     begin = int(np.searchsorted(t, t[-1] - SPAN - _LEAD))
-    together = max(1, round(_STEP / float(np.median(np.diff(t)))))
+    period = float(np.median(np.diff(t)))
+    together = max(1, round(_STEP / period))
     thin = Signals(*(_thinned(signal[begin:], together) for signal in signals))
     first = int(np.searchsorted(thin.t, thin.t[-1] - SPAN))
-    return Evidence(thin, first, tuple(names), pairs, settings)
+    return Evidence(thin, first, tuple(names), pairs, settings, period)
 
 
 def _thinned(values: "Array", together: int) -> "Array":

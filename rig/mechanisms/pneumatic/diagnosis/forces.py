@@ -27,9 +27,9 @@ _SCALES: Final = np.geomspace(0.25, 4.0, 33)
 """Friction over the profile's."""
 _HEALTHY: Final = 0.35
 """Friction that differs by this share is that of a healthy pair."""
-_PLAIN: Final = 0.5
+_PLAIN: Final = 0.3
 """Share of the breakaway force by which friction scatters."""
-_INDEPENDENT: Final = 20.0
+_INDEPENDENT: Final = 40.0
 """Samples a second that tell something of their own: stick and slip take as long."""
 
 

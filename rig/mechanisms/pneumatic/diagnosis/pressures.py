@@ -30,6 +30,8 @@ _LEVELS: Final = 25
 """Pressures that are tried where one bounds others."""
 _BEFORE: Final = 0.1
 """Setpoints of so long before count for where a pressure would have gone, s."""
+_FAR: Final = 3.0
+"""A pressure that goes by so many times what a healthy one may be off is not held."""
 _POLYTROPIC: Final = 1.2
 """Of the air in a chamber that is shut."""
 _ATMOSPHERE: Final = 101_325.0
@@ -99,9 +101,10 @@ def _gone_to(scales: Scales, channel: int, cause: str, since: float, parameters:
 def _why(evidence: Evidence, channel: int, change: float, level: float, since: float) -> str:
     """Return why a pressure goes to a level: away from its setpoints no stuck regulator goes."""
     asked = float(np.median(evidence.signals.setpoints[evidence.t >= since - _BEFORE, channel]))
-    if change > evidence.static and level > asked:
+    far = _FAR * evidence.static
+    if change > far and level > asked:
         return OPEN
-    return LEAK if change < -evidence.static and level < asked else STUCK
+    return LEAK if change < -far and level < asked else STUCK
 
 
 def _shut(scales: Scales, channel: int, since: float, parameters: int) -> Trial:

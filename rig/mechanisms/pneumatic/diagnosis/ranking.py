@@ -1,5 +1,6 @@
 """All causes of the last second, the likeliest first, and which of them are worth saying."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from rig.mechanisms.pneumatic.diagnosis.causes import Trial, scales_of
@@ -13,17 +14,28 @@ _SURE: Final = 15.0
 _CLEAR: Final = 10.0
 """One that is better by this than any other is the cause (R. E. Kass, A. E. Raftery, "Bayes
 factors", J. Am. Stat. Assoc. 90(430), 1995: very strong evidence)."""
-_OFF: Final = 1.3
+_OFF: Final = 1.4
 """Pressures that are off by less than so many times what they scatter show no cause."""
 
 
-def rank(evidence: Evidence) -> list[Trial]:
-    """Return the best figure of each cause and channel, the likeliest first."""
+def rank(evidence: Evidence, others: Iterable[Trial] = ()) -> list[Trial]:
+    """Return the best figure of each cause and channel, the likeliest first.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Of the last second.
+    others : iterable of Trial
+        Causes that are a mechanism's own.
+    """
     scales = scales_of(evidence)
     trials = [
-        trial
-        for pair in range(len(evidence.pairs))
-        for trial in force_causes(evidence, forces_of(evidence, pair))
+        *others,
+        *(
+            trial
+            for pair in range(len(evidence.pairs))
+            for trial in force_causes(evidence, forces_of(evidence, pair))
+        ),
     ]
     if float(scales.left.max()) > (_OFF * evidence.noise) ** 2:
         trials += [*slow_or_late(scales), *held_or_let_go(scales)]

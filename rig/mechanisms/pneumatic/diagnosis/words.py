@@ -7,7 +7,9 @@ from rig.mechanisms.pneumatic.diagnosis.forces import FRICTION, PULL
 from rig.mechanisms.pneumatic.diagnosis.pressures import LEAK, MONITOR, OPEN, STUCK, SUPPLY
 from rig.mechanisms.pneumatic.diagnosis.regulators import LATE, SLOW
 
-_UNITS = {SLOW: "rad/s", LATE: "s", FRICTION: ""}
+WIRE, SLIP = "wire", "slip"
+"""Causes that a mechanism with more wires than ways to move finds itself."""
+_UNITS = {SLOW: "rad/s", LATE: "s", FRICTION: "", WIRE: "N/m", SLIP: "m"}
 """Of figures that are no pressures."""
 
 
@@ -23,6 +25,7 @@ def _sentence(trial: Trial, evidence: Evidence, of: str) -> str:
     response, figure, kilo = evidence.response, trial.figure, 1e-3 * trial.figure
     whose = f"regulator of {of}" if of else "all regulators"
     less = "more" if figure > 0.0 else "less"
+    longer = "longer" if figure > 0.0 else "shorter"
     pair = next((p for p in evidence.pairs if trial.channel in p), ())
     names = " and ".join(evidence.names[k] for k in pair)
     return {
@@ -35,6 +38,10 @@ def _sentence(trial: Trial, evidence: Evidence, of: str) -> str:
         f"{kilo:.0f} kPa",
         SUPPLY: f"supply: no chamber gets beyond {kilo:.0f} kPa",
         MONITOR: f"monitor of {of}: it says {abs(kilo):.0f} kPa {less} than it should",
+        WIRE: f"wires: the profile says {evidence.settings.wire_stiffness * 1e-3:.3g} N/mm, I see "
+        f"{kilo:.3g} N/mm",
+        SLIP: f"wire of {of}: it is {abs(figure) * 1e3:.2g} mm {longer} than the others say, or "
+        "its encoder is off",
         FRICTION: f"friction of {names}: {figure:.2g} times what the profile says",
         PULL: f"chamber of {of}: it pulls as with {kilo:.0f} kPa less than its monitor says; it "
         "leaks behind its tube, or the monitor is off",
