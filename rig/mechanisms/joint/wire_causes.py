@@ -13,7 +13,7 @@ import numpy as np
 from controllers.spherical_joint.forward import ForwardKinematics
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.diagnosis.causes import Trial, best_since
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.diagnosis.words import SLIP, WIRE
 
 if TYPE_CHECKING:
@@ -33,12 +33,12 @@ _LIKE: Final = 0.2
 """Stiffness that differs by this share is the profile's."""
 
 
-def wire_causes(evidence: Evidence, settings: JointSettings) -> list[Trial]:
+def wire_causes(evidence: LastSecond, settings: JointSettings) -> list[Trial]:
     """Return wires of another stiffness, and one that has become longer.
 
     Parameters
     ----------
-    evidence : Evidence
+    evidence : LastSecond
         Of the last second.
     settings : JointSettings
         Of the joint.

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-class Regulators(NamedTuple):
+class OtherRegulators(NamedTuple):
     """Some regulators of second order with a dead time, which may have changed.
 
     Parameters
@@ -33,7 +33,7 @@ class Regulators(NamedTuple):
     late: "Array"
 
 
-def answer(evidence: Evidence, some: Regulators) -> "Array":
+def answer(evidence: LastSecond, some: OtherRegulators) -> "Array":
     """Return the pressures that regulators make of the setpoints, Pa gauge, shape (n, m).
 
     They begin with the measured pressure at rest.
@@ -55,7 +55,7 @@ def answer(evidence: Evidence, some: Regulators) -> "Array":
     return found
 
 
-def _inputs(evidence: Evidence, some: Regulators) -> "Array":
+def _inputs(evidence: LastSecond, some: OtherRegulators) -> "Array":
     """Return the setpoints that act in the middle of each step, Pa gauge, shape (n - 1, m)."""
     t, setpoints = evidence.t, evidence.signals.setpoints
     # What a cycle sends acts until the next one does.
@@ -69,9 +69,10 @@ def _inputs(evidence: Evidence, some: Regulators) -> "Array":
     return found
 
 
-def healthy(evidence: Evidence) -> "Array":
+def healthy(evidence: LastSecond) -> "Array":
     """Return the pressures of regulators that are as the profile says, Pa gauge, shape (n, k)."""
     count = len(evidence.names)
     return answer(
-        evidence, Regulators(np.arange(count), np.ones(count), np.zeros(count), np.zeros(count))
+        evidence,
+        OtherRegulators(np.arange(count), np.ones(count), np.zeros(count), np.zeros(count)),
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from rig.mechanisms.pneumatic.diagnosis.answers import healthy
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,7 +48,7 @@ class Scales(NamedTuple):
 
     Parameters
     ----------
-    evidence : Evidence
+    evidence : LastSecond
         Of the last second.
     expected : ndarray, shape (n, k)
         Pressures of healthy regulators, Pa gauge.
@@ -56,7 +56,7 @@ class Scales(NamedTuple):
         What they leave, mean square, Pa².
     """
 
-    evidence: Evidence
+    evidence: LastSecond
     expected: "Array"
     left: "Array"
 
@@ -91,7 +91,7 @@ class Scales(NamedTuple):
         return parameters * math.log(self.evidence.independent * len(self.left))
 
 
-def scales_of(evidence: Evidence) -> Scales:
+def scales_of(evidence: LastSecond) -> Scales:
     """Return what health explains."""
     count = len(evidence.names)
     scales = Scales(evidence, healthy(evidence), np.zeros(count))
@@ -110,12 +110,12 @@ def best_of_scan(axis: "Array", gains: "Array") -> tuple[float, float]:
     return float(axis[best] + abs(shift) * (beside - axis[best])), here
 
 
-def best_since(evidence: Evidence, trial_at: Callable[[float, int], Trial]) -> Trial:
+def best_since(evidence: LastSecond, trial_at: Callable[[float, int], Trial]) -> Trial:
     """Return the best trial of something that has been so throughout, or began at some time.
 
     Parameters
     ----------
-    evidence : Evidence
+    evidence : LastSecond
         Of the last second.
     trial_at : callable
         ``trial_at(since, parameters)``: since when, s, and how many parameters it takes to say so.
@@ -132,7 +132,7 @@ def best_since(evidence: Evidence, trial_at: Callable[[float, int], Trial]) -> T
     return max(always, *trials, key=lambda trial: trial.gain)
 
 
-def share_gone(evidence: Evidence, since: float, time: float) -> "Array":
+def share_gone(evidence: LastSecond, since: float, time: float) -> "Array":
     """Return which share of its way something has gone that began at `since`, shape (n,)."""
     found: Array = -np.expm1(-np.maximum(evidence.t - since, 0.0) / time)
     return found

@@ -45,7 +45,7 @@ class Signals(NamedTuple):
     loads: "Array"
 
 
-class Evidence(NamedTuple):
+class LastSecond(NamedTuple):
     """The signals of the last second, and what the profile says.
 
     Parameters
@@ -112,7 +112,7 @@ def gather(
     names: Sequence[str],
     pairs: tuple[tuple[int, int], ...],
     settings: PneumaticSettings,
-) -> Evidence | None:
+) -> LastSecond | None:
     """Return the evidence of a log that ends with a fault; None if it is too short.
 
     Parameters
@@ -134,7 +134,7 @@ def gather(
     together = max(1, round(_STEP / period))
     thin = Signals(*(_thinned(signal[begin:], together) for signal in signals))
     first = int(np.searchsorted(thin.t, thin.t[-1] - SPAN))
-    return Evidence(thin, first, tuple(names), pairs, settings, period)
+    return LastSecond(thin, first, tuple(names), pairs, settings, period)
 
 
 def _thinned(values: "Array", together: int) -> "Array":

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 from rig.mechanisms.pneumatic.diagnosis.causes import Trial, best_of_scan, best_since
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class PairForces(NamedTuple):
     load: "Array"
 
 
-def forces_of(evidence: Evidence, pair: int) -> PairForces:
+def forces_of(evidence: LastSecond, pair: int) -> PairForces:
     """Return the forces on a pair, by its number."""
     signals, settings = evidence.signals, evidence.settings
     one, other = evidence.pairs[pair]
@@ -71,7 +71,7 @@ def forces_of(evidence: Evidence, pair: int) -> PairForces:
     return PairForces((one, other), moved, speed, signals.loads[:, pair])
 
 
-def force_causes(evidence: Evidence, pair: PairForces) -> list[Trial]:
+def force_causes(evidence: LastSecond, pair: PairForces) -> list[Trial]:
     """Return friction that is not the profile's, and a chamber that pulls less than it seems to."""
     settings = evidence.settings
     gain = partial(_gain, evidence, pair, settings)
@@ -85,7 +85,11 @@ def force_causes(evidence: Evidence, pair: PairForces) -> list[Trial]:
 
 
 def _pull(
-    evidence: Evidence, pair: PairForces, settings: PneumaticSettings, since: float, parameters: int
+    evidence: LastSecond,
+    pair: PairForces,
+    settings: PneumaticSettings,
+    since: float,
+    parameters: int,
 ) -> Trial:
     """Return by how much less one of the two chambers pulls than its pressure says, Pa."""
     after = evidence.t >= since
@@ -108,7 +112,7 @@ def _left(pair: PairForces, settings: PneumaticSettings, scale: float) -> "Array
 
 
 def _gain(
-    evidence: Evidence, pair: PairForces, settings: PneumaticSettings, left: "Array"
+    evidence: LastSecond, pair: PairForces, settings: PneumaticSettings, left: "Array"
 ) -> float:
     judged = slice(evidence.first, None)
     noise = float(np.mean((_PLAIN * (settings.friction.breakaway + pair.load[judged])) ** 2))
@@ -117,5 +121,5 @@ def _gain(
     return _count(evidence) * math.log(ratio)
 
 
-def _count(evidence: Evidence) -> float:
+def _count(evidence: LastSecond) -> float:
     return max(_INDEPENDENT * float(evidence.t[-1] - evidence.t[evidence.first]), 2.0)

@@ -13,7 +13,7 @@ from rig.mechanisms.pneumatic.diagnosis.causes import (
     best_since,
     share_gone,
 )
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -98,7 +98,7 @@ def _gone_to(scales: Scales, channel: int, cause: str, since: float, parameters:
     return Trial(cause, channel, begun + change, gain)
 
 
-def _why(evidence: Evidence, channel: int, change: float, level: float, since: float) -> str:
+def _why(evidence: LastSecond, channel: int, change: float, level: float, since: float) -> str:
     """Return why a pressure goes to a level: away from its setpoints no stuck regulator goes."""
     asked = float(np.median(evidence.signals.setpoints[evidence.t >= since - _BEFORE, channel]))
     far = _FAR * evidence.static

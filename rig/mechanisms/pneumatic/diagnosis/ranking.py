@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from rig.mechanisms.pneumatic.diagnosis.causes import Trial, scales_of
-from rig.mechanisms.pneumatic.diagnosis.evidence import Evidence
+from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.diagnosis.forces import force_causes, forces_of
 from rig.mechanisms.pneumatic.diagnosis.pressures import held_or_let_go
 from rig.mechanisms.pneumatic.diagnosis.regulators import slow_or_late
@@ -18,12 +18,12 @@ _OFF: Final = 1.4
 """Pressures that are off by less than so many times what they scatter show no cause."""
 
 
-def rank(evidence: Evidence, others: Iterable[Trial] = ()) -> list[Trial]:
+def rank(evidence: LastSecond, others: Iterable[Trial] = ()) -> list[Trial]:
     """Return the best figure of each cause and channel, the likeliest first.
 
     Parameters
     ----------
-    evidence : Evidence
+    evidence : LastSecond
         Of the last second.
     others : iterable of Trial
         Causes that are a mechanism's own.

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from rig.mechanisms.pneumatic.diagnosis.answers import Regulators, answer
+from rig.mechanisms.pneumatic.diagnosis.answers import OtherRegulators, answer
 from rig.mechanisms.pneumatic.diagnosis.causes import Scales, Trial, best_of_scan
 
 if TYPE_CHECKING:
@@ -107,6 +107,6 @@ def _gains(scales: Scales, tried: "Array") -> "Array":
     count, many, _ = tried.shape
     bandwidth, since, late = tried.reshape(-1, 3).T
     channel = np.repeat(np.arange(count), many)
-    pressures = answer(scales.evidence, Regulators(channel, bandwidth, since, late))
+    pressures = answer(scales.evidence, OtherRegulators(channel, bandwidth, since, late))
     left = scales.misfit(channel, pressures).reshape(count, many)
     return np.array([scales.gain(k, row) for k, row in enumerate(left)])
