@@ -1,37 +1,51 @@
-"""What is said of a rig once a fault has ended its run."""
+"""What is said of a rig once its run has ended and it was made safe."""
 
+from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rig.hal import Mechanism
 from rig.runtime.log import LogError, read_log
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Said = tuple[str, str, dict[str, Any]]
 """Kind of an event, its sentence and its data."""
 
 
-def after_fault(
-    mechanism: Mechanism[Any, Any, Any, Any], fault: Exception, log_path: Path
+def after_run(
+    mechanism: Mechanism[Any, Any, Any, Any], fault: Exception | None, log_path: Path
 ) -> list[Said]:
-    """Return how the rig is held, and what explains the end of its log best.
+    """Return how the rig is held, what explains a fault best, and what else its log tells.
 
     Parameters
     ----------
     mechanism : Mechanism
         Of the rig, which was made safe.
-    fault : Exception
-        What ended the run.
+    fault : Exception or None
+        What ended the run early.
     log_path : Path
         Of its log, which is closed.
     """
-    held = mechanism.pose_held()
-    said: list[Said] = [] if held is None else [("hold", held, {})]
+    said: list[Said] = []
+    if fault is not None and (held := mechanism.pose_held()):
+        said.append(("hold", held, {}))
+    log = cache(lambda: read_log(log_path))  # read only if somebody asks
+
+    def logged(name: str) -> "NDArray[np.float64]":
+        return log().column(name)
+
     try:
-        suspects = mechanism.diagnose(fault, read_log(log_path).column)
-    except LogError:  # the fault may be that nothing can be recorded
-        return said
-    if suspects:
-        sentence = "; or, as well: ".join(suspect.sentence for suspect in suspects)
-        causes = [suspect._asdict() for suspect in suspects]
-        said.append(("diagnosis", f"the last second fits best: {sentence}", {"causes": causes}))
+        suspects = () if fault is None else mechanism.diagnose(fault, logged)
+        if suspects:
+            sentence = "; or, as well: ".join(suspect.sentence for suspect in suspects)
+            causes = [suspect._asdict() for suspect in suspects]
+            said.append(("diagnosis", f"the last second fits best: {sentence}", {"causes": causes}))
+        said += [(kind, message, {}) for kind, message in mechanism.remarks(logged)]
+    except LogError:
+        pass  # what ended the run may be that nothing can be recorded
+    except Exception as error:  # nothing that is found afterwards may hide how the run has ended
+        said.append(("diagnosis", f"the log could not be looked back at: {error!r}", {}))
     return said

@@ -23,7 +23,7 @@ from rig.experiment.ending import (
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
-from rig.experiment.hindsight import Said, after_fault
+from rig.experiment.hindsight import Said, after_run
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
@@ -265,8 +265,7 @@ def _run(
                         progress=watcher.progressed,
                     )
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
-        if outcome.fault is not None:
-            said += after_fault(rig.mechanism, outcome.fault, folder.log_path)
+        said += after_run(rig.mechanism, outcome.fault, folder.log_path)
         for kind, sentence, data in said:
             watcher.said(sentence)
             events(loop.t, kind, sentence, data)

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple, Protocol, TypeVar
 
+from rig.hal.motion import Note
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -59,4 +61,8 @@ class Hindsight(Protocol[Settings]):
         logged : callable
             Returns a column of the log by its name, shape (n,), up to the fault.
         """
+        return ()
+
+    def remarks(self, logged: "Logged") -> tuple[Note, ...]:
+        """Return what else a log tells that somebody should know, however the run has ended."""
         return ()

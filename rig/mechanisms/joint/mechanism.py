@@ -31,7 +31,7 @@ from rig.hal import (
 )
 from rig.hal.hindsight import Suspect
 from rig.hal.mechanism import ClosedLoop, Expected, Margin
-from rig.hal.motion import Motion
+from rig.hal.motion import Motion, Note
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
@@ -280,6 +280,14 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         from rig.mechanisms.joint.hindsight import joint_suspects
 
         return joint_suspects(logged, self.settings)
+
+    def remarks(self, logged: "Logged") -> tuple[Note, ...]:
+        """Return that the camera's latency is wrong, if it is; see `Mechanism.remarks`."""
+        if self._camera is None:
+            return ()
+        from rig.mechanisms.joint.camera_latency import remark_on_latency
+
+        return remark_on_latency(logged, self._camera.name, self._camera.latency)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""
