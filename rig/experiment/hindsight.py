@@ -2,33 +2,32 @@
 
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from rig.hal import Mechanism
+from rig.assembly import Rig
 from rig.runtime.log import LogError, read_log
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Said = tuple[str, str, dict[str, Any]]
+Said = tuple[str, str, dict[str, object]]
 """Kind of an event, its sentence and its data."""
 
 
-def after_run(
-    mechanism: Mechanism[Any, Any, Any, Any], fault: Exception | None, log_path: Path
-) -> list[Said]:
+def after_run(rig: Rig, fault: Exception | None, log_path: Path) -> list[Said]:
     """Return how the rig is held, what explains a fault best, and what else its log tells.
 
     Parameters
     ----------
-    mechanism : Mechanism
-        Of the rig, which was made safe.
+    rig : Rig
+        Which was made safe.
     fault : Exception or None
         What ended the run early.
     log_path : Path
         Of its log, which is closed.
     """
+    mechanism = rig.mechanism
     said: list[Said] = []
     if fault is not None and (held := mechanism.pose_held()):
         said.append(("hold", held, {}))

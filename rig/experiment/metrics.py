@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from rig.runtime.log import Log
 
 
+_Content = Mapping[str, Any]
+"""Of a file of JSON."""
+
+
 class MetricError(RigError):
     """A metric cannot be computed from this log."""
 
@@ -274,7 +278,7 @@ def evaluation_as_json(
     }
 
 
-def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
+def facts_from_json(content: _Content) -> dict[str, Fact]:
     """Return the facts of an ``evaluation.json``; what never happens is null there."""
     return {
         name: Fact(math.inf if fact["value"] is None else fact["value"], *_texts(fact))
@@ -282,7 +286,7 @@ def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
     }
 
 
-def constants_from_json(content: Mapping[str, Any]) -> dict[str, float]:
+def constants_from_json(content: _Content) -> dict[str, float]:
     """Return what an ``evaluation.json`` knows of the rig, SI."""
     return {name: float(value) for name, value in content.get("constants", {}).items()}
 
@@ -292,7 +296,7 @@ def _texts(fact: Mapping[str, str]) -> tuple[str, str]:
 
 
 def evaluation_from_json(
-    content: Mapping[str, Any],
+    content: _Content,
 ) -> tuple[tuple[Segment, ...], dict[str, RecordedSpec]]:
     """Return the segments and metric specifications of an ``evaluation.json``."""
     segments = tuple(Segment(**segment) for segment in content.get("segments", ()))

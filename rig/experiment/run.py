@@ -265,7 +265,7 @@ def _run(
                         progress=watcher.progressed,
                     )
         said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
-        said += after_run(rig.mechanism, outcome.fault, folder.log_path)
+        said += after_run(rig, outcome.fault, folder.log_path)
         for kind, sentence, data in said:
             watcher.said(sentence)
             events(loop.t, kind, sentence, data)

@@ -43,7 +43,7 @@ _SIGMAS: Final = 2.5
 
 
 class Lateness(NamedTuple):
-    """How late a camera is.
+    """The lateness of a camera.
 
     Parameters
     ----------

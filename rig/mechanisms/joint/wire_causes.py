@@ -12,7 +12,7 @@ import numpy as np
 
 from controllers.spherical_joint.forward import ForwardKinematics
 from rig.mechanisms.joint.settings import JointSettings
-from rig.mechanisms.pneumatic.diagnosis.causes import Trial, best_since
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation, best_since
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.diagnosis.words import SLIP, WIRE
 
@@ -33,7 +33,7 @@ _LIKE: Final = 0.2
 """Stiffness that differs by this share is the profile's."""
 
 
-def wire_causes(evidence: LastSecond, settings: JointSettings) -> list[Trial]:
+def wire_causes(evidence: LastSecond, settings: JointSettings) -> list[Explanation]:
     """Return wires of another stiffness, and one that has become longer.
 
     Parameters
@@ -66,13 +66,13 @@ def wire_causes(evidence: LastSecond, settings: JointSettings) -> list[Trial]:
     found = []
     if 1.0 + softer > 0.0 and abs(softer) > _LIKE:
         stiffness = settings.wire_stiffness / (1.0 + softer)
-        found.append(Trial(WIRE, None, stiffness, gain(left - softer * of_stretch, 1)))
+        found.append(Explanation(WIRE, None, stiffness, gain(left - softer * of_stretch, 1)))
 
-    def longer(wire: int, since: float, parameters: int) -> Trial:
+    def longer(wire: int, since: float, parameters: int) -> Explanation:
         shape = answers[:, :, wire] * (evidence.t[rows] >= since)[:, None]
         size = float(np.sum(shape**2))
         by = float(np.sum(shape * left)) / size if size > 0.0 else 0.0
-        return Trial(SLIP, wire, by, gain(left - by * shape, parameters + 1))
+        return Explanation(SLIP, wire, by, gain(left - by * shape, parameters + 1))
 
     return [*found, *(best_since(evidence, partial(longer, wire)) for wire in range(4))]
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rig.hal.hindsight import Suspect
-from rig.mechanisms.pneumatic.diagnosis.causes import Trial
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond, Signals, gather
 from rig.mechanisms.pneumatic.diagnosis.ranking import likeliest, rank
 from rig.mechanisms.pneumatic.diagnosis.words import suspect_of
@@ -28,7 +28,7 @@ def suspects(
     channels: Sequence[str],
     pairs: tuple[tuple[int, int], ...],
     settings: PneumaticSettings,
-    others: Callable[[LastSecond], list[Trial]] = lambda _: [],
+    others: Callable[[LastSecond], list[Explanation]] = lambda _: [],
 ) -> tuple[Suspect, ...]:
     """Return what explains the end of a log best.
 

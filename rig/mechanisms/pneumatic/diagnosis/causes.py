@@ -20,7 +20,7 @@ _CLOSER: Final = 7
 """So many instants are tried between two of them, once one of the two is the best."""
 
 
-class Trial(NamedTuple):
+class Explanation(NamedTuple):
     """One cause with its best figure.
 
     Parameters
@@ -110,7 +110,7 @@ def best_of_scan(axis: "Array", gains: "Array") -> tuple[float, float]:
     return float(axis[best] + abs(shift) * (beside - axis[best])), here
 
 
-def best_since(evidence: LastSecond, trial_at: Callable[[float, int], Trial]) -> Trial:
+def best_since(evidence: LastSecond, trial_at: Callable[[float, int], Explanation]) -> Explanation:
     """Return the best trial of something that has been so throughout, or began at some time.
 
     Parameters

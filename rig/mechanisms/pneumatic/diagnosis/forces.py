@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from rig.mechanisms.pneumatic.diagnosis.causes import Trial, best_of_scan, best_since
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation, best_of_scan, best_since
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
@@ -71,7 +71,7 @@ def forces_of(evidence: LastSecond, pair: int) -> PairForces:
     return PairForces((one, other), moved, speed, signals.loads[:, pair])
 
 
-def force_causes(evidence: LastSecond, pair: PairForces) -> list[Trial]:
+def force_causes(evidence: LastSecond, pair: PairForces) -> list[Explanation]:
     """Return friction that is not the profile's, and a chamber that pulls less than it seems to."""
     settings = evidence.settings
     gain = partial(_gain, evidence, pair, settings)
@@ -80,7 +80,7 @@ def force_causes(evidence: LastSecond, pair: PairForces) -> list[Trial]:
     price = math.log(_count(evidence))
     found = [best_since(evidence, partial(_pull, evidence, pair, settings))]
     if abs(scale - 1.0) > _HEALTHY:
-        found.append(Trial(FRICTION, min(pair.channels), scale, best - price))
+        found.append(Explanation(FRICTION, min(pair.channels), scale, best - price))
     return found
 
 
@@ -90,7 +90,7 @@ def _pull(
     settings: PneumaticSettings,
     since: float,
     parameters: int,
-) -> Trial:
+) -> Explanation:
     """Return by how much less one of the two chambers pulls than its pressure says, Pa."""
     after = evidence.t >= since
     left = _left(pair, settings, 1.0)
@@ -98,7 +98,7 @@ def _pull(
     gain = _gain(evidence, pair, settings, left - missing * after)
     price = (parameters + 1) * math.log(_count(evidence))
     which = pair.channels[0 if missing > 0.0 else 1]
-    return Trial(PULL, which, abs(missing) / settings.area, gain - price)
+    return Explanation(PULL, which, abs(missing) / settings.area, gain - price)
 
 
 def _left(pair: PairForces, settings: PneumaticSettings, scale: float) -> "Array":

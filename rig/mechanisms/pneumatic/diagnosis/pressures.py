@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rig.mechanisms.pneumatic.diagnosis.causes import (
+    Explanation,
     Scales,
-    Trial,
     best_of_scan,
     best_since,
     share_gone,
@@ -38,7 +38,7 @@ _ATMOSPHERE: Final = 101_325.0
 """Pa."""
 
 
-def held_or_let_go(scales: Scales) -> list[Trial]:
+def held_or_let_go(scales: Scales) -> list[Explanation]:
     """Return the best fit of each channel that does not follow, and of a supply that is too low."""
     evidence = scales.evidence
     found = [best_since(evidence, partial(_supply, scales))]
@@ -50,18 +50,18 @@ def held_or_let_go(scales: Scales) -> list[Trial]:
     return found
 
 
-def _supply(scales: Scales, since: float, parameters: int) -> Trial:
+def _supply(scales: Scales, since: float, parameters: int) -> Explanation:
     """Return one level that no chamber gets beyond."""
     gains = [_gains_of_levels(scales, k, since) for k in range(len(scales.evidence.names))]
     levels, _ = gains[0]
     figure, gain = best_of_scan(levels, np.sum([found for _, found in gains], axis=0))
-    return Trial(SUPPLY, None, figure, gain - scales.price(parameters + 1))
+    return Explanation(SUPPLY, None, figure, gain - scales.price(parameters + 1))
 
 
-def _bounded(scales: Scales, channel: int, since: float, parameters: int) -> Trial:
+def _bounded(scales: Scales, channel: int, since: float, parameters: int) -> Explanation:
     """Return a level that one chamber does not get beyond, for what it loses."""
     figure, gain = best_of_scan(*_gains_of_levels(scales, channel, since))
-    return Trial(LEAK, channel, figure, gain - scales.price(parameters + 1))
+    return Explanation(LEAK, channel, figure, gain - scales.price(parameters + 1))
 
 
 def _gains_of_levels(scales: Scales, channel: int, since: float) -> "tuple[Array, Array]":
@@ -79,7 +79,9 @@ def _gains_of_levels(scales: Scales, channel: int, since: float) -> "tuple[Array
     return levels, np.max(gains, axis=0)
 
 
-def _gone_to(scales: Scales, channel: int, cause: str, since: float, parameters: int) -> Trial:
+def _gone_to(
+    scales: Scales, channel: int, cause: str, since: float, parameters: int
+) -> Explanation:
     """Return a pressure that goes to a level and stays there, if that is for this cause."""
     evidence = scales.evidence
     after = evidence.t >= since
@@ -95,7 +97,7 @@ def _gone_to(scales: Scales, channel: int, cause: str, since: float, parameters:
     change, gain = float(changes[best]), float(gains[best]) - scales.price(parameters + 1)
     if _why(evidence, channel, change, begun + change, since) != cause:
         gain = -math.inf
-    return Trial(cause, channel, begun + change, gain)
+    return Explanation(cause, channel, begun + change, gain)
 
 
 def _why(evidence: LastSecond, channel: int, change: float, level: float, since: float) -> str:
@@ -107,7 +109,7 @@ def _why(evidence: LastSecond, channel: int, change: float, level: float, since:
     return LEAK if change < -far and level < asked else STUCK
 
 
-def _shut(scales: Scales, channel: int, since: float, parameters: int) -> Trial:
+def _shut(scales: Scales, channel: int, since: float, parameters: int) -> Explanation:
     """Return a chamber that nothing enters or leaves: its piston alone changes its pressure."""
     evidence = scales.evidence
     settings, after = evidence.settings, evidence.t >= since
@@ -118,10 +120,10 @@ def _shut(scales: Scales, channel: int, since: float, parameters: int) -> Trial:
     shut = begun * (volume[start] / volume) ** _POLYTROPIC - _ATMOSPHERE
     left = scales.misfit(channel, np.where(after, shut, scales.expected[:, channel])[:, None])
     gain = float(scales.gain(channel, left)[0]) - scales.price(parameters + 1)
-    return Trial(STUCK, channel, begun - _ATMOSPHERE, gain)
+    return Explanation(STUCK, channel, begun - _ATMOSPHERE, gain)
 
 
-def _monitor(scales: Scales, channel: int, since: float, parameters: int) -> Trial:
+def _monitor(scales: Scales, channel: int, since: float, parameters: int) -> Explanation:
     """Return a monitor that says too much or too little."""
     evidence = scales.evidence
     off = (evidence.signals.pressures - scales.expected)[evidence.first :, channel]
@@ -131,4 +133,4 @@ def _monitor(scales: Scales, channel: int, since: float, parameters: int) -> Tri
     jump = float(off[judged].mean()) - before if judged.any() else 0.0
     left = scales.misfit(channel, (scales.expected[:, channel] + jump * after)[:, None])
     gain = float(scales.gain(channel, left)[0]) - scales.price(parameters + 1)
-    return Trial(MONITOR, channel, jump, gain)
+    return Explanation(MONITOR, channel, jump, gain)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Final
 
-from rig.mechanisms.pneumatic.diagnosis.causes import Trial, scales_of
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation, scales_of
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.diagnosis.forces import force_causes, forces_of
 from rig.mechanisms.pneumatic.diagnosis.pressures import held_or_let_go
@@ -18,14 +18,14 @@ _OFF: Final = 1.4
 """Pressures that are off by less than so many times what they scatter show no cause."""
 
 
-def rank(evidence: LastSecond, others: Iterable[Trial] = ()) -> list[Trial]:
+def rank(evidence: LastSecond, others: Iterable[Explanation] = ()) -> list[Explanation]:
     """Return the best figure of each cause and channel, the likeliest first.
 
     Parameters
     ----------
     evidence : LastSecond
         Of the last second.
-    others : iterable of Trial
+    others : iterable of Explanation
         Causes that are a mechanism's own.
     """
     scales = scales_of(evidence)
@@ -39,13 +39,13 @@ def rank(evidence: LastSecond, others: Iterable[Trial] = ()) -> list[Trial]:
     ]
     if float(scales.left.max()) > (_OFF * evidence.noise) ** 2:
         trials += [*slow_or_late(scales), *held_or_let_go(scales)]
-    best: dict[tuple[str, int | None], Trial] = {}
+    best: dict[tuple[str, int | None], Explanation] = {}
     for trial in sorted(trials, key=lambda trial: -trial.gain):
         best.setdefault((trial.cause, trial.channel), trial)
     return list(best.values())
 
 
-def likeliest(ranked: list[Trial]) -> list[Trial]:
+def likeliest(ranked: list[Explanation]) -> list[Explanation]:
     """Return the cause that explains it best, two if none is clearly better, or none."""
     sure = [trial for trial in ranked if trial.gain > _SURE]
     return [trial for trial in sure[:2] if trial.gain > sure[0].gain - _CLEAR]

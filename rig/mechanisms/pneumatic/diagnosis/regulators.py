@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rig.mechanisms.pneumatic.diagnosis.answers import OtherRegulators, answer
-from rig.mechanisms.pneumatic.diagnosis.causes import Scales, Trial, best_of_scan
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation, Scales, best_of_scan
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,7 +31,7 @@ _PLAIN: Final = 3e-3
 """Dead times that differ by less than this are the same, s."""
 
 
-def slow_or_late(scales: Scales) -> list[Trial]:
+def slow_or_late(scales: Scales) -> list[Explanation]:
     """Return regulators of another bandwidth, also since some time, or another dead time.
 
     What a healthy one may be off by is left out.
@@ -50,7 +50,7 @@ def slow_or_late(scales: Scales) -> list[Trial]:
     ):
         for channel, row in ((None, part.sum(axis=0)), *enumerate(part)):
             figure, gain = best_of_scan(axis, row)
-            found.append(Trial(cause, channel, figure, gain - scales.price(1)))
+            found.append(Explanation(cause, channel, figure, gain - scales.price(1)))
     found += _became_slow(scales)
     spread = response.spread * response.bandwidth
     return [
@@ -62,7 +62,7 @@ def slow_or_late(scales: Scales) -> list[Trial]:
     ]
 
 
-def _became_slow(scales: Scales) -> list[Trial]:
+def _became_slow(scales: Scales) -> list[Explanation]:
     """Return, of each channel, a regulator that became slow within the last second."""
     evidence = scales.evidence
     count, end = len(evidence.names), float(evidence.t[-1])
@@ -84,7 +84,7 @@ def _became_slow(scales: Scales) -> list[Trial]:
         fine[k] = np.column_stack([some, end - back, np.zeros(len(some))])
     gains = _gains(scales, fine)
     return [
-        Trial(
+        Explanation(
             SLOW,
             k,
             float(fine[k, int(np.argmax(row)), 0]) * evidence.response.bandwidth,

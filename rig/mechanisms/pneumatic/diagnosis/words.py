@@ -1,7 +1,7 @@
 """Causes in words, with what the profile says where it says something."""
 
 from rig.hal.hindsight import Suspect
-from rig.mechanisms.pneumatic.diagnosis.causes import Trial
+from rig.mechanisms.pneumatic.diagnosis.causes import Explanation
 from rig.mechanisms.pneumatic.diagnosis.evidence import LastSecond
 from rig.mechanisms.pneumatic.diagnosis.forces import FRICTION, PULL
 from rig.mechanisms.pneumatic.diagnosis.pressures import LEAK, MONITOR, OPEN, STUCK, SUPPLY
@@ -13,7 +13,7 @@ _UNITS = {SLOW: "rad/s", LATE: "s", FRICTION: "", WIRE: "N/m", SLIP: "m"}
 """Of figures that are no pressures."""
 
 
-def suspect_of(trial: Trial, evidence: LastSecond) -> Suspect:
+def suspect_of(trial: Explanation, evidence: LastSecond) -> Suspect:
     """Return a cause as it is told."""
     of = "" if trial.channel is None else evidence.names[trial.channel]
     unit = _UNITS.get(trial.cause, "Pa")
@@ -21,7 +21,7 @@ def suspect_of(trial: Trial, evidence: LastSecond) -> Suspect:
     return Suspect(trial.cause, of, trial.figure, unit, round(trial.gain, 1), sentence)
 
 
-def _sentence(trial: Trial, evidence: LastSecond, of: str) -> str:
+def _sentence(trial: Explanation, evidence: LastSecond, of: str) -> str:
     response, figure, kilo = evidence.response, trial.figure, 1e-3 * trial.figure
     whose = f"regulator of {of}" if of else "all regulators"
     less = "more" if figure > 0.0 else "less"
