@@ -65,6 +65,11 @@ class MarkerCameraDriver(MarkerCamera):
         """How far from the joint's centre it takes the marker to be, m."""
         return self.settings.marker.sphere_radius
 
+    @property
+    def latency(self) -> float:
+        """From the middle of the exposure to the sample, as calibrated, s."""
+        return self.settings.latency
+
     # Life cycle -----------------------------------------------------------------------
 
     def connect(self) -> None:

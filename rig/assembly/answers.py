@@ -43,7 +43,7 @@ def check_answers(profile: Profile) -> None:
         ask(what, PhysicsSettings, "variant", profile.plant.settings)
     what = f"the mechanism {profile.mechanism}"
     view = REGISTRY.load("mechanism", profile.mechanism)
-    for method in ("wiring", "geometry_of", "limits_of", "expected_of", "unfit"):
+    for method in ("wiring", "geometry_of", "limits_of", "expected_of", "constants_of", "unfit"):
         ask(what, Mechanism, method, view, profile.mechanism_settings)
     limits = view.limits_of(profile.mechanism_settings)
     if limits is not None and (isinstance(limits, type) or not is_dataclass(limits)):

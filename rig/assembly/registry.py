@@ -167,6 +167,10 @@ class InstalledParts:
         """
         return _merged("measure", lambda row: row.measures, mechanism, kind)
 
+    def reported(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of the measures that every run of a mechanism reports."""
+        return tuple(n for row in _additions() if row.mechanism == mechanism for n in row.reported)
+
     def figures(self, mechanism: str | None, kind: type[Thing]) -> Mapping[str, Thing]:
         """Return every mechanism's figures by name, which are `rig.report.figure.FigureKind`."""
         return _merged("figure", lambda row: row.figures, mechanism, kind)

@@ -11,6 +11,7 @@ _PEOPLE: Final[dict[str, tuple[tuple[float, str, float], ...]]] = {
     "m/s^2": ((1.0, "m/s^2", 1.0), (0.0, "mm/s^2", 1e-3)),
     "m^2": ((1e-2, "m^2", 1.0), (0.0, "mm^2", 1e-6)),
     "m^3": ((1e-2, "m^3", 1.0), (0.0, "cm^3", 1e-6)),
+    "m^3/s": ((0.0, "NL/min", 1e-3 / 60),),
     "Pa": ((1e6, "MPa", 1e6), (100.0, "kPa", 1e3), (0.0, "Pa", 1.0)),
     "Pa/s": ((1e5, "MPa/s", 1e6), (100.0, "kPa/s", 1e3), (0.0, "Pa/s", 1.0)),
     "s": ((0.1, "s", 1.0), (1e-4, "ms", 1e-3), (0.0, "µs", 1e-6)),
@@ -18,7 +19,7 @@ _PEOPLE: Final[dict[str, tuple[tuple[float, str, float], ...]]] = {
     "rad": ((0.0, "deg", math.pi / 180),),
     "bit/s": ((1e6, "Mbit/s", 1e6), (1e3, "kbit/s", 1e3), (0.0, "bit/s", 1.0)),
 }
-_AT_ZERO: Final = {"m": "mm", "Pa": "kPa", "Pa/s": "kPa/s", "s": "s"}
+_AT_ZERO: Final = {"m": "mm", "m^3/s": "NL/min", "Pa": "kPa", "Pa/s": "kPa/s", "s": "s"}
 
 
 def format_quantity(value: float, unit: str) -> str:

@@ -92,6 +92,7 @@ _WHOLE: Final[dict[str, Unit]] = {
     "count": _unit(1, count=1),
     "psi": _unit("6894.757293168361", kg=1, m=-1, s=-2),
     "atm": _unit(101_325, kg=1, m=-1, s=-2),
+    "NL": _unit("0.001", m=3),  # a litre of air at 1 atm and 20 °C: flows are told so
     "degC": _unit(1, K=1)._replace(offset=Fraction("273.15")),
     "°C": _unit(1, K=1)._replace(offset=Fraction("273.15")),
 }
@@ -100,10 +101,10 @@ _WHOLE: Final[dict[str, Unit]] = {
 USUAL_UNITS: Final = (
     "m", "cm", "mm", "µm", "s", "ms", "µs", "min", "Hz", "kHz", "Pa", "kPa", "MPa", "bar", "psi",
     "rad", "mrad", "deg", "rad/s", "deg/s", "rpm", "rad/s^2", "deg/s^2", "m/s", "mm/s", "m/s^2",
-    "mm/s^2", "m^2", "mm^2", "cm^2", "m^3", "cm^3", "dm^3", "L", "Pa/s", "kPa/s", "MPa/s",
-    "bar/s", "N", "mN", "kN", "N/m", "N/mm", "N s/m", "N s/mm", "N/Pa", "N/bar", "N m", "N mm",
-    "kg", "g", "m^3/(s Pa)", "dm^3/(s bar)", "V", "mV", "A", "mA", "W", "J", "K", "degC", "bit/s",
-    "kbit/s", "Mbit/s", "1", "%",
+    "mm/s^2", "m^2", "mm^2", "cm^2", "m^3", "cm^3", "dm^3", "L", "m^3/s", "NL/min", "Pa/s",
+    "kPa/s", "MPa/s", "bar/s", "N", "mN", "kN", "N/m", "N/mm", "N s/m", "N s/mm", "N/Pa", "N/bar",
+    "N m", "N mm", "kg", "g", "m^3/(s Pa)", "dm^3/(s bar)", "V", "mV", "A", "mA", "W", "J", "K",
+    "degC", "bit/s", "kbit/s", "Mbit/s", "1", "%",
 )  # fmt: skip
 
 _QUANTITY: Final = re.compile(

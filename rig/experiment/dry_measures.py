@@ -22,6 +22,7 @@ def try_measures(
     measures: Mapping[str, Measure],
     segments: Sequence[Segment],
     columns: Sequence[Column],
+    constants: Mapping[str, float],
 ) -> None:
     """Refuse a measure that takes a column that no run will record, or returns no number.
 
@@ -37,6 +38,8 @@ def try_measures(
         Of the motion.
     columns : sequence of Column
         The mechanism's and the devices'. The plant's true values are not looked for.
+    constants : mapping of str to float
+        What the mechanism says of the rig.
 
     Raises
     ------
@@ -45,7 +48,8 @@ def try_measures(
     ContractBroken
         It returns no number.
     """
-    samples = Samples(_made_up(segments, (*RUN_COLUMNS, *columns, *TIMING_COLUMNS)))
+    made_up = _made_up(segments, (*RUN_COLUMNS, *columns, *TIMING_COLUMNS))
+    samples = Samples(made_up, constants)
     for name, spec in metrics.items():
         known = spec.measure or name
         if known not in measures:

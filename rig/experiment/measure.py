@@ -4,7 +4,8 @@ Every measure is a pure function of windows, one per segment.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -31,15 +32,18 @@ class Samples:
     ----------
     log : Log
         With the columns ``phase`` and ``reference.time``.
+    constants : mapping of str to float
+        What is known of the rig, SI; see `rig.hal.Mechanism.constants_of`.
 
     Raises
     ------
     LogError
-        It lacks one of the two.
+        It lacks one of the two columns.
     """
 
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: Log, constants: Mapping[str, float] = MappingProxyType({})) -> None:
         self._log = log
+        self._constants = constants
         self._run = log.column("phase") == PHASE_RUN
         self._slopes: dict[str, Array] = {}
         self.t = log.column("reference.time")[self._run]
@@ -49,6 +53,13 @@ class Samples:
     def log(self) -> "Log":
         """The whole log."""
         return self._log
+
+    def constant(self, name: str) -> float:
+        """Return a number that is known of the rig, SI; LogError if it is not."""
+        try:
+            return self._constants[name]
+        except KeyError:
+            raise LogError(f"the run does not say what {name} the rig has") from None
 
     def controlled(self, name: str, energised: float) -> "Array":
         """Return a column of every cycle that was controlled, shape (n,).
@@ -164,6 +175,13 @@ class Window:
         """Return reference minus reading of a quantity, shape (n,)."""
         return self.column(f"reference.{quantity}") - self.column(f"reading.{quantity}")
 
+    def joined(self, other: "Window") -> "Window | None":
+        """Return both as one; None if the other one begins after this one has ended."""
+        if other._part.start > self._part.stop:
+            return None
+        whole = slice(self._part.start, max(self._part.stop, other._part.stop))
+        return Window(self.segment, self._samples, whole)
+
 
 Windows = Sequence[Window]
 Values = Callable[[Window], "Array"]
@@ -191,6 +209,18 @@ class Measure(NamedTuple):
     compute: Callable[[Windows], float]
     unit: str
     description: str
+
+
+def apart(windows: Windows) -> list[Window]:
+    """Return windows that hold each instant of the given ones once: amounts may be added up."""
+    found: list[Window] = []
+    for window in sorted(windows, key=lambda window: window.segment.start):
+        whole = found[-1].joined(window) if found else None
+        if whole is None:
+            found.append(window)
+        else:
+            found[-1] = whole
+    return found
 
 
 def rms(values: "Array") -> float:

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from rig.runtime.log import Log
 
 
+_Content = Mapping[str, Any]
+"""Of a file of JSON."""
+
+
 class MetricError(RigError):
     """A metric cannot be computed from this log."""
 
@@ -115,6 +119,7 @@ def evaluate(
     facts: Mapping[str, Fact] | None = None,
     mechanism: str | None = None,
     measures: Mapping[str, Measure] | None = None,
+    constants: Mapping[str, float] | None = None,
 ) -> list[Metric]:
     """Compute an experiment's metrics from a log.
 
@@ -133,6 +138,8 @@ def evaluate(
         Whose own measures go before those of others.
     measures : mapping of str to Measure, optional
         More measures than are installed; they go before all others.
+    constants : mapping of str to float, optional
+        What is known of the rig, SI; see `rig.hal.Mechanism.constants_of`.
 
     Returns
     -------
@@ -146,7 +153,7 @@ def evaluate(
         A measure is unknown, a pattern matches no segment, or the log does not hold a segment
         to its end: a number over half of it would look like one over all of it.
     """
-    samples = Samples(log)
+    samples = Samples(log, constants or {})
     known = {**known_measures(mechanism), **(measures or {})}
     metrics: list[Metric] = []
     for name, spec in specs.items():
@@ -247,10 +254,12 @@ def evaluation_as_json(
     figures: Sequence[str] = (),
     facts: Mapping[str, Fact] | None = None,
     mechanism: str | None = None,
+    constants: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
         "mechanism": mechanism,
+        "constants": dict(constants or {}),
         "figures": list(figures),
         "facts": {
             name: {**fact._asdict(), "value": fact.value if math.isfinite(fact.value) else None}
@@ -269,7 +278,7 @@ def evaluation_as_json(
     }
 
 
-def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
+def facts_from_json(content: _Content) -> dict[str, Fact]:
     """Return the facts of an ``evaluation.json``; what never happens is null there."""
     return {
         name: Fact(math.inf if fact["value"] is None else fact["value"], *_texts(fact))
@@ -277,12 +286,17 @@ def facts_from_json(content: Mapping[str, Any]) -> dict[str, Fact]:
     }
 
 
+def constants_from_json(content: _Content) -> dict[str, float]:
+    """Return what an ``evaluation.json`` knows of the rig, SI."""
+    return {name: float(value) for name, value in content.get("constants", {}).items()}
+
+
 def _texts(fact: Mapping[str, str]) -> tuple[str, str]:
     return fact["unit"], fact["description"]
 
 
 def evaluation_from_json(
-    content: Mapping[str, Any],
+    content: _Content,
 ) -> tuple[tuple[Segment, ...], dict[str, RecordedSpec]]:
     """Return the segments and metric specifications of an ``evaluation.json``."""
     segments = tuple(Segment(**segment) for segment in content.get("segments", ()))

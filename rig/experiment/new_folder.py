@@ -8,7 +8,7 @@ from rig.config import dump_resolved
 from rig.config.device_file import text_of
 from rig.experiment.command import command_of
 from rig.experiment.metrics import evaluation_as_json
-from rig.experiment.plan import Plan
+from rig.experiment.plan import Plan, constants_of
 from rig.run_folder import EVALUATION, RunFolder
 
 
@@ -73,5 +73,6 @@ def write_evaluation(plan: Plan, folder: RunFolder) -> None:
         experiment.figures,
         plan.motion.facts,
         plan.profile.mechanism,
+        constants_of(plan.profile),
     )
     folder.write_json(EVALUATION, content)

@@ -21,6 +21,7 @@ from rig.config import (
 )
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
+from rig.config.models import MetricSpec
 from rig.config.setting import written
 from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
@@ -143,7 +144,9 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
         motion = plan_motion(profile, experiment.reference.settings, controller)
-        _check_metrics(experiment, motion, profile.mechanism, columns)
+        if motion.segments:
+            experiment = _with_reported_metrics(experiment, profile.mechanism)
+        _check_metrics(experiment, motion, profile, columns)
         _check_figures(experiment, profile.mechanism)
     except ConfigurationError as error:
         raise type(error)(f"{experiment.name}: {error}") from error
@@ -163,11 +166,30 @@ def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experi
     return replace(experiment, metrics=applying)
 
 
+def _with_reported_metrics(experiment: Experiment, mechanism: str) -> Experiment:
+    """Return the experiment with what every run of a mechanism reports."""
+    reported = {name: MetricSpec() for name in REGISTRY.reported(mechanism)}
+    return replace(
+        experiment,
+        metrics={
+            **experiment.metrics,
+            **{name: spec for name, spec in reported.items() if name not in experiment.metrics},
+        },
+    )
+
+
+def constants_of(profile: Profile) -> Mapping[str, float]:
+    """Return what measures need to know of a rig beside its log, SI."""
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    constants: Mapping[str, float] = view.constants_of(profile.mechanism_settings)
+    return constants
+
+
 def _check_metrics(
-    experiment: Experiment, motion: Motion[object], mechanism: str, columns: Sequence[Column]
+    experiment: Experiment, motion: Motion[object], profile: Profile, columns: Sequence[Column]
 ) -> None:
     names = [segment.name for segment in motion.segments]
-    facts, measures = motion.facts, known_measures(mechanism)
+    facts, measures = motion.facts, known_measures(profile.mechanism)
     known: dict[str, Measure | Fact] = {**measures, **facts}
     for name, spec in experiment.metrics.items():
         measure = known.get(spec.measure or name)
@@ -187,7 +209,7 @@ def _check_metrics(
                 f"metric {name}: no segment matches {spec.segments!r}; there are {', '.join(names)}"
             )
     taken = {name: measure for name, measure in measures.items() if name not in facts}
-    try_measures(experiment.metrics, taken, motion.segments, columns)
+    try_measures(experiment.metrics, taken, motion.segments, columns, constants_of(profile))
 
 
 def _check_figures(experiment: Experiment, mechanism: str) -> None:

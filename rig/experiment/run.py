@@ -23,10 +23,11 @@ from rig.experiment.ending import (
 )
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
+from rig.experiment.hindsight import Said, after_run
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, write_evaluation
 from rig.experiment.permission import check_permitted
-from rig.experiment.plan import Plan
+from rig.experiment.plan import Plan, constants_of
 from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
@@ -263,12 +264,11 @@ def _run(
                         timings=Timings(approach=plan.experiment.approach),
                         progress=watcher.progressed,
                     )
-        said = [("unsafe", sentence) for sentence in outcome.unsafe]
-        if outcome.fault is not None and (held := rig.mechanism.pose_held()):
-            said.append(("hold", held))
-        for kind, sentence in said:
+        said: list[Said] = [("unsafe", sentence, {}) for sentence in outcome.unsafe]
+        said += after_run(rig, outcome.fault, folder.log_path)
+        for kind, sentence, data in said:
             watcher.said(sentence)
-            events(loop.t, kind, sentence, {})
+            events(loop.t, kind, sentence, data)
         return _judge(outcome, loop.t, events, partial(whose_value, rig, plan, loop.phases))
     except (KeyboardInterrupt, SystemExit) as error:
         if whose_bug(error) is not None or isinstance(error, SystemExit):
@@ -373,7 +373,10 @@ def _measure(plan: Plan, log: Log) -> tuple[list[Metric], list[RigError]]:
     wanted = plan.experiment.metrics
     own = {name: spec for name, spec in wanted.items() if spec.measure in plan.measures}
     installed = {name: spec for name, spec in wanted.items() if name not in own}
-    metrics = evaluate(log, motion.segments, installed, motion.facts, mechanism)
+    constants = constants_of(plan.profile)
+    metrics = evaluate(
+        log, motion.segments, installed, motion.facts, mechanism, constants=constants
+    )
     unmeasured: list[RigError] = []
     for name, spec in own.items():
         try:

@@ -234,6 +234,11 @@ class MarkerCamera(Device, Protocol):
         """Radius of the sphere on which the camera believes the marker, m; None: on none."""
         return None
 
+    @property
+    def latency(self) -> float | None:
+        """What is taken off the arrival of an image to stamp it, s; None: it is not known."""
+        return None
+
     @abstractmethod
     def markers(self) -> Reading[Markers]:
         """Return the newest markers; `t` is the middle of the exposure."""

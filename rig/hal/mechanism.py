@@ -9,6 +9,7 @@ from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.driver import AxisBounds
 from rig.hal.errors import ConfigurationError
+from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
 from rig.hal.targets import Targets
 
@@ -99,7 +100,7 @@ class Freeze(NamedTuple):
     what: str
 
 
-class Mechanism(Protocol[Settings, State, Reference, Command]):
+class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Command]):
     """The loop's view of a rig's mechanics.
 
     The loop calls, each cycle and in this order: `read`, `check`, (the controller), `limit`,

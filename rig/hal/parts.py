@@ -62,6 +62,8 @@ class Additions:
     procedures : tuple of Path
         Classes of `rig.calibration.procedure.Procedure`, in the order in which they build on
         each other.
+    reported : tuple of str
+        Names of measures that every run reports, whether or not its experiment asks for them.
     """
 
     mechanism: str
@@ -72,6 +74,7 @@ class Additions:
     figures: tuple[Path, ...] = ()
     comparisons: tuple[Path, ...] = ()
     procedures: tuple[Path, ...] = ()
+    reported: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from typing import NamedTuple, cast
 from rig.experiment.metrics import (
     Metric,
     MetricError,
+    constants_from_json,
     evaluate,
     evaluation_from_json,
     facts_from_json,
@@ -89,7 +90,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     """
     content = folder.read_json(EVALUATION)
     segments, specs = evaluation_from_json(content)
-    facts = facts_from_json(content)
+    facts, constants = facts_from_json(content), constants_from_json(content)
     mechanism = mechanism_of(folder)
     known = {*known_measures(mechanism), *facts}
     metrics: list[Metric] = []
@@ -99,7 +100,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
             metrics += _as_recorded(folder, spec.measure or name)
             continue
         try:
-            metrics += evaluate(log, segments, {name: spec}, facts, mechanism)
+            metrics += evaluate(log, segments, {name: spec}, facts, mechanism, constants=constants)
         except (MetricError, ContractBroken) as error:
             problems.append(str(error))
     return metrics, problems

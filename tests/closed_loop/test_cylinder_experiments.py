@@ -33,7 +33,7 @@ METRIC = {"sine": "tracking_rms", "staircase": "hold_rms"}
 
 @pytest.fixture(scope="module")
 def measure(tmp_path_factory):
-    """Return a function that runs an experiment, each only once, and returns its one metric."""
+    """Return a function that runs an experiment, each only once, and returns its error."""
 
     @cache
     def measured(kind, seals, *options, backend=Backend.VIRTUAL):
@@ -41,9 +41,7 @@ def measure(tmp_path_factory):
         plan = load_plan(f"cylinder-{kind}{seals}", [*extra, *options], configs=CONFIGS)
         result = run_experiment(plan, backend, tmp_path_factory.mktemp("runs"), report=False)
         assert result.message is None
-        (metric,) = result.metrics
-        assert metric.name == METRIC[kind]
-        return metric.value
+        return next(metric.value for metric in result.metrics if metric.name == METRIC[kind])
 
     return measured
 

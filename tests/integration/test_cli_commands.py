@@ -345,7 +345,7 @@ def test_compare_runs_controllers_side_by_side(tmp_path, capsys):
     code, out, err = compare(capsys, tmp_path, "--controllers", "pid,cascade")
     content = json.loads(out)
     assert code == 0 and content["labels"] == ["pid", "cascade"]
-    (row,) = content["metrics"]
+    row, *_ = content["metrics"]
     assert row["values"][0] > row["values"][1] > 0.0
     figure = Path(err.rpartition("figure: ")[2].strip())
     assert figure.stat().st_size > 10_000

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from controllers.cylinder.law import PairLaw
 from controllers.cylinder.types import PairCommand, PairModel, PairReference, PairState
@@ -18,6 +18,7 @@ from rig.hal import (
     StaleReading,
 )
 from rig.hal.columns import Column
+from rig.hal.hindsight import Suspect
 from rig.hal.mechanism import ClosedLoop, Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
@@ -30,6 +31,9 @@ from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -108,6 +112,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         """Return what a cut wire comes to, and from where on pressures are an alarm."""
         bounds = derive_bounds(settings.alarms.pressure, settings)
         return (*super().expected_of(settings), *expect_bounds(bounds))
+
+    @classmethod
+    def constants_of(cls, settings: CylinderSettings) -> dict[str, float]:
+        """Return piston area, m², and the chambers' volumes where their rods read 0, m³."""
+        return settings.chambers(dict.fromkeys(CHANNELS, 0.0))
 
     @classmethod
     def closed_loop(cls, settings: CylinderSettings, controller: object) -> ClosedLoop | None:
@@ -244,6 +253,14 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
             if cause is not None:
                 return SafetyError(f"{cause} ({error})")
         return self._watch.explain(error, self._extensions)
+
+    def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
+        """Return what explains the end of a log best; see `Mechanism.diagnose`."""
+        if not self.is_pneumatic(fault):
+            return ()
+        from rig.mechanisms.cylinder.hindsight import pair_suspects
+
+        return pair_suspects(logged, self.settings)
 
     def resting_command(self, state: PairState) -> PairCommand:
         """Return the measured pressures, within the permitted range."""

@@ -1,6 +1,7 @@
 """Everything that one antagonistic pair offers to the program."""
 
 from rig.hal.parts import MechanismParts, PlantModel
+from rig.mechanisms.pneumatic.reported import REPORTED
 
 _LAWS = "controllers.cylinder"
 _HERE = "rig.mechanisms.cylinder"
@@ -35,7 +36,8 @@ PARTS = MechanismParts(
             ("antagonistic-pair-real", "RealPairSettings"),
         )
     },
-    measures=(f"{_HERE}.measures:PAIR_MEASURES",),
+    measures=(f"{_HERE}.measures:PAIR_MEASURES", "rig.mechanisms.pneumatic.cost:PAIR_COSTS"),
+    reported=REPORTED,
     figures=(f"{_HERE}.figures:PAIR_FIGURES",),
     comparisons=(f"{_HERE}.comparison:PAIR_COMPARISON",),
     procedures=(

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from controllers.spherical_joint.geometry import Quadruple, SphericalJointGeometry
 from controllers.spherical_joint.great_circle import great_circle
@@ -29,8 +29,9 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
+from rig.hal.hindsight import Suspect
 from rig.hal.mechanism import ClosedLoop, Expected, Margin
-from rig.hal.motion import Motion
+from rig.hal.motion import Motion, Note
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
 from rig.mechanisms.joint.columns import CHANNELS, JOINT_COLUMNS, four_of, sample_of
@@ -43,6 +44,9 @@ from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -121,6 +125,12 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         """Return what a cut wire comes to, and from where on pressures are an alarm."""
         bounds = derive_bounds(settings.alarms.pressure, settings)
         return (*super().expected_of(settings), *expect_bounds(bounds))
+
+    @classmethod
+    def constants_of(cls, settings: JointSettings) -> dict[str, float]:
+        """Return piston area, m², and the chambers' volumes where their rods read 0, m³."""
+        homes = [settings.home + offset for offset in settings.wire_offsets]
+        return settings.chambers(dict(zip(CHANNELS, homes, strict=True)))
 
     @classmethod
     def closed_loop(cls, settings: JointSettings, controller: object) -> ClosedLoop | None:
@@ -262,6 +272,22 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             if cause is not None:
                 return SafetyError(f"{cause} ({error})")
         return self._watch.explain(error, state)
+
+    def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
+        """Return what explains the end of a log best; see `Mechanism.diagnose`."""
+        if not self.is_pneumatic(fault):
+            return ()
+        from rig.mechanisms.joint.hindsight import joint_suspects
+
+        return joint_suspects(logged, self.settings)
+
+    def remarks(self, logged: "Logged") -> tuple[Note, ...]:
+        """Return that the camera's latency is wrong, if it is; see `Mechanism.remarks`."""
+        if self._camera is None:
+            return ()
+        from rig.mechanisms.joint.camera_latency import remark_on_latency
+
+        return remark_on_latency(logged, self._camera.name, self._camera.latency)
 
     def resting_command(self, state: JointState) -> JointCommand:
         """Return the measured mean pressure, so shared that the ring stays where it is."""

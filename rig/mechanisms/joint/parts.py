@@ -1,6 +1,7 @@
 """Everything that the spherical joint offers to the program."""
 
 from rig.hal.parts import MechanismParts, PlantModel
+from rig.mechanisms.pneumatic.reported import REPORTED
 
 _LAWS = "controllers.spherical_joint.laws"
 _HERE = "rig.mechanisms.joint"
@@ -39,7 +40,9 @@ PARTS = MechanismParts(
         f"{_HERE}.measures.camera:CAMERA_MEASURES",
         f"{_HERE}.measures.laps:LAP_MEASURES",
         f"{_HERE}.measures.stiffness:STIFFNESS_MEASURES",
+        "rig.mechanisms.pneumatic.cost:JOINT_COSTS",
     ),
+    reported=REPORTED,
     figures=(
         f"{_HERE}.figures.tracking:JOINT_FIGURES",
         f"{_HERE}.figures.camera:CAMERA_FIGURES",

@@ -3,7 +3,16 @@
 from collections.abc import Sequence
 from typing import ClassVar, TypeVar
 
-from rig.hal import EmergencyStopInput, LinearEncoder, PressureRegulator
+from rig.hal import (
+    DeviceFault,
+    EmergencyStop,
+    EmergencyStopInput,
+    LinearEncoder,
+    LoopStalled,
+    PressureRegulator,
+    SafetyError,
+    StaleReading,
+)
 from rig.hal.mechanism import Command, Expected, Mechanism, Reference, State
 from rig.mechanisms.pneumatic.cut_wire import expect_cut_wire, refuse_weak_stop
 from rig.mechanisms.pneumatic.devices import check_pneumatics, settable
@@ -80,6 +89,16 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def stop_input(self) -> EmergencyStopInput | None:
         """Return the device that reads the emergency stop; see `Mechanism.stop_input`."""
         return self._stop_contact.device
+
+    def is_pneumatic(self, fault: Exception) -> bool:
+        """Return whether a fault is one of cylinders and regulators, so that a log may explain it.
+
+        What stops a rig from outside, or what another device says of itself, needs no cause.
+        """
+        if isinstance(fault, DeviceFault):
+            return fault.device == self._regulators.name
+        outside = isinstance(fault, EmergencyStop | StaleReading | LoopStalled)
+        return isinstance(fault, SafetyError) and not outside
 
     def limit_hits(self) -> dict[str, int]:
         """Return how often each limit was hit since the start."""

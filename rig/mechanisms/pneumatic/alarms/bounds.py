@@ -6,10 +6,10 @@ from rig.hal.mechanism import Expected
 from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 from rig.mechanisms.pneumatic.settings import PneumaticSettings, RegulatorModel
 
-_STATIC: Final = 0.022
+STATIC: Final = 0.022
 """Share of the pressure range by which a regulator at rest is off: linearity 1 %, hysteresis and
 repeatability 0.5 % each, sensitivity 0.2 %. C: electro-pneumatic regulators of 0.5 MPa."""
-_LOOP: Final = 0.005
+LOOP: Final = 0.005
 """Share of the range that is lost where the setpoint turns round: the width of the hysteresis."""
 _SETTLING: Final = 2.0
 """Time constants after which a pressure that was pushed away is back, for the most part."""
@@ -47,7 +47,7 @@ def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> Pressure
     """Return the bounds in force; `PressureAlarm` says how they follow."""
     response = settings.regulator_response
     low, high = settings.limits.pressure
-    static = _STATIC * (high - low)
+    static = STATIC * (high - low)
     base = settings.base_pressure
     step = max(settings.greatest_pressure - base, base - low)
     slowest = response.spread / (1.0 - response.spread)
@@ -57,7 +57,7 @@ def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> Pressure
         _chosen(alarm.time, _SETTLING / response.bandwidth),
         _chosen(alarm.offset, static),
         _chosen(alarm.slow, slowest + late),
-        _LOOP * (high - low),
+        LOOP * (high - low),
     )
 
 

@@ -1,0 +1,35 @@
+"""The joint's log as its diagnosis takes it."""
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from controllers.spherical_joint.geometry import PAIRS
+from rig.hal.hindsight import Suspect
+from rig.mechanisms.joint.columns import CHANNELS
+from rig.mechanisms.joint.settings import JointSettings
+from rig.mechanisms.joint.wire_causes import wire_causes
+from rig.mechanisms.pneumatic.diagnosis.evidence import Signals
+from rig.mechanisms.pneumatic.hindsight import stacked, suspects
+
+if TYPE_CHECKING:
+    from rig.hal.hindsight import Logged
+
+
+def joint_suspects(logged: "Logged", settings: JointSettings) -> tuple[Suspect, ...]:
+    """Return what explains the end of the joint's log best."""
+    pressures = stacked(logged, "reading.pressure_", CHANNELS)
+    homes = np.array([settings.home + offset for offset in settings.wire_offsets])
+    friction, tensions = settings.friction, settings.area * pressures
+    ring = friction.ring * tensions.sum(axis=1)
+    loads = [ring + friction.wire * (tensions[:, a] + tensions[:, b]) for a, b in PAIRS]
+    signals = Signals(
+        logged("clock"),
+        stacked(logged, "applied.", CHANNELS),
+        pressures,
+        homes - stacked(logged, "reading.rod_", CHANNELS),
+        np.column_stack(loads),
+    )
+    of_wires = partial(wire_causes, settings=settings)
+    return suspects(signals, CHANNELS, PAIRS, settings, of_wires)
