@@ -99,7 +99,7 @@ class Metric(NamedTuple):
 
         One that was computed and is NaN says so, or it would be taken for what never happened.
         """
-        entry: dict[str, Any] = {
+        entry = {
             "name": self.name,
             "value": self.value if math.isfinite(self.value) else None,
             "unit": self.unit,

@@ -36,7 +36,8 @@ from rig.hal.errors import (
     SafetyError,
     StaleReading,
 )
-from rig.hal.mechanism import Freeze, Margin, Mechanism
+from rig.hal.freeze import Freeze
+from rig.hal.mechanism import Margin, Mechanism
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.picking import DevicePicker, pick_device
 from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant, RestorablePlant

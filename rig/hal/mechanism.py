@@ -9,6 +9,7 @@ from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
 from rig.hal.driver import AxisBounds
 from rig.hal.errors import ConfigurationError
+from rig.hal.freeze import Freeze
 from rig.hal.hindsight import Hindsight
 from rig.hal.motion import Motion
 from rig.hal.targets import Targets
@@ -80,24 +81,6 @@ class Margin(NamedTuple):
 
     name: str
     fraction: float
-
-
-class Freeze(NamedTuple):
-    """The longest time that setpoints may stay as they are, and the rig within its limits.
-
-    Parameters
-    ----------
-    longest : float
-        s.
-    at : float
-        The instant of the motion at which more would be too much, s.
-    what : str
-        What would pass its limit then; empty if nothing would in the longest time looked at.
-    """
-
-    longest: float
-    at: float
-    what: str
 
 
 class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Command]):
