@@ -93,8 +93,7 @@ class Performance(Watcher):
         self._broke_at: float | None = None
         self._seen_at: float | None = None
         self._running_from: float | None = None
-        self._is_felt = False
-        self._made = 0
+        self._felt_at: list[float | None] = []
         self._said: list[str] = []
         self._stage: Stage
         self._rehearsal: RehearsalStage | None = None
@@ -191,10 +190,15 @@ class Performance(Watcher):
         self._make(case.first)
 
     def _feel(self) -> None:
-        """Count the time from the first command that is spoilt."""
-        if not self._is_felt and self._case is not None and self._case.first.row.spoils_law:
-            self._broke_at = self._stage.world.time
-        self._is_felt = True
+        """Count the time of what spoils the law from the first command that is spoilt."""
+        if self._case is None:
+            return
+        now = self._stage.world.time
+        for k, item in enumerate(self._case.breaks[: len(self._felt_at)]):
+            if self._felt_at[k] is None and item.row.spoils_law:
+                self._felt_at[k] = now
+                if k == 0:
+                    self._broke_at = now
 
     def _break_second(self) -> None:
         if self._case is not None and self._case.then is not None:
@@ -202,7 +206,7 @@ class Performance(Watcher):
 
     def _make(self, item: Break) -> None:
         stage = self._stage
-        self._made += 1
+        self._felt_at.append(None if item.row.spoils_law else stage.world.time)
         self._note(item)
         end = item.row.apply(stage, item.place(self.subject), item.sizes)
         if end is not None and item.lasts < float("inf"):
@@ -264,9 +268,12 @@ class Performance(Watcher):
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
         seen_at = None if rehearsed else self._seen_at
-        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong)
+        felt_at = tuple(self._felt_at)
+        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, felt_at)
         verdict = give_verdict(self._case, ending, self.subject)
-        if self._made < len(self._case.breaks):  # what did not happen was not ridden through
+        if len(self._felt_at) < len(
+            self._case.breaks
+        ):  # what did not happen was not ridden through
             why = "it was all over before the moment of its fault came"
             verdict = verdict.broken(why)
         if verdict.failed and self.folder is not None:
