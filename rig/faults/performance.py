@@ -4,7 +4,7 @@ import contextlib
 import json
 import random
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, cast
@@ -19,7 +19,7 @@ from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
-from rig.hal import Controller
+from rig.hal import Column, Controller
 from rig.hal.hazards import ENERGY_LEFT
 from rig.run_folder import EVENTS, LOG
 from rig.runtime.phases import Timings
@@ -29,7 +29,8 @@ AFTERMATH = 1.5
 """How long the world is watched after the program has ended or died, s."""
 HORIZON = 1.0
 """How long the run may go on after the last fault until it is asked to stop, s."""
-TRUTH = "truth.npz"
+TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
+"""Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 
 
 class _Spoilt(Controller[Any, Any, Any]):
@@ -121,7 +122,8 @@ class Performance(Watcher):
             self._broke_at = 0.0
             end = self.subject.connecting + _lead_in() + HORIZON
             self._stage.cue(end, self._stage.interrupt)
-        self._columns = [column.name.removeprefix("truth.") for column in rig.truth_columns]
+        self._described = describe_truth(rig.truth_columns, self._stage.world.plant.powered())
+        self._columns = [column.name for column in self._described]
         for case in self.waiting:
             if case.moment is Moment.CONNECT:
                 self._stage.cue(case.after, partial(self._come, case))
@@ -274,11 +276,20 @@ class Performance(Watcher):
         if len(self._felt_at) < len(
             self._case.breaks
         ):  # what did not happen was not ridden through
-            why = "it was all over before the moment of its fault came"
-            verdict = verdict.broken(why)
+            verdict = verdict.missed()
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
+            content = {"t": "s", "columns": [column._asdict() for column in self._described]}
+            (self.folder / TRUTH_COLUMNS).write_text(json.dumps(content, indent=2) + "\n")
         return verdict
+
+
+def describe_truth(logged: Sequence[Column], drives: Iterable[str]) -> list[Column]:
+    """Return the columns of a stage's truth: those of the log, and the power of each drive."""
+    return [
+        *(column._replace(name=column.name.removeprefix("truth.")) for column in logged),
+        *(Column(f"powered_{axis}", "1", "1 while the drive has torque") for axis in drives),
+    ]
 
 
 def plight_of(

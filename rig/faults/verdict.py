@@ -64,8 +64,9 @@ class Verdict:
         What had to come of it.
     wanted : float
         How soon it had to be seen, if it had to, s.
-    hazard, unseen, misnamed, false_trip, late, crashed : bool
-        What is wrong; all False if nothing is. A case that gave no verdict of its own crashed.
+    hazard, unseen, misnamed, false_trip, late, crashed, never : bool
+        What is wrong; all False if nothing is. A case that gave no verdict of its own crashed. The
+        moment of a fault that did not happen never came: the case tells nothing of the rig.
     folder : str
         The run folder, where it was kept.
     """
@@ -80,12 +81,17 @@ class Verdict:
     false_trip: bool = False
     late: bool = False
     crashed: bool = False
+    never: bool = False
     folder: str = ""
     period: float = 1e-3
 
     def broken(self, why: str) -> "Verdict":
         """Return this verdict as that of a case that did not work, and why."""
         return replace(self, crashed=True, ending=replace(self.ending, message=why))
+
+    def missed(self) -> "Verdict":
+        """Return this verdict as that of a case with a fault whose moment never came."""
+        return replace(self, never=True)
 
     @property
     def failed(self) -> bool:
@@ -96,6 +102,8 @@ class Verdict:
         """Yield what is wrong, a sentence each."""
         if self.crashed:
             yield self.ending.message
+        if self.never:
+            yield f"never happened: {self.case.awaited}; it was all over before"
         if self.hazard:
             yield "hazard: " + "; ".join(map(str, self.ending.violations))
         if self.unseen:
