@@ -325,8 +325,10 @@ def plight_of(
         column = columns.index(place.axis)
         way = [row[column] for row in truth.rows[first : last + 1]]
         moved = max(way) - min(way)
+    power = [columns.index(f"powered_{a}") for a in place.names[:1] if f"powered_{a}" in columns]
+    limp = any(row[column] == 0.0 for row in truth.rows[first:] for column in power)
     values = dict(zip(columns, truth.rows[first], strict=True))
-    return Plight(subject, place, item.sizes, values, ended_at - at, moved)
+    return Plight(subject, place, item.sizes, values, ended_at - at, moved, limp)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:

@@ -9,7 +9,7 @@ import pytest
 from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Moment
-from rig.faults.catalogue import KINDS, kinds_for, refused_for
+from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
@@ -299,3 +299,18 @@ def test_what_breaks_after_two_interrupts_may_be_too_late_to_be_seen():
         elif case.then is None and which_must(case) == "first":
             assert give_verdict(case, ended, SUBJECT).unseen
     assert found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wrong_setpoint_must_be_seen_where_each_is_echoed(seed):
+    """The echo shows it when it lasts longer than what is late may, and the answers take."""
+    chance = random.Random(seed)
+    confirming = replace(SUBJECT, confirming=frozenset({"regulators"}))
+    row, bridged = kind_named("setpoints_corrupt"), 0.03 + 4.0 * SUBJECT.period
+    for lasts, must in (
+        (chance.uniform(bridged + 1e-6, 1.0), Must.SAFE),
+        (chance.uniform(0.0, bridged), Must.EITHER),
+    ):
+        sizes = Sizes(chance.uniform(1.0, 7.0), lasts)
+        assert row.must(sizes, confirming) is must
+        assert row.must(sizes, SUBJECT) is Must.EITHER
