@@ -25,6 +25,12 @@ class Equivalent(NamedTuple):
 
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
+    Equivalent(
+        "rig/cli/reset.py",
+        "return False",
+        "return False -> return None",
+        "who asks only looks whether it is true",
+    ),
     *(
         Equivalent(
             "drivers/canopen/node.py",

@@ -82,6 +82,7 @@ def bench(monkeypatch):
             ),
         )
         result = CliRunner().invoke(reset, ["lab-rig", *words], standalone_mode=False)
+        assert result.stdout == ""  # it is all talk
         return result, latch, built
 
     return run
@@ -90,7 +91,7 @@ def bench(monkeypatch):
 def test_a_rig_without_a_fault_is_not_touched(bench):
     result, latch, built = bench(FakeRig(), reason=None)
     assert result.return_value == 0
-    assert "the lab-rig has no latched fault" in result.output
+    assert "the lab-rig has no latched fault" in result.stderr
     assert (built, latch.cleared, latch.name) == ([], 0, "the lab-rig")
 
 
@@ -102,7 +103,7 @@ def test_a_stop_that_is_pressed_and_released_resets(bench, seed):
     made = FakeRig(start, end)
     result, latch, built = bench(made, "--wait", "10")
     assert result.return_value == 0
-    said = result.output
+    said = result.stderr
     for words in ("the lab-rig is latched: it fell", "press the emergency stop, and release it"):
         assert words in said
     assert "the lab-rig is reset" in said
@@ -117,23 +118,26 @@ def test_a_stop_that_is_pressed_and_released_resets(bench, seed):
 
 
 @pytest.mark.parametrize(
-    "made",
-    [
-        FakeRig(None, False),
-        FakeRig(None, True),
-        FakeRig(None, None),
-        FakeRig(0.5),
-        FakeRig(20.0, 21.0),
-    ],
+    "opens",
+    [(None, False), (None, True), (None, None), (0.5,), (20.0, 21.0)],
     ids=["never pressed", "always open", "never heard", "never released", "too late"],
 )
-def test_nothing_else_resets(bench, made):
+def test_nothing_else_resets(bench, opens):
+    made = FakeRig(*opens)
     result, latch, _ = bench(made, "--wait", "3")
     assert result.return_value == 3
-    assert "the emergency stop was not pressed and released within 3 s" in result.output
+    assert "the emergency stop was not pressed and released within 3 s" in result.stderr
     assert latch.cleared == 0
     assert 3.0 - 2 * PERIOD <= made.looks[-1] < 3.0
-    assert "is reset" not in result.output
+    assert "is reset" not in result.stderr
+
+
+def test_a_release_at_the_end_of_the_time_is_too_late(bench):
+    made = FakeRig(0.0, 2.0)
+    made.sleep_until = lambda t: setattr(made, "time", 52.0)
+    result, latch, _ = bench(made, "--wait", "2")
+    assert (result.return_value, latch.cleared) == (3, 0)
+    assert made.looks == [0.0]
 
 
 def test_a_contact_that_is_not_heard_for_a_while_is_no_release(bench):
@@ -149,7 +153,7 @@ def test_a_contact_that_is_not_heard_for_a_while_is_no_release(bench):
 def test_it_waits_a_minute_if_nobody_says_how_long(bench):
     made = FakeRig(None, False)
     result, _, _ = bench(made)
-    assert "within 60 s" in result.output
+    assert "within 60 s" in result.stderr
     assert 60.0 - 2 * PERIOD <= made.looks[-1] < 60.0
 
 
