@@ -31,6 +31,7 @@ SAFETY_CORE = {
     "rig/experiment/ending.py": ("experiment/test_ending.py",),
     "rig/experiment/fault_latch.py": ("experiment/test_fault_latch_file.py",),
     "rig/experiment/permission.py": ("experiment/test_permission.py",),
+    "rig/cli/reset.py": ("cli/test_reset.py",),
     # What a mechanism watches, and what it lets through.
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
@@ -59,6 +60,7 @@ SAFETY_CORE = {
     # What a bus and its nodes say of themselves.
     "drivers/can/cyclic.py": ("drivers/test_cyclic_bus.py",),
     "drivers/can/errors.py": ("drivers/test_bus_errors.py",),
+    "drivers/canopen/node.py": ("drivers/test_canopen_node.py",),
     "drivers/canopen/heartbeat.py": ("drivers/test_heartbeat_watch.py",),
     "drivers/canopen/emergency.py": ("drivers/test_emergency_names.py",),
 }

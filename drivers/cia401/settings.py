@@ -165,6 +165,10 @@ class Cia401Settings(NodeSettings):
         """Return the regulators' names."""
         return tuple(self.channels)
 
+    def confirms_setpoints(self) -> bool:
+        """Return whether the module echoes its outputs."""
+        return self.echo
+
     def acts_after(self, bus: object) -> float | None:
         """Return after how long without the program it makes itself safe, s.
 

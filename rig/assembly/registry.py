@@ -189,14 +189,14 @@ class InstalledParts:
             for path in row.comparisons
         )
 
-    def procedures(self, mechanism: str, protocol: type[Thing]) -> tuple[Thing, ...]:
-        """Return a mechanism's procedures, in the order in which they build on each other."""
-        return tuple(
-            _made_procedure(path, protocol)
+    def procedures(self, mechanism: str, protocol: type[Thing]) -> Mapping[str, Thing]:
+        """Return a mechanism's procedures by path, in the order they build on each other."""
+        return {
+            path: _made_procedure(path, protocol)
             for row in _additions()
             if row.mechanism == mechanism
             for path in row.procedures
-        )
+        }
 
 
 # Rows -----------------------------------------------------------------------------------

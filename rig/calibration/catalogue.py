@@ -7,9 +7,24 @@ from rig.hal import ConfigurationError
 
 
 def procedures(profile: Profile) -> dict[str, AnyProcedure]:
-    """Return the procedures of a rig by name, in the order in which they build on each other."""
-    every = REGISTRY.procedures(profile.mechanism, Procedure)
-    return {procedure.name: procedure for procedure in every if procedure.targets(profile)}
+    """Return the procedures of a rig by name, in the order in which they build on each other.
+
+    Raises
+    ------
+    ConfigurationError
+        Two packages have one of the same name.
+    """
+    found: dict[str, AnyProcedure] = {}
+    path_of: dict[str, str] = {}
+    for path, procedure in REGISTRY.procedures(profile.mechanism, Procedure).items():
+        if procedure.targets(profile):
+            name = procedure.name
+            if (first := path_of.setdefault(name, path)) != path:
+                raise ConfigurationError(
+                    f"two packages have a procedure {name!r}: {first} and {path}"
+                )
+            found[name] = procedure
+    return found
 
 
 def pick(profile: Profile, names: tuple[str, ...]) -> list[AnyProcedure]:

@@ -138,6 +138,7 @@ def run(
 
     Without a name all rigs that ship are broken, every fault once on each. Each case that goes
     wrong leaves a run folder with what was true after the fault, and the line that repeats it.
+    A fault whose moment never came is no pass; the exit code is 2 then.
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
     from rig.faults.campaign import run_cases
@@ -173,7 +174,9 @@ def run(
 
         print_tables([Table("faults", HEADER, [row.cells() for row in rows])])
     click.echo(f"{page}", err=True)
-    return 1 if any(verdict.hazard or verdict.crashed for verdict in verdicts) else 0
+    if any(verdict.hazard or verdict.crashed for verdict in verdicts):
+        return 1
+    return 2 if any(verdict.never for verdict in verdicts) else 0
 
 
 def _is_file(name: str) -> bool:

@@ -92,17 +92,29 @@ def _answers(rig: Rig, plan: Plan, run: Run | None) -> Iterator[_Asked]:
     if run is None or run.state is None:
         return
     mechanism, state = rig.mechanism, run.state
-    released, here = mechanism.released_command(), mechanism.reference_of(state)
+    commands = {
+        "resting_command": mechanism.resting_command(state),
+        "energised_command": mechanism.energised_command(state),
+        "balanced_command": mechanism.balanced_command(state),
+        "released_command": mechanism.released_command(),
+    }
+    usual = _usual(tuple(commands.values()))
+    for method, command in commands.items():
+        yield from _unlike(mechanism, method, command, usual)
+    here = mechanism.reference_of(state)
     if run.phase is Phase.RUN:
         yield from _unlike(plan.motion, "at", run.reference, here)
+    elif run.is_controlling:  # on its way to the motion's start, or from where it braked
+        start = plan.motion.at(0.0)
+        yield from _unlike(plan.motion, "at", start, here)
+        between = mechanism.approach(here, start, 1.0, 0.5)
+        yield from _unlike(mechanism, "approach", between, here)
     if run.is_controlling:
-        yield from _unlike(plan.controller, "update", run.answer, released)
-    for method in ("resting_command", "energised_command", "balanced_command"):
-        yield from _unlike(mechanism, method, getattr(mechanism, method)(state), released)
+        yield from _unlike(plan.controller, "update", run.answer, usual)
     if run.command is None or run.reference is None:
         return
     applied = mechanism.limit(run.command)
-    yield from _unlike(mechanism, "limit", applied, released)
+    yield from _unlike(mechanism, "limit", applied, usual)
     yield from _of_numbers(
         mechanism,
         "row",
@@ -144,6 +156,15 @@ def _unfit(whose: object, protocol: type, method: str, found: object) -> Iterato
     hint = get_type_hints(getattr(protocol, method))["return"]
     if not fits(found, hint):
         yield _Asked(whose, method, found, plain(hint))
+
+
+def _usual(commands: Sequence[object]) -> object:
+    """Return the command that most others are like: any one of them may be the wrong one."""
+
+    def fellows(one: object) -> int:
+        return sum(_is_like(other, one) and _is_like(one, other) for other in commands)
+
+    return max(commands, key=fellows)
 
 
 def _unlike(whose: object, method: str, found: object, like: object) -> Iterator[_Asked]:

@@ -155,6 +155,12 @@ class Case:
         return str(self.moment) if self.moment in alone else "run"
 
     @property
+    def awaited(self) -> str:
+        """Its faults and their moments, in words: ``wire_cut 0.2 s into run, then silent``."""
+        then = "" if self.then is None else f", then {self.then.kind} {self.then_after:.3g} s later"
+        return f"{self.first.kind} {self.after:.3g} s into {self.moment}{then}"
+
+    @property
     def command(self) -> str:
         """The command that runs this case again."""
         configs = f" --configs {shlex.quote(self.configs)}" if self.configs else ""

@@ -68,3 +68,20 @@ def overpowers_wires(plight: Plight) -> frozenset[str]:
     pressures = [value for name, value in plight.truth.items() if name.startswith("pressure_")]
     too_much = abs(plight.sizes.magnitude or 0.0) > _OVERPOWERING_WIRES
     return ON_A_WIRE if too_much or min(pressures) < _HOLDS else frozenset()
+
+
+def pulls_alone(plight: Plight) -> frozenset[str]:
+    """Forgive what a regulator that stays at a pressure does when all others are vented.
+
+    Up to 50 kPa its chamber pulls no more than its seals hold, and up to the bound of pressures it
+    does nothing that a pressure which was asked for would not.
+    """
+    pressure = plight.sizes.magnitude or 0.0
+    most = min(hazard.high for hazard in plight.subject.hazards if hazard.name == "pressure")
+    found = ON_A_WIRE if pressure > _HOLDS else frozenset()
+    return found | {"pressure"} if pressure > most else found
+
+
+def falls(plight: Plight) -> frozenset[str]:
+    """Forgive what an axis does whose brake is broken while its drive has no torque."""
+    return frozenset({"rate", "range"}) if plight.limp else frozenset()

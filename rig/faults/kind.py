@@ -101,6 +101,8 @@ class Plight(NamedTuple):
         For how long the program is still there, s.
     moved : float
         How far the axis moves in that time, rad.
+    limp : bool
+        Whether the axis' drive has no torque at some time from then on.
     """
 
     subject: Subject
@@ -109,6 +111,7 @@ class Plight(NamedTuple):
     truth: Mapping[str, float]
     left: float
     moved: float
+    limp: bool = False
 
 
 Excuse = Callable[[Plight], frozenset[str]]

@@ -4,7 +4,7 @@ import contextlib
 import json
 import random
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, cast
@@ -19,7 +19,7 @@ from rig.faults.oracle import Violation, judge
 from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Truth
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
-from rig.hal import Controller
+from rig.hal import Column, Controller
 from rig.hal.hazards import ENERGY_LEFT
 from rig.run_folder import EVENTS, LOG
 from rig.runtime.phases import Timings
@@ -29,7 +29,8 @@ AFTERMATH = 1.5
 """How long the world is watched after the program has ended or died, s."""
 HORIZON = 1.0
 """How long the run may go on after the last fault until it is asked to stop, s."""
-TRUTH = "truth.npz"
+TRUTH, TRUTH_COLUMNS = "truth.npz", "truth.json"
+"""Arrays ``t``, ``columns`` and ``truth``, and what the columns are."""
 
 
 class _Spoilt(Controller[Any, Any, Any]):
@@ -93,8 +94,7 @@ class Performance(Watcher):
         self._broke_at: float | None = None
         self._seen_at: float | None = None
         self._running_from: float | None = None
-        self._is_felt = False
-        self._made = 0
+        self._felt_at: list[float | None] = []
         self._said: list[str] = []
         self._stage: Stage
         self._rehearsal: RehearsalStage | None = None
@@ -122,7 +122,8 @@ class Performance(Watcher):
             self._broke_at = 0.0
             end = self.subject.connecting + _lead_in() + HORIZON
             self._stage.cue(end, self._stage.interrupt)
-        self._columns = [column.name.removeprefix("truth.") for column in rig.truth_columns]
+        self._described = describe_truth(rig.truth_columns, self._stage.world.plant.powered())
+        self._columns = [column.name for column in self._described]
         for case in self.waiting:
             if case.moment is Moment.CONNECT:
                 self._stage.cue(case.after, partial(self._come, case))
@@ -191,10 +192,15 @@ class Performance(Watcher):
         self._make(case.first)
 
     def _feel(self) -> None:
-        """Count the time from the first command that is spoilt."""
-        if not self._is_felt and self._case is not None and self._case.first.row.spoils_law:
-            self._broke_at = self._stage.world.time
-        self._is_felt = True
+        """Count the time of what spoils the law from the first command that is spoilt."""
+        if self._case is None:
+            return
+        now = self._stage.world.time
+        for k, item in enumerate(self._case.breaks[: len(self._felt_at)]):
+            if self._felt_at[k] is None and item.row.spoils_law:
+                self._felt_at[k] = now
+                if k == 0:
+                    self._broke_at = now
 
     def _break_second(self) -> None:
         if self._case is not None and self._case.then is not None:
@@ -202,7 +208,7 @@ class Performance(Watcher):
 
     def _make(self, item: Break) -> None:
         stage = self._stage
-        self._made += 1
+        self._felt_at.append(None if item.row.spoils_law else stage.world.time)
         self._note(item)
         end = item.row.apply(stage, item.place(self.subject), item.sizes)
         if end is not None and item.lasts < float("inf"):
@@ -264,14 +270,26 @@ class Performance(Watcher):
         wrong = tuple(v for v in violations if not _is_confessed(v, told))
         rehearsed = self._case.moment is Moment.REHEARSAL  # which has a clock of its own
         seen_at = None if rehearsed else self._seen_at
-        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong)
+        felt_at = tuple(self._felt_at)
+        ending = CaseEnding(code, message, self._broke_at, seen_at, wrong, felt_at)
         verdict = give_verdict(self._case, ending, self.subject)
-        if self._made < len(self._case.breaks):  # what did not happen was not ridden through
-            why = "it was all over before the moment of its fault came"
-            verdict = verdict.broken(why)
+        if len(self._felt_at) < len(
+            self._case.breaks
+        ):  # what did not happen was not ridden through
+            verdict = verdict.missed()
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
+            content = {"t": "s", "columns": [column._asdict() for column in self._described]}
+            (self.folder / TRUTH_COLUMNS).write_text(json.dumps(content, indent=2) + "\n")
         return verdict
+
+
+def describe_truth(logged: Sequence[Column], drives: Iterable[str]) -> list[Column]:
+    """Return the columns of a stage's truth: those of the log, and the power of each drive."""
+    return [
+        *(column._replace(name=column.name.removeprefix("truth.")) for column in logged),
+        *(Column(f"powered_{axis}", "1", "1 while the drive has torque") for axis in drives),
+    ]
 
 
 def plight_of(
@@ -307,8 +325,10 @@ def plight_of(
         column = columns.index(place.axis)
         way = [row[column] for row in truth.rows[first : last + 1]]
         moved = max(way) - min(way)
+    power = [columns.index(f"powered_{a}") for a in place.names[:1] if f"powered_{a}" in columns]
+    limp = any(row[column] == 0.0 for row in truth.rows[first:] for column in power)
     values = dict(zip(columns, truth.rows[first], strict=True))
-    return Plight(subject, place, item.sizes, values, ended_at - at, moved)
+    return Plight(subject, place, item.sizes, values, ended_at - at, moved, limp)
 
 
 def _is_confessed(violation: Violation, told: str) -> bool:

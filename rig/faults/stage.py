@@ -47,7 +47,7 @@ class Cue(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """The truth over time: times (s) and a row of the plant's columns for each."""
+    """The truth over time: times (s) and a row for each, of the plant's columns and its drives'."""
 
     times: list[float]
     rows: list[Row]
@@ -105,7 +105,8 @@ class Stage:
 
     def _look(self, now: float) -> None:
         self.truth.times.append(now)
-        self.truth.rows.append(self.world.plant.truth())
+        plant = self.world.plant
+        self.truth.rows.append((*plant.truth(), *map(float, plant.powered().values())))
         self._next_look = now + SAMPLE
 
 

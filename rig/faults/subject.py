@@ -31,6 +31,8 @@ class Subject:
         What must never be true.
     by_velocity : frozenset of str
         Devices whose axes their velocity loops alone can hold.
+    confirming : frozenset of str
+        Devices that send every setpoint back as they got it.
     connecting : float
         How long it takes until it is energised, s.
     reading_age : float
@@ -54,6 +56,7 @@ class Subject:
     connecting: float
     reading_age: float
     by_velocity: frozenset[str] = frozenset()
+    confirming: frozenset[str] = frozenset()
     procedures: Mapping[str, float] = field(default_factory=dict)
     chosen: tuple[str, ...] = ()
     configs: str = ""

@@ -25,7 +25,7 @@ class Row(NamedTuple):
     phases : tuple of (int, int)
         For each `Moment`: the cases, and those of them that went wrong.
     wrongs : tuple of int
-        Hazards, unseen, misnamed, false trips, late, crashed.
+        Hazards, unseen, misnamed, false trips, late, crashed, never happened.
     reactions : tuple of float
         Median, 99th percentile and greatest time from the fault to the first safe setpoint, s;
         empty if it never stopped the rig.
@@ -66,7 +66,7 @@ class Row(NamedTuple):
         }
 
 
-WRONGS = ("hazards", "unseen", "misnamed", "false trips", "late", "crashed")
+WRONGS = ("hazards", "unseen", "misnamed", "false trips", "late", "crashed", "never")
 HEADER = (
     "fault", "rig", "n", *(moment.value for moment in Moment), *WRONGS,
     "cycles p50/p99/max", "ms p50/p99/max",
@@ -98,8 +98,8 @@ def make_row(fault: str, rig: str, verdicts: Sequence[Verdict]) -> Row:
         phases=tuple((len(some), sum(v.failed for v in some)) for some in in_phase),
         wrongs=tuple(
             sum(flags)
-            for flags in zip(*((v.hazard, v.unseen, v.misnamed, v.false_trip, v.late, v.crashed)
-                               for v in verdicts), strict=True)
+            for flags in zip(*((v.hazard, v.unseen, v.misnamed, v.false_trip, v.late, v.crashed,
+                                v.never) for v in verdicts), strict=True)
         ),
         reactions=tuple(float(x) for x in np.percentile(times, (50, 99, 100))) if times else (),
         period=verdicts[0].period,

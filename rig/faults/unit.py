@@ -18,7 +18,7 @@ from rig.faults.branch import Home, die_with_parent, make_home
 from rig.faults.case import Case, Moment
 from rig.faults.performance import Performance
 from rig.faults.subject import Subject
-from rig.faults.verdict import OURS, CaseEnding, Verdict, give_verdict
+from rig.faults.verdict import MISSED, OK, OURS, CaseEnding, Verdict, give_verdict
 from rig.hal import RigError
 
 DEADLINE = 120.0
@@ -128,9 +128,12 @@ class _Branch:
                 pickle.dump(verdict, pipe)
         else:  # without any fault it should not have ended before them
             for case in self.performance.waiting:
-                self._tell(
-                    no_verdict(case, self._subject, f"the run ended before it {message}".rstrip())
-                )
+                if code in (OK, MISSED):
+                    ending = CaseEnding(code, message, None, None)
+                    self._tell(give_verdict(case, ending, self._subject).missed())
+                else:
+                    why = f"the run ended before it {message}".rstrip()
+                    self._tell(no_verdict(case, self._subject, why))
         os._exit(0)
 
 

@@ -32,6 +32,9 @@ class CaseEnding:
         When the program said that there is a fault, s.
     violations : tuple of Violation
         Hazards that became true.
+    felt_at : tuple of (float or None)
+        When each fault that happened could first be seen, s: at once, but what spoils the law only
+        when the law is followed; None if it never was.
     """
 
     code: int | None
@@ -39,6 +42,7 @@ class CaseEnding:
     broke_at: float | None
     seen_at: float | None
     violations: tuple[Violation, ...] = ()
+    felt_at: tuple[float | None, ...] = ()
 
     @property
     def reaction(self) -> float | None:
@@ -60,8 +64,9 @@ class Verdict:
         What had to come of it.
     wanted : float
         How soon it had to be seen, if it had to, s.
-    hazard, unseen, misnamed, false_trip, late, crashed : bool
-        What is wrong; all False if nothing is. A case that gave no verdict of its own crashed.
+    hazard, unseen, misnamed, false_trip, late, crashed, never : bool
+        What is wrong; all False if nothing is. A case that gave no verdict of its own crashed. The
+        moment of a fault that did not happen never came: the case tells nothing of the rig.
     folder : str
         The run folder, where it was kept.
     """
@@ -76,12 +81,17 @@ class Verdict:
     false_trip: bool = False
     late: bool = False
     crashed: bool = False
+    never: bool = False
     folder: str = ""
     period: float = 1e-3
 
     def broken(self, why: str) -> "Verdict":
         """Return this verdict as that of a case that did not work, and why."""
         return replace(self, crashed=True, ending=replace(self.ending, message=why))
+
+    def missed(self) -> "Verdict":
+        """Return this verdict as that of a case with a fault whose moment never came."""
+        return replace(self, never=True)
 
     @property
     def failed(self) -> bool:
@@ -92,6 +102,8 @@ class Verdict:
         """Yield what is wrong, a sentence each."""
         if self.crashed:
             yield self.ending.message
+        if self.never:
+            yield f"never happened: {self.case.awaited}; it was all over before"
         if self.hazard:
             yield "hazard: " + "; ".join(map(str, self.ending.violations))
         if self.unseen:
@@ -117,7 +129,7 @@ class Verdict:
 
 def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
     """Compare what came of a case with what had to."""
-    must, wanted = what_must_come(case, subject), how_soon(case, subject)
+    must, wanted = what_must_come(case, subject), how_soon(case, ending, subject)
     tripped = ending.code in (REFUSED, FAULTED, OURS)
     seen = tripped or ending.code is None
     happened = ending.broke_at is not None
@@ -157,17 +169,18 @@ def what_must_come(case: Case, subject: Subject) -> Must:
     return Must.EITHER if Must.EITHER in musts else Must.RIDE
 
 
-def how_soon(case: Case, subject: Subject) -> float:
+def how_soon(case: Case, ending: CaseEnding, subject: Subject) -> float:
     """Return how long after the first fault the rig must be made safe at the latest, s.
 
-    Each of two faults that must be seen has its own time, which begins with it.
+    Each of two faults that must be seen has its own time, which begins when it is first felt.
     """
-    begins = (0.0, case.then_after)
+    if ending.broke_at is None:
+        return inf
     return min(
         (
-            begin + item.row.within
-            for begin, item in zip(begins, case.breaks, strict=False)
-            if item.row.must(item.sizes, subject) is Must.SAFE
+            felt_at - ending.broke_at + item.row.within
+            for felt_at, item in zip(ending.felt_at, case.breaks, strict=False)
+            if felt_at is not None and item.row.must(item.sizes, subject) is Must.SAFE
         ),
         default=inf,
     )

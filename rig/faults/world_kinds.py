@@ -9,10 +9,12 @@ from functools import partial
 
 from rig.faults.excuses import (
     ON_A_WIRE,
+    falls,
     lets_fall_far,
     lets_fall_unseen,
     overpowers,
     overpowers_wires,
+    pulls_alone,
     topples,
 )
 from rig.faults.kind import (
@@ -151,9 +153,10 @@ def _kind(
 
 def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
               words: Sequence[str] = (), *, why: str = "",
-              forgives: frozenset[str] = frozenset()) -> FaultKind:  # fmt: skip
+              forgives: frozenset[str] = frozenset(),
+              excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     places = partial(_channels, name, words)
-    return _kind(name, what, places, must, within, why=why, forgives=forgives)
+    return _kind(name, what, places, must, within, why=why, forgives=forgives, excuses=excuses)
 
 
 def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
@@ -183,7 +186,9 @@ PNEUMATIC = (
               why="at that pressure the rig may go on for as long as it is wanted"),
     _of_device("regulator_stuck_at", "A regulator goes to some pressure and stays there.", either,
                1.0, fault="regulator_stuck", magnitude=Magnitudes(5e3, 450e3, "Pa"),
-               why="at a pressure near that which is wanted nothing is amiss", forgives=_ALONE),
+               why="at a pressure near that which is wanted nothing is amiss; above 50 kPa it "
+               "pulls alone when all others are vented, with 9 N and more, until the stop bears it",
+               excuses=pulls_alone),
     _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5),
                _UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
@@ -323,8 +328,8 @@ SERVOS = (
     _of_plant("blocked", "Something is in an axis' way.", either, 1.0,
               why="an axis that is not asked to move does not show it"),
     _of_plant("brake_released", "A brake does not hold.", ride,
-              why="its drive holds the joint; without torque it falls, and nobody can hold it",
-              forgives=frozenset({"rate", "range"})),
+              why="its drive holds the joint; only one without torque falls, and nobody holds it",
+              excuses=falls),
     _kind("payload", "A load hangs on the hand.", partial(_whole, "payload", ()), either,
           magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
 )  # fmt: skip
@@ -344,16 +349,20 @@ CAMERAS = tuple(
 SURROUNDINGS = (
     _of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
                magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=topples,
-               why="nothing on the rig measures a push; what it moves, the drives bring back"),
+               why="nothing measures a push; more than 0.3 N s moves the capture point by 8 mm, "
+               "all the margin of a step"),
     _of_device("hand_push", "Somebody pushes the arm's hand.", _rides_up_to(HARMLESS_HAND_PUSH),
                1.0, magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=overpowers,
-               why="nothing on the rig measures a push; what it moves, the drives bring back"),
+               why="nothing measures a push; what it moves the drives bring back, up to 10 N s: "
+               "100 N at arm's length are half of the strongest drive's torque"),
     *(
         _of_device(f"{part}_push", f"Somebody pushes the {body}.",
                    _rides_up_to(HARMLESS_HAND_PUSH), 1.0,
                    ("pushed", "speed of", "position of the pair", "tilt"),
                    magnitude=Magnitudes(0.05, 10.0, "N s", signed=True), excuses=overpowers_wires,
-                   why="nothing on the rig measures a push; what it moves, the wires bring back")
+                   why="nothing measures a push; what it moves the wires bring back, up to 2 N s: "
+                   "20 N are all that a chamber of 110 kPa has to give, and one of less than "
+                   "50 kPa holds nothing")
         for part, body in (("carriage", "pair's carriage"), ("ring", "joint's ring"))
     ),
     FaultKind(name="floor_slips", what="The floor loses its grip for a while.",

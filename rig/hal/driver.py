@@ -118,6 +118,10 @@ class DriverSettings:
         """
         return None
 
+    def confirms_setpoints(self) -> bool:
+        """Return whether it sends every setpoint back as it got it: none is wrong unseen."""
+        return False
+
     def holds_without_position(self) -> bool:
         """Return whether its velocity loop alone holds an axis whose position encoder lies."""
         return False

@@ -30,6 +30,13 @@ class Plant(Protocol):
     def truth(self) -> tuple[float, ...]:
         """Return the true state, which no device measures, one value for each column."""
 
+    def powered(self) -> Mapping[str, bool]:
+        """Return of each drive, by its axis, whether it has torque; default: there are none.
+
+        Nothing of it is logged: campaigns of faults keep it beside the truth.
+        """
+        return {}
+
     @abstractmethod
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.

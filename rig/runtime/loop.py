@@ -14,6 +14,7 @@ from typing import Any, Generic, NamedTuple
 
 from rig.hal import Clock, CyclicBus, Device
 from rig.hal.controller import Controller
+from rig.hal.fits import shown
 from rig.hal.mechanism import Command, Margin, Mechanism, Reference, State
 from rig.hal.motion import Motion
 from rig.runtime.bus_watch import BusWatch
@@ -217,7 +218,10 @@ class Loop(Generic[State, Reference, Command]):
         found = []
         for device in self.devices:
             try:
-                found.append(str(device.unsafe(now)))
+                said: object = device.unsafe(now)
+                if not isinstance(said, str):
+                    said = f"{device.name}: unsafe returned {shown(said)}"
+                found.append(said)
             except Exception as error:
                 found.append(f"{device.name}: not known to be safe: {error!r}")
         return [sentence for sentence in found if sentence]

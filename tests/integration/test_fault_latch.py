@@ -144,6 +144,22 @@ def test_a_rig_without_a_contact_asks_for_its_name(rig, capsys):
     assert FaultLatch("cylinder").reason() is None
 
 
+@pytest.mark.parametrize("declared", [[], ["cylinder.limits.stop_energy=1 J"]])
+def test_a_reset_asks_for_the_stop_that_bears_a_cut_wire_as_a_run_does(
+    tmp_path, monkeypatch, capsys, declared
+):
+    """With it, only the bus is missing that there is not."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    FaultLatch("cylinder").set(Path("runs/1"), "a wire was cut")
+    settings = ["buses.can0.channel=nowhere", *declared]
+    options = [word for option in settings for word in ("--set", option)]
+    assert invoke(["reset", "cylinder", "--configs", str(CONFIGS), *options]) == 3
+    said = capsys.readouterr().err
+    assert ("limits.stop_energy is not declared" in said) == (not declared)
+    assert ("nowhere" in said) == bool(declared)
+    assert FaultLatch("cylinder").reason() is not None
+
+
 KILLED = """
     import os, signal
     from rig.assembly import Backend

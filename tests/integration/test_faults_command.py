@@ -75,6 +75,9 @@ def test_a_hazard_is_found_judged_after_the_program_and_kept(hazardous):
     assert injected["data"]["fault"] == "program_killed"
     truth = np.load(run_folder / "truth.npz")
     assert "position" in truth["columns"]
+    described = json.loads((run_folder / "truth.json").read_text())
+    assert [column["name"] for column in described["columns"]] == truth["columns"].tolist()
+    assert all(column["unit"] and column["description"] for column in described["columns"])
     assert truth["t"][-1] >= min(case["ending"]["broke_at"] for case in failed) + 1.4
 
 
@@ -172,14 +175,33 @@ when: {phase: run, after: 0.2 s}
 """
 
 
-def test_what_did_not_happen_was_not_ridden_through(tmp_path):
+MOMENTS = np.random.default_rng(33)
+
+
+@pytest.mark.parametrize(
+    ("moment", "then"),
+    [
+        (f"phase: stop, after: {MOMENTS.uniform(3.0, 100.0):.1f} s", ""),
+        (f"phase: release, after: {MOMENTS.uniform(3.0, 100.0):.1f} s", ""),
+        (f"phase: run, after: {MOMENTS.uniform(60.0, 100.0):.1f} s", ""),
+        (
+            "phase: run, after: 0.2 s",
+            "then: {fault: silent_for_good, where: regulators, after: 9 s}",
+        ),
+    ],
+)
+def test_what_did_not_happen_was_not_ridden_through(tmp_path, moment, then):
     file = tmp_path / "late.yaml"
-    file.write_text(CASE.replace("phase: run, after: 0.2 s", "phase: stop, after: 100 s"))
+    case = CASE.replace("phase: run, after: 0.2 s", moment).replace("-sine", "-step")
+    file.write_text(case + then)
     result = run("run", file, "--out", tmp_path)
-    assert result.return_value == 1
+    assert result.return_value == 2, result.output
     (case,) = campaign(tmp_path, 0)["cases"]
-    assert case["crashed"]
-    assert "before the moment of its fault" in case["ending"]["message"]
+    assert (case["never"], case["crashed"]) == (True, False)
+    phase, after = re.match(r"phase: (\w+), after: ([\d.]+) s", moment).groups()
+    assert f"never happened: wire_cut {float(after):.3g} s into {phase}" in result.output
+    (row,) = campaign(tmp_path, 0)["rows"]
+    assert row["never"] == 1
 
 
 def test_a_file_is_repeated_by_its_name_and_a_chosen_experiment_is_named(tmp_path):

@@ -84,3 +84,27 @@ def test_every_file_that_is_named_is_there():
     section = README[README.index("**Mechanism**") : README.index("What was loaded")]
     for name in re.findall(r"`(\w+\.py)`", section):
         assert (PACKAGE / "crank" / name).exists(), name
+
+
+@pytest.mark.parametrize("name", ["cylinder", "joint", "arm", "legs", "pneumatic", "servo"])
+def test_the_readme_of_mechanisms_names_every_file_where_it_is(name):
+    """Its first table is of what each folder has, the second of what some have besides."""
+    folder = ROOT / "rig" / "mechanisms"
+    every, some = (folder / "README.md").read_text().split("| file | where |")
+    row = re.compile(r"^\| (`[^|]+) \| ([^|]+) \| ", re.M)
+    common = {file for files, _ in row.findall(every) for file in re.findall(r"[\w/.]+", files)}
+    own = {
+        file
+        for files, where in row.findall(some)
+        if re.search(rf"\b{name}\b", where)
+        for file in re.findall(r"[\w/.]+", files)
+    }
+    there = {
+        path.name if path.is_file() else f"{path.name}/"
+        for path in (folder / name).iterdir()
+        if not path.name.startswith("_")
+    }
+    outgrown = {f"{file.removesuffix('/')}.py" for file in there if file.endswith("/")}
+    assert own <= there <= own | common | {file.replace(".py", "/") for file in common}
+    if name not in ("pneumatic", "servo"):
+        assert common <= there | outgrown

@@ -199,6 +199,36 @@ def test_a_measure_that_two_packages_have_fails_where_it_is_used(plug_in):
 
 
 @pytest.mark.parametrize(
+    ("mechanism", "path", "code"),
+    [
+        ("crank", "crank_rig.crank.calibration:RodZero", "class Odd(RodZero):\n    pass"),
+        ("cylinder", "rig.mechanisms.cylinder.calibration.procedures:leak", "Odd = leak"),
+    ],
+)
+def test_a_procedure_that_two_packages_have_is_refused(plug_in, mechanism, path, code):
+    module, _, name = path.partition(":")
+    rig = "cylinder-tecno" if mechanism == "cylinder" else mechanism
+    code = (
+        f"from {module} import {name}\n{code}\n"
+        f"PARTS = Additions(mechanism={mechanism!r}, procedures=(f'{{__name__}}:Odd', PATH))"
+    )
+    more = ("rig.additions", "more")
+    for asked in ((), ("--all",), ("of-its-own",)):
+        exit_code, said, mine = plug_in(*more, f"PATH = {path!r}\n{code}", "calibrate", rig, *asked)
+        assert exit_code == 2
+        assert (
+            f"two packages have a procedure {PROCEDURES[mechanism]!r}: {path} and {mine}:Odd"
+            in said
+        )
+    assert plug_in(*more, f"PATH = {path!r}\n{code}", "check", rig)[0] == 0
+    same = code.replace("f'{__name__}:Odd', ", "")
+    assert plug_in(*more, f"PATH = {path!r}\n{same}", "calibrate", rig)[0] == 0
+
+
+PROCEDURES = {"crank": "rod-zero", "cylinder": "leak"}
+
+
+@pytest.mark.parametrize(
     ("change", "words"),
     [
         ("values={'rod_zero': '3 furlong'}", "'furlong' is not a unit"),

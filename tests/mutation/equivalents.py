@@ -26,6 +26,21 @@ class Equivalent(NamedTuple):
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
     Equivalent(
+        "rig/cli/reset.py",
+        "return False",
+        "return False -> return None",
+        "who asks only looks whether it is true",
+    ),
+    *(
+        Equivalent(
+            "drivers/canopen/node.py",
+            "if now > self.heartbeat.good_until:",
+            f"now > self.heartbeat.good_until -> {after}",
+            "it only saves a call: up to then the watch has nothing to say",
+        )
+        for after in ("True", "now >= self.heartbeat.good_until")
+    ),
+    Equivalent(
         "rig/mechanisms/servo/axes.py",
         "falls = int(0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-9)",
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-09 -> "

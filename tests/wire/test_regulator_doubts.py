@@ -1,6 +1,6 @@
 """Which channel of a regulator module is doubted when the rig gets out of bounds."""
 
-from test_canopen_frames import VENTED, Regulators
+from cia401_bench import VENTED, Regulators
 
 
 def doubt_after(setpoints, cycles):

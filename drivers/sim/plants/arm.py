@@ -183,6 +183,10 @@ class ArmPlant:
         marker = self._data.site_xpos[self._marker].tolist()
         return (*self._angles, *self._speeds, *hand, *self._drives.torques, *marker)
 
+    def powered(self) -> dict[str, bool]:
+        """Return whether each drive has torque."""
+        return dict(zip(JOINTS, self._drives.has_torque, strict=True))
+
     # Faults ---------------------------------------------------------------------------
 
     def inject(self, fault: str, value: float | None = None) -> None:

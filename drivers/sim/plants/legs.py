@@ -243,6 +243,10 @@ class LegsPlant:
             *self._soles[1].tolist(),
         )
 
+    def powered(self) -> dict[str, bool]:
+        """Return whether each drive has torque."""
+        return dict(zip(CHANNELS, self._powered, strict=True))
+
     def _stand_ready(self, geometry: LegDimensions) -> None:
         """Put the robot on its stand: both soles flat on the floor, or as the settings have it."""
         height = self.settings.initial_hip_height

@@ -279,6 +279,10 @@ class PneumaticPlant(ABC):
         """Return the true speed of a rod's extension, m/s."""
         return self._cells[WIDTH * channel + SPEED]
 
+    def powered(self) -> dict[str, bool]:
+        """Return nothing: no drive moves it, and its pressures are of its truth."""
+        return {}
+
     def inject(self, fault: str, value: float | None = None) -> None:
         """Break or repair something now.
 

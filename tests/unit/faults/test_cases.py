@@ -9,7 +9,7 @@ import pytest
 from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Moment
-from rig.faults.catalogue import KINDS, kinds_for, refused_for
+from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
@@ -211,9 +211,12 @@ def deadlines(case):
     ]
 
 
-def verdict_after(case, reaction):
+def verdict_after(case, reaction, felt=(0.0, None)):
     broke = random.Random(case.drawn_with).uniform(0.1, 3.0)
-    return give_verdict(case, CaseEnding(FAULTED, "", broke, broke + reaction), SUBJECT)
+    first, then = felt[0], case.then_after if felt[1] is None else felt[1]
+    felt_at = tuple(None if t == inf else broke + t for t in (first, then))
+    ending = CaseEnding(FAULTED, "", broke, broke + reaction, felt_at=felt_at)
+    return give_verdict(case, ending, SUBJECT)
 
 
 @pytest.mark.parametrize(
@@ -252,6 +255,26 @@ def test_each_of_two_faults_has_its_own_time(seen):
         assert f"{1e3 * wanted:.0f} ms wanted" in "".join(late.wrongs())
 
 
+@pytest.mark.parametrize("later", [0, 1])
+def test_a_law_that_nobody_follows_yet_has_no_time(later):
+    """While a rig is energised, what spoils the law is not felt: its time begins with the law."""
+    pause = random.Random(later)
+    found = []
+    for law in ("controller_nan", "controller_huge", "controller_raises"):
+        other = pause.choice(("encoder_frozen", "frame_loss", "setpoints_twice"))
+        kinds = (law, other) if later == 0 else (other, law)
+        drawn = draw_once(SUBJECT, kinds, pause.randrange(1000), 4)
+        found += [replace(case, moment=Moment.ENERGISE) for case in drawn]
+    for case in found:
+        begins = pause.uniform(0.3, 0.9)
+        within = case.breaks[later].row.within
+        felt = (begins, None) if later == 0 else (0.0, begins)
+        never = (inf, None) if later == 0 else (0.0, inf)
+        assert verdict_after(case, begins + within - 1e-3, felt).late is False
+        assert verdict_after(case, begins + within + 1e-3, felt).late is True
+        assert verdict_after(case, begins + 60.0, never).late is False
+
+
 def test_what_need_not_be_seen_is_never_late():
     harmless = [case for case in RUNNING if not deadlines(case)]
     assert len(harmless) > 5
@@ -276,3 +299,18 @@ def test_what_breaks_after_two_interrupts_may_be_too_late_to_be_seen():
         elif case.then is None and which_must(case) == "first":
             assert give_verdict(case, ended, SUBJECT).unseen
     assert found
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_wrong_setpoint_must_be_seen_where_each_is_echoed(seed):
+    """The echo shows it when it lasts longer than what is late may, and the answers take."""
+    chance = random.Random(seed)
+    confirming = replace(SUBJECT, confirming=frozenset({"regulators"}))
+    row, bridged = kind_named("setpoints_corrupt"), 0.03 + 4.0 * SUBJECT.period
+    for lasts, must in (
+        (chance.uniform(bridged + 1e-6, 1.0), Must.SAFE),
+        (chance.uniform(0.0, bridged), Must.EITHER),
+    ):
+        sizes = Sizes(chance.uniform(1.0, 7.0), lasts)
+        assert row.must(sizes, confirming) is must
+        assert row.must(sizes, SUBJECT) is Must.EITHER

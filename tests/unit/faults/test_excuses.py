@@ -12,6 +12,7 @@ from rig.faults.kind import Must, Place, Plight, Sizes
 from rig.faults.performance import plight_of
 from rig.faults.stage import Truth
 from rig.faults.subject import Subject
+from rig.hal.hazards import Hazard
 
 LIES = ("servo_encoder_jump", "servo_encoder_frozen", "servo_encoder_mirrored")
 
@@ -113,3 +114,56 @@ def test_a_plight_is_that_of_the_fault_until_the_program_has_ended(seed):
     assert late.moved == 0.0
     assert late.left < 0.0
     assert found(None, times[last]).left == 0.0
+
+
+ON_A_WIRE = {"position", "speed", "tilt", "tension", "end stop hit"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_regulator_that_stays_where_it_is_explains_what_its_pressure_can_do(seed):
+    chance = random.Random(seed)
+    most = chance.uniform(200e3, 400e3)
+    hazards = (Hazard("pressure", "Pa", ("pressure_agonist",), -math.inf, most),)
+    for pressure, excused in (
+        (chance.uniform(5e3, 49.9e3), set()),
+        (chance.uniform(50.1e3, most - 1.0), ON_A_WIRE),
+        (chance.uniform(most + 1.0, 450e3), {*ON_A_WIRE, "pressure"}),
+    ):
+        row, case = plight(chance, "regulator_stuck_at", bears=False)
+        subject = replace(case.subject, hazards=hazards)
+        case = case._replace(subject=subject, sizes=Sizes(pressure, math.inf))
+        assert row.excuses(case) == excused
+    assert row.forgives == frozenset()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_broken_brake_explains_only_a_joint_whose_drive_has_no_torque(seed):
+    """It is looked at from the fault on: what was without torque before is no excuse."""
+    chance = random.Random(seed)
+    count = 60
+    axis = chance.choice(("q1", "q2", "q3"))
+    times = [0.1 * k for k in range(count)]
+    broke, other = chance.randrange(10, 40), "q4"
+    place = Place("plant", f"plant {axis}", (axis,), number=0.0)
+    item = Break("brake_released", place.where, None, math.inf)
+    row, case = plight(chance, "brake_released", bears=False)
+    subject = replace(
+        case.subject, rig="arm", channels={"plant": (axis,)}, knows={"plant": ("brake_released",)}
+    )
+    columns = [axis, f"powered_{axis}", f"powered_{other}"]
+    for off, excused in (
+        (range(broke), set()),
+        (range(chance.randrange(broke, count), count), {"rate", "range"}),
+        ((), set()),
+    ):
+        rows = [(0.0, float(k not in off), float(k % 2)) for k in range(count)]
+        seen = plight_of(item, subject, columns, Truth(times, rows), times[broke], times[-1])
+        assert row.excuses(seen) == excused
+    assert row.forgives == frozenset()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_who_commands_the_drives_cannot_have_them_run_away(seed):
+    """Their own caps hold whoever commands them: a robot may be told to kneel, no more."""
+    row, case = plight(random.Random(seed), "setpoints_spoofed", bears=True)
+    assert row.forgives | row.excuses(case) == {"fall"}

@@ -12,6 +12,9 @@ class Plant:
     def __init__(self):
         self.t = 0.0
 
+    def powered(self):
+        return {}
+
     def truth(self):
         return (self.t,)
 

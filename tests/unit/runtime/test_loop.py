@@ -264,6 +264,13 @@ def test_reading_back_that_fails_is_told_and_no_safe_state():
     assert sentence.startswith("device: not known to be safe: ZeroDivisionError")
 
 
+@pytest.mark.parametrize("answer", [None, -2.5, False, ("text",)])
+def test_what_is_no_sentence_is_no_safe_state_and_says_whose_it_is(answer):
+    bench = Bench(safe_within=0.1)
+    bench.device.unsafe = lambda now: answer
+    assert bench.run().unsafe == (f"device: unsafe returned {answer!r}",)
+
+
 def test_device_or_bus_that_raises_in_make_safe_keeps_no_other_from_it():
     bench = Bench()
 

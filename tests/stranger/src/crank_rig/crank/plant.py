@@ -91,6 +91,10 @@ class CrankPlant(Plant, MeasuredPlant):
         """Return what `truth_columns` names."""
         return (*self._angles, self._rod_torque())
 
+    def powered(self) -> dict[str, bool]:
+        """Return whether each drive has torque."""
+        return {axis: order is not None for axis, order in zip(AXES, self._orders, strict=True)}
+
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now."""
         if fault not in self.known_faults:
