@@ -20,10 +20,11 @@ from rig.hal.bench import Lend, Trial, TuningBench
 from rig.hal.mechanism import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
-from rig.mechanisms.cylinder.programme import Programme, lasting_error, reversals_of
+from rig.mechanisms.cylinder.programme import Programme, lasting_error
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS
+from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
 
 Array = NDArray[np.float64]

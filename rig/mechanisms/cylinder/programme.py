@@ -12,8 +12,6 @@ from rig.mechanisms.cylinder.references import PairMotion
 
 Array = NDArray[np.float64]
 
-REVERSAL: Final = 25e3
-"""A setpoint that has turned round by this much (Pa) has reversed its valve."""
 _APPROACH: Final = 1.0
 """Between two motions, s."""
 
@@ -81,22 +79,6 @@ class Programme(NamedTuple):
         """Return the greatest peak-to-peak motion in the second half of a hold, m."""
         holds = [errors[(a + b) // 2 : b] for _, a, b in self.stretches if self.rests(a, b)]
         return max((float(np.ptp(hold)) for hold in holds), default=0.0)
-
-
-def reversals_of(setpoints: Array) -> int:
-    """Return how often a setpoint has turned round by `REVERSAL` or more."""
-    steps = np.diff(setpoints)
-    steps = np.sign(steps[steps != 0.0])
-    moves = setpoints[1:][np.diff(setpoints) != 0.0]
-    turns = np.flatnonzero(steps[1:] != steps[:-1])  # nothing counts between two turning points
-    count, top, low, rises = 0, setpoints[0], setpoints[0], True
-    for value in (*moves[turns].tolist(), setpoints[-1]):
-        top, low = max(top, value), min(low, value)
-        if rises and top - value > REVERSAL:
-            rises, low, count = False, value, count + 1
-        elif not rises and value - low > REVERSAL:
-            rises, top, count = True, value, count + 1
-    return count
 
 
 def lasting_error(errors: Array, cycles: int) -> float:

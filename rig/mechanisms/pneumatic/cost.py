@@ -63,13 +63,15 @@ def turning_points(values: "Array", swing: float) -> list[float]:
     return found
 
 
+def reversals_of(setpoint: "Array") -> int:
+    """Return how often a setpoint (Pa) turns round by 25 kPa."""
+    return max(len(turning_points(setpoint, _SWING)) - 2, 0)
+
+
 def valve_reversals(windows: Windows) -> float:
     """Return how often a second the setpoint of the busiest channel turns round by 25 kPa, 1/s."""
     parts = apart(windows)
-    turns = [
-        [max(len(turning_points(setpoint, _SWING)) - 2, 0) for setpoint in _setpoints(part).T]
-        for part in parts
-    ]
+    turns = [[reversals_of(setpoint) for setpoint in _setpoints(part).T] for part in parts]
     return max(map(sum, zip(*turns, strict=True))) / _duration(parts)
 
 

@@ -11,11 +11,13 @@ from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.cascade_settings import CascadeSettings
 from rig.hal.bench import Trial, Unknown
 from rig.hal.mechanism import ClosedLoop
-from rig.mechanisms.cylinder.programme import REVERSAL, lasting_error, reversals_of
+from rig.mechanisms.cylinder.programme import lasting_error
+from rig.mechanisms.pneumatic.cost import reversals_of
 from rig.tuning.ensemble import Ensemble
 from rig.tuning.gains import gains_at, nested, place_of, values_of, with_gains
 from rig.tuning.score import LOST, UNSTABLE, score
 
+REVERSAL = 25e3
 DRAWN = random.Random(1919)
 TOLD = {"force": 10.0, "rate": 40.0, "late": 2e-3, "mass": 0.2}
 UNKNOWNS = (
@@ -122,19 +124,20 @@ def test_gains_that_lose_a_plant_or_are_not_stable_are_behind_all_others():
 
 
 def turned_round(values):
-    """Count turning points a `REVERSAL` apart by looking at every pair of extremes: slow, plain."""
-    count, start = 0, 0
-    direction = 1
-    while True:
-        rest = values[start:]
-        best = rest[0]
-        for k, value in enumerate(rest):
-            best = max(best, value) if direction > 0 else min(best, value)
-            if direction * (best - value) > REVERSAL:
-                count, start, direction = count + 1, start + k, -direction
-                break
-        else:
-            return count
+    """Count turns of a `REVERSAL` and more from extreme to extreme: slow, plain."""
+    moved = [
+        k for k in range(len(values)) if max(values[: k + 1]) - min(values[: k + 1]) > REVERSAL
+    ]
+    if not moved:
+        return 0
+    start = moved[0]  # where it went first is no turn yet
+    direction = 1 if values[start] == max(values[: start + 1]) else -1
+    count, best = 0, values[start]
+    for value in values[start:]:
+        best = max(best, value) if direction > 0 else min(best, value)
+        if direction * (best - value) > REVERSAL:
+            count, direction, best = count + 1, -direction, value
+    return count
 
 
 @pytest.mark.parametrize("number", range(12))
