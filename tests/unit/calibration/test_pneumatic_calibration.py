@@ -1,6 +1,7 @@
 """Wires, leaning motions and uneven blocks, on made-up data whose truth is known."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -185,10 +186,12 @@ def test_only_limits_that_rest_on_what_is_looked_for_are_wider(profile):
     usual, now = (p.mechanism_settings.limits for p in (profile, wider))
     is_pair = profile.mechanism == "cylinder"
     names = ["mismatch", "following"] if is_pair else ["residual", "disagreement"]
-    told = [f"limits.{name}" for name in names]
+    told = [*(f"limits.{name}" for name in names), "alarms.pressure.slow"]
     if profile.mechanism == "joint":
         told += ["camera.max_absence", "camera.marker.area_tolerance"]
     assert [note.split()[0] for note in notes] == told
+    (before, slow) = (p.mechanism_settings.alarms.pressure for p in (profile, wider))
+    assert slow == replace(before, slow=2.0)
     for field in type(usual).__dataclass_fields__:
         assert (getattr(usual, field) == getattr(now, field)) is (field not in names)
     assert pneumatics_of(profile).reach(0.6) < 15e-3

@@ -17,7 +17,7 @@ from drivers.sim.plants.regulator_settings import (
     TubeSettings,
 )
 from drivers.sim.plants.settings import PlantSettings, RealPairSettings
-from drivers.sim.plants.tube import step_flow
+from drivers.sim.plants.tube import segment_numbers, step_flow
 
 DT = 50e-6
 FULL_SCALE = 0.5e6
@@ -137,7 +137,7 @@ def test_a_switched_pilot_fills_and_exhausts_at_speeds_of_their_own():
 def steady_flow(segment, bore, upstream, downstream):
     flow = 0.0
     for _ in range(20_000):
-        flow = step_flow(flow, upstream, downstream, segment, bore, DT)
+        flow = step_flow(flow, upstream, downstream, *segment_numbers(segment, bore), DT)
     return flow
 
 
@@ -158,12 +158,13 @@ def test_the_steady_flow_of_a_tube_is_that_of_a_smooth_pipe(drop):
 def acoustic_line(p, volume, middle, segments):
     """Return the matrix of a line's linear acoustics: pressures and then flows between them."""
     n, length = segments, p["tube_length"] / segments
-    area = math.pi / 4 * p["tube_bore"] ** 2
+    bore = RealPairSettings().tube.bore
+    area = math.pi / 4 * bore**2
     part = p["tube_volume"] / n
     volumes = np.full(n + 1, part)
     volumes[0] = p["outlet_volume"] + part / 2
     volumes[-1] = volume + part / 2
-    resistance = 32.0 * 1.81e-5 * length * AIR / (middle * p["tube_bore"] ** 2 * area)
+    resistance = 32.0 * 1.81e-5 * length * AIR / (middle * bore**2 * area)
     system = np.zeros((2 * n + 1, 2 * n + 1))
     for k in range(n):
         flow = n + 1 + k
