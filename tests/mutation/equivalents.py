@@ -47,4 +47,22 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
         "where the number of falls changes, the speed from either number is the same",
     ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "if way > stroke:",
+        "way > stroke -> way >= stroke",
+        "no sum of steps is the stroke to the last bit, and one more step changes nothing",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest",
+        "excess(highest) > 0.0 -> excess(highest) >= 0.0",
+        "where it is 0 the highest pressure is the root",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest",
+        "0.0 -> 1.0",
+        "of the search's lower end: the root is far above a pascal",
+    ),
 )

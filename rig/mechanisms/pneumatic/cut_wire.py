@@ -8,6 +8,8 @@ measured. Venting comes too late to change the speed, and the profile's numbers 
 from functools import lru_cache
 from typing import NamedTuple
 
+from scipy.optimize import brentq
+
 from rig.hal.mechanism import Expected
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
@@ -86,14 +88,12 @@ def _fastest(
 
 def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
     """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge."""
-    low, high = 0.0, settings.limits.pressure[1]
-    while high - low > 100.0:
-        middle = 0.5 * (low + high)
-        if compute_whip(settings, wires, middle).speed > settings.limits.speed:
-            high = middle
-        else:
-            low = middle
-    return low
+
+    def excess(pressure: float) -> float:
+        return compute_whip(settings, wires, pressure).speed - settings.limits.speed
+
+    highest = settings.limits.pressure[1]
+    return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest
 
 
 def compute_damper(settings: PneumaticSettings, pressure: float) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from joint_fakes import joint_limits, joint_settings
 from pneumatic_fakes import pair_limits, pair_settings
+from scipy.integrate import solve_ivp
 
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from drivers.sim.plants.antagonistic_pair import AntagonisticPairPlant
@@ -21,6 +22,7 @@ from rig.mechanisms.pneumatic.cut_wire import (
     expect_cut_wire,
     refuse_weak_stop,
 )
+from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 # As the shipped profiles have them.
 PAIR = pair_settings(
@@ -87,6 +89,69 @@ def test_the_plant_gets_as_fast_as_the_profile_says(make, settings, wires, low, 
     assert energy <= said.energy <= 2.0 * energy
 
 
+def slides(pressure, settings, wires):
+    """Return the fastest speed of the half pair that the model is of, m/s, as `solve_ivp` has it."""
+    mass, friction = settings.moving_mass * 2.0 / 3.0, settings.friction
+    bandwidth, damping = settings.regulator_response.bandwidth, settings.regulator_response.damping
+
+    def flow(t, state):
+        _, speed, chamber, rate = state
+        force = settings.area * chamber - 0.5 * friction.coulomb - 0.5 * friction.viscous * speed
+        turn = -(bandwidth**2) * chamber - 2.0 * damping * bandwidth * rate if t >= SEEN else 0.0
+        return [speed, force / mass if speed > 0.0 or force > 0.0 else 0.0, rate, turn]
+
+    def at_end(t, state):
+        return state[0] - settings.stroke
+
+    at_end.terminal = True
+    state, fastest = [0.0, 0.0, pressure, 0.0], 0.0
+    for span in ((0.0, SEEN), (SEEN, 0.5)):
+        found = solve_ivp(flow, span, state, events=at_end, max_step=2e-4, rtol=1e-8)
+        fastest, state = max(fastest, *found.y[1]), found.y[:, -1]
+        if found.status == 1:
+            break
+    return fastest
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_model_is_solved_right(seed):
+    """Heavy and light ones, that end in their stop, by venting or by friction."""
+    rng = np.random.default_rng(seed)
+    settings = pair_settings(
+        moving_mass=float(rng.uniform(0.3, 3.0)),
+        bore=float(rng.uniform(10e-3, 40e-3)),
+        rod=5e-3,
+        home=20e-3,
+        stroke=float(rng.choice([0.04, 3.0])),
+        friction=FrictionModel(float(rng.uniform(1.0, 6.0)), 13.4, 8e-3, rng.uniform(5.0, 60.0)),
+        regulator_response=RegulatorModel(rng.uniform(80.0, 200.0), rng.uniform(0.7, 2.0)),
+    )
+    pressure = float(rng.uniform(100e3, 400e3))
+    said = compute_whip(settings, 2, pressure)
+    assert said.speed == pytest.approx(slides(pressure, settings, 2), rel=0.012)
+
+
+def test_a_regulator_that_vents_at_once_pulls_until_the_cut_is_seen():
+    response = RegulatorModel(61.6e3, 3.0)
+    smooth = FrictionModel(1e-9, 1e-9, 8e-3, 0.0)
+    settings = pair_settings(
+        moving_mass=0.3, stroke=3.0, friction=smooth, regulator_response=response
+    )
+    pulled = settings.area * 50e3 * SEEN / (0.3 * 2.0 / 3.0)
+    assert compute_whip(settings, 2, 50e3).speed == pytest.approx(pulled, rel=0.008)
+
+
+def test_a_slow_regulator_counts_for_half_a_second():
+    """Its pressure is of some pascal, at which nothing that starts elsewhere than at rest hides."""
+    settings = pair_settings(
+        bore=1.2, rod=5e-3, stroke=100.0, moving_mass=15.0,
+        friction=FrictionModel(1e-9, 1e-9, 8e-3, 1e-9),
+        regulator_response=RegulatorModel(0.3, 1.0),
+    )  # fmt: skip
+    said = compute_whip(settings, 2, 3.0)
+    assert said.speed == pytest.approx(slides(3.0, settings, 2), rel=1e-3)
+
+
 def test_a_chamber_that_friction_holds_throws_nothing():
     held = 0.5 * PAIR.friction.coulomb / PAIR.area
     assert compute_whip(PAIR, 2, 0.99 * held) == (0.0, 0.0)
@@ -103,13 +168,22 @@ def test_the_energy_is_of_what_still_moves():
 def test_the_calm_pressure_and_the_damper_keep_the_speed():
     for settings, wires in ((PAIR, 2), (JOINT, 4)):
         calm = compute_calm_pressure(settings, wires)
-        assert compute_whip(settings, wires, calm).speed <= settings.limits.speed
+        assert compute_whip(settings, wires, calm).speed == pytest.approx(settings.limits.speed)
         assert compute_whip(settings, wires, calm + 200.0).speed > settings.limits.speed
         damper = compute_damper(settings, 200e3)
         pull = settings.area * 200e3 - 0.5 * settings.friction.coulomb
         held = settings.limits.speed * (damper + 0.5 * settings.friction.viscous)
         assert held == pytest.approx(pull)
         assert compute_damper(settings, 0.5 * calm) == 0.0
+
+
+def test_what_no_pressure_throws_too_fast_may_have_the_highest():
+    slow = pair_settings(pair_limits(speed=50.0), moving_mass=0.138, bore=16e-3)
+    highest = slow.limits.pressure[1]
+    assert compute_calm_pressure(slow, 2) == highest
+    fastest = compute_whip(slow, 2, highest).speed
+    slower = pair_settings(pair_limits(speed=0.9 * fastest), moving_mass=0.138, bore=16e-3)
+    assert compute_calm_pressure(slower, 2) < 0.95 * highest
 
 
 def test_a_stop_must_be_declared_and_bear_what_comes():
@@ -124,7 +198,11 @@ def test_a_stop_must_be_declared_and_bear_what_comes():
             rod=5e-3,
             friction=FrictionModel(10.4, 13.4, 8e-3, 50.0),
         )
-        assert (refuse_weak_stop(settings, 2, settings.greatest_pressure) is not None) is refused
+        said = refuse_weak_stop(settings, 2, settings.greatest_pressure)
+        assert (said is not None) is refused
+        if refused:
+            assert f"limits.stop_energy is {declared:g} J: " in said
+            assert f"({PAIR.greatest_pressure / 1000:.0f} kPa opposite it)" in said
 
 
 def test_the_greatest_pressure_is_what_the_limits_leave():
