@@ -36,6 +36,7 @@ SAFETY_CORE = {
     "rig/mechanisms/stop_contact.py": ("mechanisms/test_stop_contact.py",),
     "rig/mechanisms/pneumatic/alarms/pressures.py": (
         "mechanisms/test_pneumatic_pressure_alarm.py",
+        "mechanisms/test_pneumatic_pressure_words.py",
     ),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
     "rig/mechanisms/pneumatic/alarms/tracking.py": ("mechanisms/test_pneumatic_tracking_alarm.py",),
@@ -47,6 +48,7 @@ SAFETY_CORE = {
     "rig/mechanisms/joint/alarms/wires.py": (
         "mechanisms/test_joint_wire_alarm.py",
         "mechanisms/test_joint_wire_blame.py",
+        "mechanisms/test_joint_wire_lead.py",
         "mechanisms/test_joint_wire_offsets.py",
     ),
     "rig/mechanisms/joint/alarms/camera.py": ("mechanisms/test_joint_camera_alarm.py",),

@@ -63,7 +63,7 @@ class CascadeLaw(PairNumbers):
         self._holding_step = settings.hold_integral * period
         self._trim_step = settings.trim_rate * period
         self._trim_limit = settings.trim_limit
-        self._preview = settings.anticipation * model.regulator_dead_time
+        self._preview = settings.anticipation * model.air_dead_time
         self._delay = self._preview + (period if settings.delay is None else settings.delay)
         self._area = model.area
         self._per_area = 1.0 / model.area

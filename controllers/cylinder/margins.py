@@ -2,8 +2,9 @@
 
 A law is linearised as it runs, about a steady motion: its own step is differentiated with respect
 to everything that it remembers. The pair is a mass with viscous friction behind regulators of
-second order with a dead time. Coulomb friction is left out: it damps, so a loop that is stable here
-is so with any seals, and one that is not lives on its friction.
+second order with a dead time, and a law sees them through their monitors. Coulomb friction is left
+out: it damps, so a loop that is stable here is so with any seals, and one that is not lives on its
+friction.
 
 References
 ----------
@@ -29,6 +30,8 @@ _WARM = 400
 _SHARE = 1e-3
 """Of what a memory changes by in a cycle: by so much it is varied."""
 _POINTS = 1500
+_QUICK = 1e-3
+"""A monitor's filter is this part of a cycle at least: none at all, to rounding."""
 _NO_GAIN = 1e-300
 """Of a law that does nothing; its logarithm is a number."""
 
@@ -117,16 +120,19 @@ def _margins(linear: _Linear, pair: "_Pair", period: float) -> LoopMargins:
 
 
 class _Pair:
-    """A pair in discrete time: regulators, mass, and the cycle that a reading is old."""
+    """A pair in discrete time: regulators, mass, monitors, and the cycle that a reading is old."""
 
     def __init__(self, model: PairModel, period: float) -> None:
         w, z = model.regulator_bandwidth, model.regulator_damping
-        flow = np.zeros((4, 4))  # difference of the pressures, its rate, position, velocity
+        # Difference of the pressures, its rate, position, velocity, difference as monitored.
+        flow = np.zeros((5, 5))
         flow[0, 1] = flow[2, 3] = 1.0
         flow[1, :2] = -w * w, -2.0 * z * w
         flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
-        push = np.array([0.0, w * w, 0.0, 0.0])
-        whole, part = divmod(model.regulator_dead_time / period, 1.0)
+        monitor = 1.0 / max(model.regulator_monitor_time, _QUICK * period)
+        flow[4, 0], flow[4, 4] = monitor, -monitor
+        push = np.array([0.0, w * w, 0.0, 0.0, 0.0])
+        whole, part = divmod(model.air_dead_time / period, 1.0)
         self._late = int(whole)
         self._step, _ = _held(flow, push, period)
         settled, self._now = _held(flow, push, (1.0 - part) * period)
@@ -137,23 +143,23 @@ class _Pair:
         late = z[:, None] ** self._late
         push = (self._now + self._before / z[:, None]) / late
         moved = _solve(z, self._step, push)
-        seen = moved[:, [2, 0]] / z[:, None]
+        seen = moved[:, [2, 4]] / z[:, None]
         inner = _solve(z, law.a, seen @ law.b.T)
         return np.asarray(-(inner @ law.c + seen @ law.d))
 
     def closed(self, law: _Linear) -> Array:
         """Return the matrix of a cycle of the closed loop."""
         n, waiting = len(law.a), self._late + 1  # setpoints that have not acted yet
-        size = 4 + 2 + waiting + n
-        seen, queue, memory = slice(4, 6), 6, slice(6 + waiting, size)
+        size = 5 + 2 + waiting + n
+        seen, queue, memory = slice(5, 7), 7, slice(7 + waiting, size)
         u = np.zeros(size)  # this cycle's setpoint from what is known
         u[seen], u[memory] = law.d, law.c
         setpoints = np.vstack([u, np.eye(size)[queue : queue + waiting]])  # the newest first
         matrix = np.zeros((size, size))
-        matrix[:4, :4] = self._step
-        matrix[:4] += np.outer(self._now, setpoints[self._late])
-        matrix[:4] += np.outer(self._before, setpoints[self._late + 1])
-        matrix[4, 2] = matrix[5, 0] = 1.0
+        matrix[:5, :5] = self._step
+        matrix[:5] += np.outer(self._now, setpoints[self._late])
+        matrix[:5] += np.outer(self._before, setpoints[self._late + 1])
+        matrix[5, 2] = matrix[6, 4] = 1.0
         matrix[queue : queue + waiting] = setpoints[:waiting]
         matrix[memory, seen], matrix[memory, memory] = law.b, law.a
         return matrix

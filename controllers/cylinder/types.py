@@ -79,7 +79,9 @@ class PairModel:
     regulator_damping : float
         Its damping ratio.
     regulator_dead_time : float
-        From a setpoint until the pressure begins to follow it, s.
+        From a setpoint until its monitor begins to follow it, s.
+    regulator_monitor_time : float
+        The part of it that is the monitor's filter, for which the pressure does not wait, s.
     coulomb, breakaway : float
         Friction of the whole pair while sliding and when it starts to slide, N.
     stribeck_velocity : float
@@ -100,3 +102,9 @@ class PairModel:
     stribeck_velocity: Annotated[float, Unit("m/s"), Gt(0)]
     viscous: Annotated[float, Unit("N s/m"), Ge(0)]
     regulator_dead_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
+    regulator_monitor_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
+
+    @property
+    def air_dead_time(self) -> float:
+        """From a setpoint until the pressure begins to follow it, s."""
+        return max(self.regulator_dead_time - self.regulator_monitor_time, 0.0)

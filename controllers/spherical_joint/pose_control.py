@@ -164,6 +164,7 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
             regulator_bandwidth=model.regulator_bandwidth,
             regulator_damping=model.regulator_damping,
             regulator_dead_time=model.regulator_dead_time,
+            regulator_monitor_time=model.regulator_monitor_time,
             coulomb=model.coulomb,
             breakaway=model.breakaway,
             stribeck_velocity=model.stribeck_velocity,

@@ -148,7 +148,9 @@ class JointModel:
     regulator_bandwidth, regulator_damping : float
         Of the regulators' second-order response: rad/s and 1.
     regulator_dead_time : float
-        From a setpoint until the pressure begins to follow it, s.
+        From a setpoint until its monitor begins to follow it, s.
+    regulator_monitor_time : float
+        The part of it that is the monitor's filter, s.
     coulomb, breakaway : float
         Friction of a pair's two seals while sliding and when it starts to slide, at base
         pressure, N.
@@ -175,6 +177,7 @@ class JointModel:
     regulator_bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     regulator_damping: Annotated[float, Gt(0)] = 1.0
     regulator_dead_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
+    regulator_monitor_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
     coulomb: Annotated[float, Unit("N"), Ge(0)] = 7.0
     breakaway: Annotated[float, Unit("N"), Ge(0)] = 10.0
     stribeck_velocity: Annotated[float, Unit("m/s"), Gt(0)] = 8e-3

@@ -48,6 +48,18 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "where the number of falls changes, the speed from either number is the same",
     ),
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/pressures.py",
+        "if channel.off > 0.0:",
+        "channel.off > 0.0 -> channel.off >= 0.0",
+        "asked of the channel that is farthest off only",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/alarms/pressures.py",
+        "return likeness > bounds.slow * power and self.slowness(bounds) > self.most_slow(bounds)",
+        "likeness > bounds.slow * power -> likeness >= bounds.slow * power",
+        "it only saves the second half, which asks for more",
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
         "if way > stroke:",
         "way > stroke -> way >= stroke",

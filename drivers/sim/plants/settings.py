@@ -204,14 +204,16 @@ class PneumaticPlantSettings:
         ----------
         told : mapping
             ``area``, ``base_pressure``, ``coulomb``, ``stribeck_velocity``, and the regulators'
-            ``regulator_bandwidth``, ``regulator_damping`` and ``regulator_dead_time``, SI.
+            ``regulator_bandwidth``, ``regulator_damping``, ``regulator_dead_time`` and
+            ``regulator_monitor_time``, SI.
         """
         seals, regulator, cylinder = SEALS[self.seals], self.regulator, self.cylinder
         pressure, area = told["base_pressure"], told["area"]
         # Of a pair at its base pressure: two seals, and the seat that both wires load.
         nominal = 2.0 * (seals.coulomb + (seals.pressure + seals.seat * area) * pressure)
         # A calibration sees a dead time at the monitor: all of these come before it.
-        late = 0.5 * regulator.sampling + regulator.valve_time + regulator.monitor_time
+        monitor = told["regulator_monitor_time"]
+        late = 0.5 * regulator.sampling + regulator.valve_time + monitor
         late += self.tube.length / SOUND
         return replace(
             self,
@@ -223,6 +225,7 @@ class PneumaticPlantSettings:
                 bandwidth=told["regulator_bandwidth"],
                 damping=told["regulator_damping"],
                 dead_time=max(told["regulator_dead_time"] - late, 0.0),
+                monitor_time=monitor,
             ),
         )
 

@@ -46,12 +46,23 @@ class RegulatorModel:
     spread : float
         How far a healthy regulator's bandwidth may be off, over it: no two are alike, and air
         fills faster than it leaves. Alarms allow for it.
+    monitor_time : float
+        Time constant of the monitors' filter, s: the part of `dead_time` for which the air does
+        not wait. By the regulators' data sheet; 0: it waits for all.
     """
 
     bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
     damping: Annotated[float, Gt(0)] = 1.0
     dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 5e-3
     spread: Annotated[float, Ge(0), Lt(1)] = 0.15
+    monitor_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.monitor_time > self.dead_time:
+            raise ValueError(
+                f"monitor_time ({self.monitor_time:g} s) is a part of dead_time "
+                f"({self.dead_time:g} s), and cannot be more."
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,6 +188,7 @@ class PneumaticSettings:
             "regulator_bandwidth": self.regulator_response.bandwidth,
             "regulator_damping": self.regulator_response.damping,
             "regulator_dead_time": self.regulator_response.dead_time,
+            "regulator_monitor_time": self.regulator_response.monitor_time,
             "coulomb": self.friction.coulomb,
             "breakaway": self.friction.breakaway,
             "stribeck_velocity": self.friction.stribeck_velocity,

@@ -32,6 +32,8 @@ def draw(seed):
         regulator_damping=float(drawn.uniform(0.7, 1.2)),
         regulator_dead_time=float(drawn.choice([0.0, drawn.uniform(0.2e-3, 8e-3)])),
     )
+    share = np.random.default_rng([seed, 1]).choice([0.0, 0.3, 0.9])
+    model = replace(model, regulator_monitor_time=share * model.regulator_dead_time)
     kind = drawn.integers(3)
     if kind == 0:
         settings = CascadeSettings(
@@ -63,7 +65,7 @@ def draw(seed):
 
 def several(step, push, count):
     """Return what so many steps with one setpoint come to."""
-    steps, pushes = np.eye(4), np.zeros(4)
+    steps, pushes = np.eye(len(push)), np.zeros(len(push))
     for _ in range(count):
         steps, pushes = step @ steps, step @ pushes + push
     return steps, pushes
@@ -78,15 +80,19 @@ def growth(law, model, extra):
     law = type(law)(law.settings, model, PERIOD)
     w, z = model.regulator_bandwidth, model.regulator_damping
     still = model.viscous * SPEED / model.area
-    flow = np.zeros((4, 4))
+    monitor = model.regulator_monitor_time
+    flow = np.zeros((5, 5))
     flow[0, 1] = flow[2, 3] = 1.0
+    if monitor:
+        flow[4, [0, 4]] = 1.0 / monitor, -1.0 / monitor
     flow[1, :2] = -w * w, -2.0 * z * w
     flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
-    step = np.linalg.solve(np.eye(4) - 0.5 * FINE * flow, np.eye(4) + 0.5 * FINE * flow)
-    push = np.linalg.solve(np.eye(4) - 0.5 * FINE * flow, FINE * np.array([0.0, w * w, 0.0, 0.0]))
-    state = np.array([still, 0.0, 0.0, SPEED])
+    step = np.linalg.solve(np.eye(5) - 0.5 * FINE * flow, np.eye(5) + 0.5 * FINE * flow)
+    force = np.array([0.0, w * w, 0.0, 0.0, 0.0])
+    push = np.linalg.solve(np.eye(5) - 0.5 * FINE * flow, FINE * force)
+    state = np.array([still, 0.0, 0.0, SPEED, still])
     each = round(PERIOD / FINE)
-    whole, part = divmod(round((model.regulator_dead_time + extra) / FINE), each)
+    whole, part = divmod(round((model.regulator_dead_time - monitor + extra) / FINE), each)
     # A cycle begins with the setpoint before for `part` steps.
     pieces = [several(step, push, count) for count in (part, each - part)]
     queue = deque([still] * (whole + 2), maxlen=whole + 2)
@@ -94,7 +100,7 @@ def growth(law, model, extra):
     errors, seen = [], state.copy()
     cycles = 3000
     for k in range(cycles):
-        half = 0.5 * seen[0]
+        half = 0.5 * seen[4 if monitor else 0]
         read = PairState(
             k * PERIOD, float(seen[2]), model.base_pressure + half, model.base_pressure - half
         )

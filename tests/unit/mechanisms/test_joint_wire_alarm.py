@@ -101,6 +101,17 @@ def test_rods_that_fit_no_pose_at_all_have_their_grace_too():
         bench.check(NO_POSE)
 
 
+def test_a_grace_that_is_just_over_is_not_passed():
+    """A fifth of five thirty-seconds, for rods that fit no pose."""
+    bench = WireBench(grace=5.0 / 32.0)
+    bench.check(TILTED)
+    for _ in range(8):
+        bench.check(NO_POSE)
+    assert bench.now - bench.watch._agreed_at == 1.0 / 32.0 == 0.2 * 5.0 / 32.0
+    with pytest.raises(SafetyError):
+        bench.check(NO_POSE)
+
+
 def test_the_axis_is_the_one_that_the_rods_show():
     bench = WireBench()
     assert (bench.watch.axis, bench.watch.residual) == ((0.0, 0.0, 1.0), 0.0)

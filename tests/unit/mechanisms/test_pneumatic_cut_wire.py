@@ -90,7 +90,7 @@ def test_the_plant_gets_as_fast_as_the_profile_says(make, settings, wires, low, 
 
 
 def slides(pressure, settings, wires):
-    """Return the fastest speed of the half pair that the model is of, m/s, as `solve_ivp` has it."""
+    """Return the fastest speed of half a pair, m/s, as `solve_ivp` has it."""
     mass, friction = settings.moving_mass * 2.0 / 3.0, settings.friction
     bandwidth, damping = settings.regulator_response.bandwidth, settings.regulator_response.damping
 

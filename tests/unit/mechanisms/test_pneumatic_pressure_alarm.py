@@ -5,44 +5,12 @@ import math
 import numpy as np
 import pytest
 from joint_fakes import CHANNELS
+from pressure_bench import ATTENTIVE, CALM, CYCLES, DEVIATION, NEVER, START, STEP, Bench
 
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.settings import RegulatorModel
-
-STEP, TIME, DEVIATION, START = 2.0**-10, 2.0**-6, 40e3, 200e3
-CYCLES = round(TIME / STEP)
-"""So many cycles a pressure may be off."""
-NEVER = 1e12
-LOOP = 2.5e3
-ATTENTIVE = {"deviation": DEVIATION, "time": TIME, "offset": NEVER, "slow": NEVER, "loop": LOOP}
-"""The deviation and its time alone."""
-
-
-class Bench:
-    """Regulators that were well and have held one pressure."""
-
-    def __init__(self, response=None, **alarm):
-        self.watch = PressureWatch(
-            PressureBounds(**(ATTENTIVE | alarm)), response or RegulatorModel(), CHANNELS, "valves"
-        )
-        self.now = 0.0
-        self.watch.send((START,) * 4)
-        self.pass_by(2)
-
-    def pass_by(self, cycles, **off):
-        """Let time pass with some channels off what they should be, Pa."""
-        for _ in range(cycles):
-            self.now += STEP
-            self.watch.check(tuple([START + off.get(name, 0.0) for name in CHANNELS]), self.now)
-
-    def what(self, **off):
-        """Return what is said as soon as it has lasted."""
-        self.pass_by(CYCLES, **off)
-        with pytest.raises(SafetyError) as caught:
-            self.pass_by(1, **off)
-        return str(caught.value)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -207,7 +175,6 @@ def test_nothing_is_expected_before_the_first_setpoints():
 
 # The mean, and slowness ---------------------------------------------------------------------------
 
-CALM = {"deviation": NEVER, "slow": NEVER, "offset": 12e3}
 MEAN_TIME, USUAL_TIME = 4.0 / 40.0, 5.0
 SETTLED = 2048
 """Cycles after which what is usual follows far more slowly than the mean."""

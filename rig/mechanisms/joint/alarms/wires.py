@@ -125,9 +125,9 @@ class WireWatch:
         self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
         self._agreed_at: float | None = None
         self._rods: Quadruple | None = None
-        self._changed_at = [0.0] * 4
-        self._residual_then = [0.0] * 4
-        self._small_at = [0.0] * 4
+        self._changed_at: list[float] = []
+        self._residual_then: list[float] = []
+        self._small_at: list[float] = []
 
     def check(
         self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
@@ -157,12 +157,13 @@ class WireWatch:
             self.axis, self.residual = pose.axis, pose.residual
             self._check_frozen(rods, pose.residuals, now)
         residual, limits = self.residual, self._limits
-        share = max(limits.residual / residual, _LEAST_GRACE) if residual > 0.0 else 1.0
         if residual <= limits.residual or self._agreed_at is None:
             self._agreed_at = now
+            return
         # The further the rods are apart, the sooner: a loop that is closed over an encoder that
         # counts backwards has thrown the ring before a fixed time is over.
-        elif now - self._agreed_at > share * limits.grace:
+        share = max(limits.residual / residual, _LEAST_GRACE)
+        if now - self._agreed_at > share * limits.grace:
             cause = self._explain(rods, unstretched, pressures, now)
             raise SafetyError(
                 f"{cause} [the four wires disagree about the pose by "
@@ -240,9 +241,13 @@ class WireWatch:
         A wrong rod spreads half of its error to its own residual: two are free for four rods.
         """
         before, self._rods = self._rods, rods
+        if before is None:
+            self._changed_at, self._small_at = [now for _ in rods], [now for _ in rods]
+            self._residual_then = list(residuals)
+            return
         distance = self._frozen.distance
         for k in range(4):
-            if before is None or rods[k] != before[k]:
+            if rods[k] != before[k]:
                 self._changed_at[k] = self._small_at[k] = now
                 self._residual_then[k] = residuals[k]
                 continue
@@ -279,10 +284,9 @@ class WireWatch:
         if off < 0.0:
             which = " or ".join(f"the wire of {self._channels[k]}" for k in suspects)
             return f"{which} is caught, or its encoder is off, by {-off * 1e3:.2f} mm"
-        runs = {k: self._fastest_run(k) for k in suspects}
-        fastest = max(runs, key=lambda k: runs[k])
-        others = [runs[k] for k in runs if k != fastest]
-        if others and runs[fastest] < _CLEAR_RUN * max(others):
+        runs = sorted(((self._fastest_run(k), k) for k in suspects), key=lambda run: -run[0])
+        fastest = runs[0][1]
+        if len(runs) > 1 and runs[0][0] < _CLEAR_RUN * runs[1][0]:
             which = " or ".join(self._channels[k] for k in suspects)
             return f"the wire of {which} is slack or its anchor slips, by {off * 1e3:.2f} mm"
         return self._explain_wire(fastest, offs[fastest][1], rods[fastest], pressures[fastest])
@@ -361,7 +365,6 @@ class WireWatch:
         The fourth is moved to where the others put it, half of its error in each round.
         """
         adapted = list(rods)
-        residuals: Quadruple = (0.0,) * 4
         for _ in range(_ROUNDS):
             self._diagnosis.reset()
             try:

@@ -68,6 +68,19 @@ class _Channel:
         """Return how far the mean may be off what is usual, Pa."""
         return bounds.offset + bounds.slow * self.lag_mean
 
+    def strangeness(self, bounds: PressureBounds) -> float:
+        """Return mean or slowness over what is permitted of it, whichever is more."""
+        return max(
+            abs(self.mean - self.usual) / self.most_mean(bounds),
+            self.slowness(bounds) / self.most_slow(bounds),
+        )
+
+    def is_slow(self, bounds: PressureBounds) -> bool:
+        """Return whether the deviation is that of a slow regulator in size and in shape."""
+        return self.slowness(bounds) > self.most_slow(bounds) and (
+            self.likeness > math.sqrt(_LIKE_SLOW * self.lag_power * self.power)
+        )
+
 
 class PressureWatch:
     """Compares the chambers' pressures with what healthy regulators would make of the setpoints.
@@ -102,9 +115,10 @@ class PressureWatch:
         self._names = tuple(channels)
         self._device = device
         self._channels: tuple[_Channel, ...] = ()
-        self._began = self._then = 0.0
+        self._began: float
+        self._then: float
+        self._pressures: Sequence[float]
         self._setpoints: Sequence[float] = ()
-        self._pressures: Sequence[float] = ()
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
@@ -119,13 +133,13 @@ class PressureWatch:
             It names the channel and the likeliest cause.
         """
         self._pressures = pressures
+        setpoints = self._setpoints
+        if not self._channels or not setpoints or now <= self._then:
+            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
+            self._began = self._then = now
+            return
         step = now - self._then
         self._then = now
-        setpoints = self._setpoints
-        if not self._channels or not setpoints or step <= 0.0:
-            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
-            self._began = now
-            return
         bounds = self._bounds
         deviation, alike = bounds.deviation, _ALIKE * bounds.deviation
         pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
@@ -153,8 +167,8 @@ class PressureWatch:
                 long_off = True
             if -most < off - channel.usual < most:
                 channel.jump = 0.0
-            elif abs(off - before) > abs(channel.jump):
-                channel.jump = off - before
+            else:
+                channel.jump = max(channel.jump, abs(off - before))
             channel.mean += mean * (off - channel.mean)
             channel.usual += usual * (off - channel.usual)
             channel.lag_mean += mean * (abs(slow - expected) - channel.lag_mean)
@@ -183,13 +197,7 @@ class PressureWatch:
 
     def _raise_strange(self) -> None:
         bounds, channels = self._bounds, self._channels
-        k = max(
-            range(len(channels)),
-            key=lambda k: max(
-                abs(channels[k].mean - channels[k].usual) / channels[k].most_mean(bounds),
-                channels[k].slowness(bounds) / channels[k].most_slow(bounds),
-            ),
-        )
+        k = max(range(len(channels)), key=lambda k: channels[k].strangeness(bounds))
         name, channel = self._names[k], channels[k]
         moved = (channel.mean - channel.usual) * 1e-3
         raise SafetyError(
@@ -204,7 +212,7 @@ class PressureWatch:
     def _explain_strange(self, k: int) -> str:
         name, channel, channels = self._names[k], self._channels[k], self._channels
         bound = self._bounds.offset
-        if self._is_slow(channel):
+        if channel.is_slow(self._bounds):
             return f"the regulator of {name} is slow"
         low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
         if len(low) > 1 and k in low:
@@ -214,12 +222,6 @@ class PressureWatch:
         if abs(channel.off) > _ALIKE * self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
         return f"the regulator or the monitor of {name} is off, or its chamber leaks"
-
-    def _is_slow(self, channel: _Channel) -> bool:
-        """Return whether a deviation is that of a slow regulator in size and in shape."""
-        if channel.slowness(self._bounds) <= channel.most_slow(self._bounds):
-            return False
-        return channel.likeness > math.sqrt(_LIKE_SLOW * channel.lag_power * channel.power)
 
     def suspicion(self) -> str | None:
         """Return what looks wrong now, before it has lasted; None if nothing does."""
@@ -241,9 +243,9 @@ class PressureWatch:
         channel, name = channels[worst], names[worst]
         if len(low) > 1 and worst in low:
             return f"the supply pressure is lost: {', '.join(names[k] for k in low)} fall short"
-        if self._is_slow(channel):
+        if channel.is_slow(self._bounds):
             return f"the regulator of {name} is slow"
-        jumped = abs(channel.jump) > _JUMPED * abs(channel.off)
+        jumped = channel.jump > _JUMPED * abs(channel.off)
         monitor = f", or the monitor of {name} has jumped" if jumped else ""
         here = self._pressures[worst]
         # Others with more pressure have it from the supply.

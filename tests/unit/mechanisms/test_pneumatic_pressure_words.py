@@ -1,0 +1,343 @@
+"""What is said of a regulator: whether it jumped, is alone, is slow, and who is told of."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from joint_fakes import CHANNELS
+from pressure_bench import CALM, CYCLES, DEVIATION, NEVER, START, STEP, Bench
+from scipy.signal import lfilter
+
+from rig.hal import SafetyError
+from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
+from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
+from rig.mechanisms.pneumatic.settings import RegulatorModel
+
+OFFSET = 12e3
+JUMPED = ", or the monitor of ch2 has jumped"
+SUPPLY = ", or the supply pressure is lost"
+
+
+def ramp(bench, way, cycles):
+    """Move channel 2 to `way` (Pa) off its setpoint in even steps, then wait until it is told."""
+    for k in range(cycles):
+        bench.pass_by(1, ch2=way * (k + 1) / cycles)
+    with pytest.raises(SafetyError) as caught:
+        bench.pass_by(2 * CYCLES, ch2=way)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("way", [50e3, -50e3])
+def test_a_monitor_jumps_in_one_cycle_and_air_takes_a_few(way):
+    calm = {"offset": OFFSET}
+    assert JUMPED in ramp(Bench(**calm), way, 1)
+    assert JUMPED not in ramp(Bench(**calm), way, 2)
+    # By 0.7 of what it is off: what comes to it later, slowly, may be as much as the rest.
+    for first, jumped in ((0.71, True), (0.69, False)):
+        bench = Bench(**calm)
+        bench.pass_by(1, ch2=first * way)
+        assert (JUMPED in ramp(bench, way, 1)) is jumped
+
+
+def test_the_greatest_jump_counts_and_not_the_last():
+    bench = Bench(offset=OFFSET)
+    bench.pass_by(1, ch2=-45e3)
+    assert JUMPED in ramp(bench, -50e3, 1)
+    bench = Bench(offset=OFFSET)
+    bench.pass_by(1, ch2=-20e3)  # back by half of that, and on in small steps
+    bench.pass_by(1, ch2=-30e3)
+    assert JUMPED not in ramp(bench, -45e3, 2)
+
+
+def test_a_jump_is_forgotten_when_the_pressure_is_back():
+    bench = Bench(offset=OFFSET)
+    bench.pass_by(1, ch2=-50e3)
+    bench.pass_by(2)
+    assert JUMPED not in ramp(bench, -45e3, 8)
+
+
+def test_a_jump_is_no_news_where_it_is_usual():
+    """A regulator that was off from the start has not jumped: it goes on from there slowly."""
+    bench = Bench(offset=OFFSET)
+    bench.pass_by(600, ch2=20e3)
+    for k in range(8):
+        bench.pass_by(1, ch2=20e3 + 150.0 * k)
+    said = bench.watch.suspicion()
+    assert "ch2" in said
+    assert JUMPED not in said
+
+
+def test_who_falls_below_the_others_may_have_lost_its_supply():
+    alike = 0.5 * DEVIATION
+    for over, alone in ((alike, True), (alike + 1.0, False)):
+        # Where the worst one is after its fall, and who has most of the others.
+        starts = (START, START + 90e3, START + 40e3 + over, START)
+        bench = Bench(starts=starts)
+        assert (SUPPLY in bench.what(ch2=-50e3)) is alone
+    # One that has more is enough: it has it from the supply.
+    assert SUPPLY not in Bench(starts=(START, START, START - 80e3, START - 80e3)).what(ch2=-50e3)
+
+
+def test_a_tiny_rise_is_open_too():
+    bench = Bench(deviation=0.5)
+    bench.pass_by(3, ch2=0.8)
+    said = bench.watch.suspicion()
+    assert "the regulator of ch2 is stuck open" in said
+    assert "jumped" not in said
+
+
+def test_a_suspicion_gives_the_number_of_the_worst():
+    bench = Bench()
+    bench.pass_by(2, ch1=10e3, ch3=-30e3)
+    assert "[ch3: -30 kPa off a healthy regulator" in bench.watch.suspicion()
+
+
+def test_no_channels_are_no_suspicion():
+    bounds = PressureBounds(0.5, 1.0, NEVER, NEVER, 0.0)
+    assert PressureWatch(bounds, RegulatorModel(), CHANNELS, "valves").suspicion() is None
+
+
+# What is strange in the mean ----------------------------------------------------------------------
+
+
+def told(bench, most=4000, **off):
+    """Return what is said of channels that are off for good."""
+    with pytest.raises(SafetyError) as caught:
+        bench.pass_by(most, **off)
+    return str(caught.value)
+
+
+def test_the_message_has_the_mean_and_its_bound():
+    bench = Bench(**CALM)
+    bench.pass_by(2000)
+    said = told(bench, ch3=-16e3)
+    numbers = re.search(
+        r"valves: the regulator or the monitor of ch3 is off, or its chamber leaks "
+        r"\[ch3: 184 kPa, setpoint 200 kPa; the mean is (.*) kPa off what is usual, "
+        r"at most 12 kPa; as far off as 0.00 of a regulator of half the bandwidth, at most inf\]",
+        said,
+    )
+    assert float(numbers[1]) == pytest.approx(-12.0, abs=0.1)
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_two_means_that_fall_by_half_of_the_bound_are_the_supply(count):
+    """From what is usual of each, which is not zero."""
+    for short, supply in ((5e3, False), (7e3, True)):
+        bench = Bench(**CALM)
+        usual = dict(zip(CHANNELS, (9e3, -9e3, 6e3, 0.0), strict=True))
+        bench.pass_by(3000, **usual)
+        names = CHANNELS[:count]
+        off = {name: usual[name] - (30e3 if name == "ch1" else short) for name in names}
+        # The mean of one is over its bound only after the other has come near half of it.
+        watch = bench.watch
+        for channel, name in zip(watch._channels, CHANNELS, strict=True):
+            channel.mean = off.get(name, channel.mean)
+            channel.usual = usual[name]
+        said = watch._explain_strange(0)
+        assert ("the supply pressure is lost" in said) is supply
+        if supply:
+            assert f"{', '.join(names)} fall short" in said
+
+
+def test_half_of_the_bound_itself_is_not_short():
+    bench = Bench(**CALM)
+    bench.pass_by(2)
+    one, other, *_ = bench.watch._channels
+    one.mean, other.mean = -30e3, -0.5 * OFFSET
+    assert "supply" not in bench.watch._explain_strange(0)
+    other.mean = math.nextafter(-0.5 * OFFSET, -math.inf)
+    assert "supply" in bench.watch._explain_strange(0)
+
+
+def test_what_is_off_by_half_of_the_deviation_now_is_stuck_or_slow():
+    for extra, words in ((0.0, "is off, or its chamber leaks"), (1.0, "or it is slow")):
+        bench = Bench(time=NEVER, offset=OFFSET)
+        bench.pass_by(2000)
+        assert words in told(bench, ch2=0.5 * DEVIATION + extra)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_bounds_themselves_are_kept(way):
+    """Half of the deviation is well; the bound of the mean, and 0.7 of what it is off, no jump."""
+    bench = Bench()
+    bench.pass_by(1, ch2=way * 0.5 * DEVIATION)
+    bench.pass_by(1, ch2=way * (0.5 * DEVIATION + 9e3))  # by less than a quarter since it was well
+    assert "its pressure stays" in bench.watch.suspicion()
+    bench = Bench(offset=OFFSET)
+    bench.pass_by(1, ch2=way * OFFSET)
+    assert bench.watch._channels[1].jump == OFFSET
+    bench.pass_by(1, ch2=way * 45e3)
+    channel = bench.watch._channels[1]
+    channel.jump = 0.7 * 45e3
+    assert "jumped" not in bench.watch.suspicion()
+    channel.jump = math.nextafter(0.7 * 45e3, math.inf)
+    assert "jumped" in bench.watch.suspicion()
+
+
+def test_what_jumps_at_the_second_reading_has_its_time_too():
+    bounds = PressureBounds(DEVIATION, 4 * STEP, NEVER, 0.4, 2.5e3)
+    watch = PressureWatch(bounds, RegulatorModel(), CHANNELS, "valves")
+    watch.send((START,) * 4)
+    watch.check((START,) * 4, 100.0)
+    for cycle in range(4):
+        watch.check((START + 50e3, *(START,) * 3), 100.0 + (cycle + 1) * STEP)
+    with pytest.raises(SafetyError, match="ch1 is stuck open"):
+        watch.check((START + 50e3, *(START,) * 3), 100.0 + 5 * STEP)
+    for channel in watch._channels:
+        assert channel.quick_at == 100.0 + 5 * STEP
+
+
+def test_means_are_taken_over_their_times():
+    """The mean over four time constants, what is usual over 5 s, slowness over 1 s."""
+    rng = np.random.default_rng(5)
+    response = RegulatorModel(40.0, 1.0)
+    watch = PressureWatch(PressureBounds(NEVER, NEVER, NEVER, NEVER, 0.0), response, ["a"], "v")
+    watch.send([START])
+    watch.check([START], 100.0)
+    offs, usuals, lags, now = [], [], [], 100.0
+    for cycle in range(8000):
+        now += STEP
+        watch.send([START + 50e3 * math.sin(3e-3 * cycle)])
+        watch.check([START + 20e3 + rng.normal(0.0, 5e3)], now)
+        channel = watch._channels[0]
+        offs.append(channel.off)
+        lags.append(channel.slow - channel.expected)
+        usuals.append(channel.usual)
+    offs, lags, besides = np.array(offs), np.array(lags), np.array(offs) - np.array(usuals)
+
+    def taken_over(values, time):
+        share = STEP / (time + STEP)
+        return lfilter([share], [1.0, share - 1.0], values)[-1]
+
+    times = np.minimum(STEP * np.arange(1, 8001) + 0.1, 5.0)
+    left = np.cumprod((times / (times + STEP))[::-1])[::-1]  # of what was there before each cycle
+    weights = np.append(left[1:], 1.0) * STEP / (times + STEP)
+    assert channel.usual == pytest.approx(float(weights @ offs))
+    assert channel.mean == pytest.approx(taken_over(offs, 0.1))
+    assert channel.lag_mean == pytest.approx(taken_over(np.abs(lags), 0.1))
+    assert channel.power == pytest.approx(taken_over(besides**2, 1.0))
+    assert channel.lag_power == pytest.approx(taken_over(lags**2, 1.0))
+    assert channel.likeness == pytest.approx(taken_over(lags * besides, 1.0))
+
+
+def test_a_motion_that_shows_too_little_shows_no_slowness():
+    """Of a slow regulator's deviation there must be more than twice the hysteresis, rms."""
+    bench = Bench(deviation=NEVER, slow=0.4, offset=OFFSET)
+    bench.pass_by(2)
+    channel, bounds = bench.watch._channels[0], bench.watch._bounds
+    channel.likeness = 1e7
+    channel.lag_power = (2.0 * bounds.loop) ** 2
+    assert channel.slowness(bounds) == 0.0
+    channel.lag_power = math.nextafter(channel.lag_power, math.inf)
+    assert channel.slowness(bounds) == 1e7 / channel.lag_power
+    channel.lag_power = 0.25
+    assert channel.most_slow(bounds) == bounds.slow + bounds.loop / 0.5
+    channel.lag_power = 0.0
+    assert channel.most_slow(bounds) == math.inf
+
+
+def test_what_is_exactly_as_expected_keeps_a_bound_of_nothing():
+    Bench(deviation=NEVER, slow=NEVER, offset=0.0).pass_by(100)
+
+
+@pytest.mark.parametrize(("share", "found"), [(0.8, False), (1.3, True)])
+def test_while_a_pressure_moves_its_mean_may_be_off_by_what_a_slow_one_would_be(share, found):
+    """Under a sine the bound is `offset` and `slow` of the mean lag of half the bandwidth."""
+    bench = Bench(RegulatorModel(40.0, 1.0), deviation=NEVER, slow=0.4, offset=4e3, loop=1e12)
+    rate, swing = 2.0 * math.pi * 2.0, 60e3
+
+    def answer(bandwidth):
+        return 1.0 / (1.0 + 1j * rate / bandwidth) ** 2
+
+    lag = abs(answer(20.0) - answer(40.0)) * swing * 2.0 / math.pi
+    off = share * (4e3 + 0.4 * lag)
+    healthy = answer(40.0)
+    raised = False
+    for cycle in range(6000):
+        t = cycle * STEP
+        turn = complex(math.cos(rate * t), math.sin(rate * t))
+        bench.watch.send((START + swing * turn.imag,) * 4)
+        later = turn * complex(math.cos(rate * STEP), math.sin(rate * STEP))
+        pressure = swing * (healthy * later).imag
+        extra = off if cycle > 4500 else 0.0
+        try:
+            bench.pass_by(1, ch1=pressure, ch2=pressure, ch3=pressure + extra, ch4=pressure)
+        except SafetyError as error:
+            assert "[ch3: " in str(error)
+            raised = True
+            break
+    assert raised is found
+
+
+def test_the_strangest_channel_is_told_of_by_its_share_of_what_is_permitted():
+    """Bounds differ from channel to channel: one moves, another stands still."""
+    bench = Bench(deviation=NEVER, slow=0.4, offset=OFFSET)
+    bench.pass_by(2)
+    still, moves, off, calm = bench.watch._channels
+    still.mean = 1.6 * OFFSET
+    moves.lag_mean, moves.mean = 60e3, 0.95 * (OFFSET + 0.4 * 60e3)
+    off.mean, off.usual = 30e3, 28e3
+    calm.mean, calm.usual = 0.0, 18e3
+    bounds = bench.watch._bounds
+    shares = [channel.strangeness(bounds) for channel in bench.watch._channels]
+    assert shares == pytest.approx([1.6, 0.95, 2.0 / 12.0, 1.5])
+    with pytest.raises(SafetyError, match=r"\[ch1: "):
+        bench.watch._raise_strange()
+
+
+def test_a_slow_channel_is_the_strangest_by_its_share_too():
+    """The bound of slowness is `slow` and what the hysteresis hides of the motion."""
+    bench = Bench(deviation=NEVER, slow=0.4, offset=OFFSET)
+    bench.pass_by(2)
+    much, little, *_ = bench.watch._channels
+    much.lag_power, much.likeness = 50e3**2, 0.5 * 50e3**2
+    little.lag_power, little.likeness = 6e3**2, 0.75 * 6e3**2
+    bounds = bench.watch._bounds
+    assert much.strangeness(bounds) == pytest.approx(0.5 / (0.4 + 2.5e3 / 50e3))
+    assert little.strangeness(bounds) == pytest.approx(0.75 / (0.4 + 2.5e3 / 6e3))
+    with pytest.raises(SafetyError, match=r"\[ch1: "):
+        bench.watch._raise_strange()
+
+
+def test_slow_is_what_is_slow_in_size_and_in_shape():
+    bench = Bench(deviation=NEVER, slow=0.4, offset=OFFSET)
+    bench.pass_by(2)
+    channel, bounds = bench.watch._channels[0], bench.watch._bounds
+    channel.lag_power = 20e3**2
+    least = bounds.slow + bounds.loop / 20e3
+    channel.likeness = least * channel.lag_power
+    channel.power = 0.0
+    assert not channel.is_slow(bounds)
+    assert not channel.compare(0.0, 0.0, bounds)
+    channel.likeness *= 1.0 + 1e-9
+    assert channel.is_slow(bounds)
+    assert channel.compare(0.0, 0.0, bounds)
+    # In step with a slow one by a share of its power: above the root of 0.6 of the product.
+    channel.likeness = 0.75 * channel.lag_power
+    limit = channel.likeness**2 / (0.6 * channel.lag_power)
+    for power, slow in ((0.999 * limit, True), (1.001 * limit, False)):
+        channel.power = power
+        assert channel.is_slow(bounds) is slow
+    channel.likeness = math.sqrt(0.6 * channel.lag_power * channel.power)
+    assert not channel.is_slow(bounds)
+
+
+def test_a_regulator_is_slow_for_four_time_constants_before_it_is_told():
+    """With 64 rad/s they are a sixteenth of a second, a whole number of cycles."""
+    bench = Bench(RegulatorModel(64.0, 1.0), deviation=NEVER, slow=0.4, offset=NEVER)
+    pressure = rate = 0.0
+    slow_since = None
+    with pytest.raises(SafetyError, match="the regulator of ch1 is slow"):
+        for cycle in range(20_000):
+            sent = 60e3 * math.sin(8.0 * cycle * STEP)
+            bench.watch.send((START + sent, START, START, START))
+            for _ in range(4):  # a quarter of the bandwidth
+                step = STEP / 4
+                rate = (rate + step * 16.0**2 * (sent - pressure)) / (1.0 + step * 32.0)
+                pressure += step * rate
+            slow_since = bench.watch._channels[0].quick_at
+            bench.pass_by(1, ch1=pressure)
+    assert bench.watch._channels[0].quick_at == slow_since
+    assert bench.now - slow_since == 4.0 / 64.0 + STEP
