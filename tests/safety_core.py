@@ -45,6 +45,10 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_devices.py",
         "mechanisms/test_controller_commands.py",
     ),
+    "rig/mechanisms/cylinder/watch.py": (
+        "mechanisms/test_cylinder_limits.py",
+        "mechanisms/test_cylinder_watch.py",
+    ),
     "rig/mechanisms/joint/alarms/wires.py": (
         "mechanisms/test_joint_wire_alarm.py",
         "mechanisms/test_joint_wire_blame.py",

@@ -47,6 +47,67 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
         "where the number of falls changes, the speed from either number is the same",
     ),
+    *(
+        Equivalent(
+            "rig/mechanisms/joint/alarms/wires.py",
+            f"self.{one}.compile()",
+            f"self.{one}.compile() -> pass",
+            "it is compiled at its first call instead",
+        )
+        for one in ("_kinematics", "_diagnosis")
+    ),
+    Equivalent(
+        "rig/mechanisms/joint/alarms/wires.py",
+        "both = k, (k + 2) % 4",
+        "k + 2 -> k - 2",
+        "modulo four it is the same",
+    ),
+    *(
+        Equivalent(
+            "rig/mechanisms/joint/alarms/wires.py",
+            line,
+            change,
+            "a solved pose has no residual that is exactly a bound",
+        )
+        for line, change in (
+            ("if not off > 0.0:", "off > 0.0 -> off >= 0.0"),
+            ("if off < 0.0:", "off < 0.0 -> off <= 0.0"),
+            (
+                "if residual < _LEAST_RESIDUAL or max(map(abs, unstretched)) < _LEAST_TRAVEL:",
+                "residual < _LEAST_RESIDUAL -> residual <= _LEAST_RESIDUAL",
+            ),
+            (
+                "if self._residual_of(rods) < _SWAPPED * residual:  # type: ignore[arg-type]",
+                "self._residual_of(rods) < _SWAPPED * residual -> "
+                "self._residual_of(rods) <= _SWAPPED * residual",
+            ),
+            ("if drift < 0.25 * distance:", "drift < 0.25 * distance -> drift <= 0.25 * distance"),
+            ("elif drift > distance:", "drift > distance -> drift >= distance"),
+            (
+                "suspects = [k for k in range(4) if offs[k][0] < _EXPLAINED * residual]",
+                "offs[k][0] < _EXPLAINED * residual -> offs[k][0] <= _EXPLAINED * residual",
+            ),
+            (
+                "if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):",
+                "max(rests) > _FAR -> max(rests) >= _FAR",
+            ),
+            (
+                "if max(rests) > _FAR and min(rests) < _CLEARLY * max(rests):",
+                "min(rests) < _CLEARLY * max(rests) -> min(rests) <= _CLEARLY * max(rests)",
+            ),
+            (
+                "if abs(residuals[left_out]) < 1e-7:",
+                "abs(residuals[left_out]) < 1e-07 -> abs(residuals[left_out]) <= 1e-07",
+            ),
+        )
+    ),
+    Equivalent(
+        "rig/mechanisms/joint/alarms/wires.py",
+        "while began and max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0]:",
+        "max(steps[began - 1][1]) > _BEGINS * steps[began - 1][0] -> "
+        "max(steps[began - 1][1]) >= _BEGINS * steps[began - 1][0]",
+        "no way of a whole number of counts is a tenth of a metre a second",
+    ),
     Equivalent(
         "rig/mechanisms/pneumatic/alarms/pressures.py",
         "if channel.off > 0.0:",

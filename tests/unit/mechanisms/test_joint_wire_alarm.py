@@ -186,6 +186,19 @@ def test_a_count_that_changes_has_its_time_again():
         leaning(bench, 1.7, 1.95, pause=0)
 
 
+def test_a_count_that_followed_until_now_has_the_whole_time():
+    bench = frozen_bench()
+    for k in range(2 * HELD):
+        bench.check(rods_at(1e-4 * k, TOWARDS_1))
+    stays = rods_at(1e-4 * (2 * HELD - 1), TOWARDS_1)[0]
+    began = bench.now
+    with pytest.raises(SafetyError, match=r"e1 is frozen.* for 0\.066 s \["):
+        for k in range(2 * HELD):
+            rods = rods_at(1e-4 * 2 * HELD + min(k, 8) * 4e-3, TOWARDS_1)
+            bench.check((stays, *rods[1:]))
+    assert bench.now - began == TIME + bench.STEP
+
+
 def test_what_jumps_within_two_checks_is_another_rod():
     for gone, another in (
         ((1.2,), True),

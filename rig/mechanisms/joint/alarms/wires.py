@@ -125,9 +125,9 @@ class WireWatch:
         self._runs: deque[tuple[float, Quadruple]] = deque(maxlen=_RUNS)
         self._agreed_at: float | None = None
         self._rods: Quadruple | None = None
-        self._changed_at: list[float] = []
-        self._residual_then: list[float] = []
-        self._small_at: list[float] = []
+        self._changed_at: list[float]
+        self._residual_then: list[float]
+        self._small_at: list[float]
 
     def check(
         self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
@@ -346,10 +346,13 @@ class WireWatch:
             began -= 1
         if began == len(steps):
             return k
-        first = steps[max(began - 1, 0) : began + _FIRST]
-        usual = steps[max(began - 2, 0)][1]
+        before = max(began - 2, 0)  # the run may have begun within the cycle after this one
+        usual = steps[before][1]
         pulls = [max(pressures[i] - self._limits.least_pull, _LEAST_PULL) for i in both]
-        gains = [sum(way[i] - usual[i] for _, way in first) / pulls[i] for i in range(2)]
+        gains = [
+            sum(way[i] - usual[i] for _, way in steps[before : began + _FIRST]) / pulls[i]
+            for i in range(2)
+        ]
         return both[0] if gains[0] >= gains[1] else both[1]
 
     def _residual_of(self, rods: Quadruple) -> float:
