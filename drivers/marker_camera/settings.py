@@ -193,6 +193,13 @@ class MarkerCameraSettings(DriverSettings):
                 f"it takes at least {1.5 * largest:.0f}."
             )
 
+    def device_path(self) -> str | None:
+        """Return the camera of the operating system, if that is what is looked through."""
+        if self.source.kind != "uvc":
+            return None
+        path = self.source.path
+        return f"/dev/video{path}" if path.isdecimal() else path
+
     @property
     def marker_size(self) -> float:
         """Return the marker's greatest extent, m: a diameter or a diagonal."""

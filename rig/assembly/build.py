@@ -14,6 +14,7 @@ from rig.assembly.rig import Backend, Rig
 from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
 from rig.hal import Column, ConfigurationError, Device, DeviceError, Mechanism, MonotonicClock
+from rig.hal.clock import SPIN
 
 
 def check_profile(profile: Profile) -> tuple[Column, ...]:
@@ -99,7 +100,7 @@ def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames:
         from rig.assembly.simulated import build_sim, build_virtual
 
         return build_sim(profile) if backend is Backend.SIM else build_virtual(profile, frames)
-    clock = MonotonicClock(spin=200e-6 if profile.loop.spin else 0.0)
+    clock = MonotonicClock(spin=SPIN if profile.loop.spin else 0.0)
     if on is None and backend is Backend.VCAN:
         on = backend.value
     others = parse_interfaces(on, profile) if on is not None else {}

@@ -1,7 +1,10 @@
 """The rig's clock: monotonic on hardware, virtual and in lock-step in simulation."""
 
 from time import monotonic, sleep
-from typing import Protocol
+from typing import Final, Protocol
+
+SPIN: Final = 200e-6
+"""For so long before a deadline a loop that spins waits busily, s."""
 
 
 class Clock(Protocol):

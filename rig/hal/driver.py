@@ -118,6 +118,10 @@ class DriverSettings:
         """
         return None
 
+    def device_path(self) -> str | None:
+        """Return the file below ``/dev`` that it is opened by; None: it has none of its own."""
+        return None
+
     def confirms_setpoints(self) -> bool:
         """Return whether it sends every setpoint back as it got it: none is wrong unseen."""
         return False

@@ -109,6 +109,64 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "no way of a whole number of counts is a tenth of a metre a second",
     ),
     Equivalent(
+        "rig/mechanisms/cylinder/watch.py",
+        "self._step = self._then = 0.0",
+        "0.0 -> 1.0",
+        "nobody asks for the first step: a run takes two cycles",
+    ),
+    Equivalent(
+        "rig/mechanisms/cylinder/watch.py",
+        'slack = "" if change > 0.0 else "a wire is slack, or "',
+        "change > 0.0 -> change >= 0.0",
+        "asked beyond a bound only",
+    ),
+    Equivalent(
+        "rig/mechanisms/cylinder/watch.py",
+        "for k, sign in enumerate((-1.0, 1.0)):",
+        "1.0 -> 2.0",
+        "a rod's work and its way both double, and only their ratio counts",
+    ),
+    *(
+        Equivalent(
+            "rig/mechanisms/cylinder/watch.py",
+            line,
+            change,
+            "no way of whole counts, and no sum of works, is a bound to the last bit",
+        )
+        for line, change in (
+            (
+                "if len(self._history) > 1 and self._ran(k) > _JUMP * self._limits.speed * "
+                "self._step:",
+                "self._ran(k) > _JUMP * self._limits.speed * self._step -> "
+                "self._ran(k) >= _JUMP * self._limits.speed * self._step",
+            ),
+            (
+                "if max(ways) < least or min(ways) < _LEAST_RUN * max(ways):",
+                "max(ways) < least -> max(ways) <= least",
+            ),
+            (
+                "if max(ways) < least or min(ways) < _LEAST_RUN * max(ways):",
+                "min(ways) < _LEAST_RUN * max(ways) -> min(ways) <= _LEAST_RUN * max(ways)",
+            ),
+            (
+                "if abs(before.change) < _AGREED * self._bound:",
+                "abs(before.change) < _AGREED * self._bound -> "
+                "abs(before.change) <= _AGREED * self._bound",
+            ),
+            (
+                "if work[k] < -self._least_work * way[k] and "
+                "work[1 - k] > self._least_work * way[1 - k]:",
+                "work[k] < -self._least_work * way[k] -> work[k] <= -self._least_work * way[k]",
+            ),
+            (
+                "if work[k] < -self._least_work * way[k] and "
+                "work[1 - k] > self._least_work * way[1 - k]:",
+                "work[1 - k] > self._least_work * way[1 - k] -> "
+                "work[1 - k] >= self._least_work * way[1 - k]",
+            ),
+        )
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/alarms/pressures.py",
         "if channel.off > 0.0:",
         "channel.off > 0.0 -> channel.off >= 0.0",

@@ -84,7 +84,7 @@ class PairWatch:
         self._speed_from: Two | None = None
         self._slack_at = 0.0
         self._usual: float | None = None
-        self._still = [(0.0, 0.0, 0.0)] * 2
+        self._still: list[tuple[float, float, float]] = []
         self._step = self._then = 0.0
         self._explained: Exception | None = None
 
@@ -155,6 +155,8 @@ class PairWatch:
 
     def _check_frozen(self, extensions: Two, now: float) -> None:
         """Raise if one rod says the same while the other moves; `_still`: what, where and since."""
+        if not self._still:
+            self._still = [(extensions[k], extensions[1 - k], now) for k in range(2)]
         for k in range(2):
             here, there = extensions[k], extensions[1 - k]
             said, other, since = self._still[k]

@@ -32,9 +32,9 @@ NEVER = FrozenAlarm(1.0, 1e6)
 class Rods:
     """The watch of a pair of which a test says where each rod is, from home, m."""
 
-    def __init__(self, change=WIDE, mismatch=WIDE, frozen=NEVER, **settings):
+    def __init__(self, change=WIDE, mismatch=WIDE, frozen=NEVER, swapped=1.0, **settings):
         alarms = PairAlarmSettings(
-            frozen=frozen, rods=RodsAlarm(change), swapped=SwappedAlarm(distance=1.0)
+            frozen=frozen, rods=RodsAlarm(change), swapped=SwappedAlarm(distance=swapped)
         )
         limits = pair_limits(mismatch=mismatch, speed=SPEED)
         self.settings = pair_settings(limits, alarms=alarms, **settings)
@@ -164,15 +164,19 @@ def test_which_rod_stood_still_is_said_by_half_its_chambers_pull():
     """Beyond the bound of the agreement, and with more pull than the half of friction holds."""
     sliding = 0.5 * pair_settings().friction.coulomb
     area = pair_settings().area
-    for pull, words in (
-        (1.001 * sliding, r"\(encoder-antagonist is frozen\)"),
-        (0.999 * sliding, r"\(the rod of antagonist stays behind, as its chamber is empty"),
+    near = sliding / area * (1.0 + np.arange(-8, 9) * 2.0**-53)
+    exact = next(float(p) for p in near if area * p == sliding)
+    for pressure, words in (
+        (1.001 * sliding / area, r"\(encoder-antagonist is frozen\)"),
+        (exact, r"\(the rod of antagonist stays behind, as its chamber is empty"),
     ):
-        rods = Rods(change=0.9 * MISMATCH, mismatch=MISMATCH)
-        pressures = (BASE, pull / area)
-        rods.cycle(0.0, 0.0, pressures)
-        with pytest.raises(LimitExceeded, match=words):
-            rods.cycle(2 * MISMATCH + 2 * TINY, 0.0, pressures)
+        for way in (1.0, -1.0):
+            for before in (BASE, 0.0):  # what counts is its pull now
+                rods = Rods(change=0.9 * MISMATCH, mismatch=MISMATCH)
+                for _ in range(3):
+                    rods.cycle(0.0, 0.0, (BASE, before))
+                with pytest.raises(LimitExceeded, match=words):
+                    rods.cycle(way * (2 * MISMATCH + 2 * TINY), 0.0, (BASE, pressure))
     # Less than the bound is no standing still: the agreement is judged by two rods.
     rods = Rods(change=2 * MISMATCH + 2 * TINY, mismatch=MISMATCH)
     rods.cycle(0.0, 0.0)
@@ -191,7 +195,7 @@ def run(*ways, before=9, pressures=(BASE, BASE)):
     """Return what is said of rods that stood, and ran in by this much (m) in the last cycle."""
     rods = Rods()
     for _ in range(before - 1):
-        rods.cycle(0.0, 0.0, pressures)
+        rods.cycle(0.0, 0.0)  # what counts is the pull now
     rods.cycle(*(-way for way in ways), pressures)
     return rods.watch.explain(FAST, (0.0, 0.0))
 
@@ -310,9 +314,12 @@ def test_a_push_pulls_one_rod_out_and_the_other_runs_in_by_a_tenth():
     jump = DeviceFault(NAMES[0], "it jumps")
     for other, is_push in ((0.1, True), (0.1 - 1e-9, False)):
         rods = Rods()
-        rods.cycle(0.0, 0.0)
+        for _ in range(4):
+            rods.cycle(0.0, 0.0)
         rods.cycle(WAY, -other * WAY)
         assert (rods.watch.explain(jump, (0.0, 0.0)) is not jump) is is_push
+    rods.cycle(WAY, -2.0 * WAY)
+    assert rods.watch._explain_push(0) is None  # its rod stood
 
 
 # An encoder that goes against the pull --------------------------------------------------------
@@ -339,7 +346,7 @@ def test_the_encoder_that_goes_against_the_pull_is_named(seed):
     for _ in range(80):
         rods = Rods(change=CHANGE)
         rods.settle()
-        area, least = rods.settings.area, rods.watch._least_work
+        area, least = rods.settings.area, 0.25 * 10.0  # a quarter of Coulomb friction
         drift = rng.uniform(-0.15, 0.15) * CHANGE
         both = rng.uniform(-0.2, 0.2) * CHANGE
         noise = rng.uniform(0.0, 0.3) * CHANGE
@@ -369,6 +376,34 @@ def test_the_encoder_that_goes_against_the_pull_is_named(seed):
             assert f"({NAMES[k]} is mirrored or drifts: it goes against the pull)" in said
     assert found[None] > 1
     assert found[0] + found[1] > 1
+
+
+def test_a_quarter_of_a_second_is_remembered():
+    rods = Rods()
+    for _ in range(300):
+        rods.cycle(0.0, 0.0)
+    assert len(rods.watch._history) == 256
+
+
+@pytest.mark.parametrize("turned", [1.0, -1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_rods_that_move_against_their_pull_are_swapped(seed, turned):
+    """By a quarter of the friction's work over a millimetre, of both rods together."""
+    rng = np.random.default_rng(seed)
+    rods, work, gone = Rods(swapped=1e-3), 0.0, 0.0
+    ways = np.array([-1.0, rng.uniform(0.8, 1.2)]) * 2.0**-15 * turned
+    pressures = np.array([60e3, 150e3])[:: int(turned)]
+    place = np.zeros(2)
+    rods.cycle(*place, tuple(pressures))
+    with pytest.raises(SafetyError, match="are swapped") as caught:
+        for _ in range(100):
+            place = place + ways
+            moved = 0.5 * (ways[1] - ways[0])
+            work += float(pressures[0] - pressures[1]) * rods.settings.area * moved
+            gone += 0.5 * float(np.abs(ways).sum())
+            rods.cycle(*place, tuple(pressures))
+    said = f"[work {work * 1e3:.1f} mJ over {gone * 1e3:.2f} mm, "
+    assert said in str(caught.value)
 
 
 def test_the_speed_starts_anew_after_a_restart():
