@@ -12,7 +12,7 @@ from rig.cli.names import complete_rig, configs_option, set_option
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
-    from rig.doctor.finding import Finding
+    from rig.doctor.look import Look
 
 _QUICK = 2.0
 """For so long wake-ups are looked at without `--abuse`, s."""
@@ -51,7 +51,7 @@ def doctor(
     from rig.config.models import LoopSettings
     from rig.config.names import find_configs
     from rig.doctor.computer import look_at_computer
-    from rig.doctor.finding import Verdict
+    from rig.doctor.look import Fitness
     from rig.doctor.wakeups import abuse, judge, measure_wakeups
     from rig.doctor.wiring import look_at_wiring
 
@@ -71,10 +71,10 @@ def doctor(
             busy = measure_wakeups(at, seconds, loop.priority, loop.cpu, spin=loop.spin)
         found.append(judge(busy, f"loaded for {seconds:g} s"))
     _show(found, as_json=as_json)
-    return EXIT_UNFIT if any(one.verdict is Verdict.NO for one in found) else 0
+    return EXIT_UNFIT if any(one.verdict is Fitness.NO for one in found) else 0
 
 
-def _show(found: list[Finding], *, as_json: bool) -> None:
+def _show(found: list[Look], *, as_json: bool) -> None:
     if as_json:
         print_data(json.dumps({"findings": [one._asdict() for one in found]}, indent=2))
         return

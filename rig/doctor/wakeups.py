@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rig.doctor.finding import Finding, Verdict
+from rig.doctor.look import Fitness, Look
 from rig.hal.clock import SPIN, MonotonicClock
 from rig.runtime.realtime import real_time
 
@@ -111,7 +111,7 @@ def abuse() -> Iterator[str]:
         yield f"{processors} busy processes, one that writes to the disk, one that fills memory"
 
 
-def judge(wakeups: Wakeups, under: str) -> Finding:
+def judge(wakeups: Wakeups, under: str) -> Look:
     """Return what wake-ups under a load mean for a loop."""
     period = wakeups.period
     what = f"wake-ups at {1.0 / period:g} Hz, {under}"
@@ -120,11 +120,11 @@ def judge(wakeups: Wakeups, under: str) -> Finding:
         f"worst {_us(wakeups.worst)} late, {wakeups.missed} of {wakeups.waited} missed"
     )
     if wakeups.p999 <= _GOOD * period and not wakeups.missed:
-        return Finding(what, found, Verdict.OK)
+        return Look(what, found, Fitness.OK)
     mend = "mend what is poor above; a kernel with PREEMPT_RT; loop.cpu on an isolated processor"
     if wakeups.p99 <= period:
-        return Finding(what, found, Verdict.POOR, mend)
-    return Finding(what, found, Verdict.NO, f"{mend}; a lower loop.rate")
+        return Look(what, found, Fitness.POOR, mend)
+    return Look(what, found, Fitness.NO, f"{mend}; a lower loop.rate")
 
 
 def _us(seconds: float) -> str:

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from rig.config import Profile
-from rig.doctor.finding import Finding, Verdict
+from rig.doctor.look import Fitness, Look
 from rig.hal import ConnectionFailed, Endpoint
 
 
-def look_at_wiring(profile: Profile) -> Iterator[Finding]:
+def look_at_wiring(profile: Profile) -> Iterator[Look]:
     """Yield what there is to say of the interfaces that a profile names; nothing is sent."""
     for name, bus in profile.buses.items():
         yield _bus(name, bus.settings.endpoint())
@@ -21,7 +21,7 @@ def look_at_wiring(profile: Profile) -> Iterator[Finding]:
             yield _device_file(f"device {name}, {path}", path)
 
 
-def _bus(name: str, at: Endpoint) -> Finding:
+def _bus(name: str, at: Endpoint) -> Look:
     what = f"bus {name}, {at.interface} {at.channel}"
     if at.interface == "socketcan":
         from drivers.can.socketcan import open_socketcan
@@ -30,28 +30,28 @@ def _bus(name: str, at: Endpoint) -> Finding:
             open_socketcan(at.channel, at.bitrate).shutdown()
         except ConnectionFailed as error:
             found, _, mend = error.what.partition("; ")
-            return Finding(what, found, Verdict.NO, mend)
-        return Finding(what, f"up, {at.bitrate} bit/s", Verdict.OK)
+            return Look(what, found, Fitness.NO, mend)
+        return Look(what, f"up, {at.bitrate} bit/s", Fitness.OK)
     if at.channel.startswith("/dev/"):
         return _device_file(what, at.channel)
-    return Finding(what, "only its driver can tell: rig check RIG --on hardware", Verdict.OK)
+    return Look(what, "only its driver can tell: rig check RIG --on hardware", Fitness.OK)
 
 
-def _device_file(what: str, name: str) -> Finding:
+def _device_file(what: str, name: str) -> Look:
     path = Path(name)
     if not path.exists():
         near = sorted(path.parent.glob(path.name.rstrip("0123456789") + "*"))
         others = ", ".join(map(str, near[:4]))
         mend = f"plug it in, or write into the profile: {others}" if near else "plug it in"
-        return Finding(what, "is not there", Verdict.NO, mend)
+        return Look(what, "is not there", Fitness.NO, mend)
     if not stat.S_ISCHR(path.stat().st_mode):
-        return Finding(what, "is no device", Verdict.NO, "correct the profile")
+        return Look(what, "is no device", Fitness.NO, "correct the profile")
     if os.access(path, os.R_OK | os.W_OK):
-        return Finding(what, "can be opened", Verdict.OK)
+        return Look(what, "can be opened", Fitness.OK)
     number = path.stat().st_gid
     try:
         group = grp.getgrgid(number).gr_name
     except KeyError:
         group = str(number)
     mend = f"sudo usermod -aG {group} $USER (and log in anew)"
-    return Finding(what, "may not be opened", Verdict.NO, mend)
+    return Look(what, "may not be opened", Fitness.NO, mend)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rig.doctor import wakeups
-from rig.doctor.finding import Verdict
+from rig.doctor.look import Fitness
 from rig.doctor.wakeups import Wakeups, abuse, judge, measure_wakeups
 
 PERIOD = 1e-3
@@ -43,18 +43,18 @@ def test_what_a_clock_is_late_by_is_counted(seed, monkeypatch):
 @pytest.mark.parametrize(
     ("p99", "p999", "missed", "verdict"),
     [
-        (50e-6, 0.1 * PERIOD, 0, Verdict.OK),
-        (50e-6, 0.11 * PERIOD, 0, Verdict.POOR),
-        (50e-6, 60e-6, 1, Verdict.POOR),
-        (PERIOD, 2 * PERIOD, 9, Verdict.POOR),
-        (1.01 * PERIOD, 2 * PERIOD, 99, Verdict.NO),
+        (50e-6, 0.1 * PERIOD, 0, Fitness.OK),
+        (50e-6, 0.11 * PERIOD, 0, Fitness.POOR),
+        (50e-6, 60e-6, 1, Fitness.POOR),
+        (PERIOD, 2 * PERIOD, 9, Fitness.POOR),
+        (1.01 * PERIOD, 2 * PERIOD, 99, Fitness.NO),
     ],
 )
 def test_wakeups_are_judged_by_the_period(p99, p999, missed, verdict):
     found = judge(Wakeups(PERIOD, 10_000, 1e-5, p99, p999, 3e-3, missed), "as it is")
     assert found.verdict is verdict
     assert f"{missed} of 10000 missed" in found.found
-    assert bool(found.mend) is (verdict is not Verdict.OK)
+    assert bool(found.mend) is (verdict is not Fitness.OK)
 
 
 def test_a_load_ends_with_its_measurement(monkeypatch):

@@ -4,8 +4,8 @@ from enum import StrEnum
 from typing import NamedTuple
 
 
-class Verdict(StrEnum):
-    """How well a computer suits a rig in one thing."""
+class Fitness(StrEnum):
+    """The fitness of a computer for a rig, in one thing."""
 
     OK = "ok"
     POOR = "poor"
@@ -14,7 +14,7 @@ class Verdict(StrEnum):
     """It does not run on hardware."""
 
 
-class Finding(NamedTuple):
+class Look(NamedTuple):
     """One thing that was looked at.
 
     Parameters
@@ -23,7 +23,7 @@ class Finding(NamedTuple):
         In a few words.
     found : str
         As it is.
-    verdict : Verdict
+    verdict : Fitness
         See there.
     mend : str
         The command that mends it, or a sentence; empty: nothing is to be mended.
@@ -31,5 +31,5 @@ class Finding(NamedTuple):
 
     what: str
     found: str
-    verdict: Verdict
+    verdict: Fitness
     mend: str = ""

@@ -8,7 +8,7 @@ import drivers.can.socketcan
 from rig.assembly import REGISTRY
 from rig.config import load_profile
 from rig.config.names import find_configs
-from rig.doctor.finding import Verdict
+from rig.doctor.look import Fitness
 from rig.doctor.wiring import look_at_wiring
 from rig.hal import ConnectionFailed
 
@@ -25,7 +25,7 @@ def test_a_bus_that_is_not_up_has_the_command_that_sets_it_up(monkeypatch):
     monkeypatch.setattr(drivers.can.socketcan, "open_socketcan", refuse)
     (found,) = look("cylinder")
     assert found == (
-        "bus can0, socketcan can0", "the interface is down", Verdict.NO,
+        "bus can0, socketcan can0", "the interface is down", Fitness.NO,
         "set it up with: ip 1000000",
     )  # fmt: skip
 
@@ -41,7 +41,7 @@ def test_a_bus_that_is_up_is_let_go_of(monkeypatch):
         drivers.can.socketcan, "open_socketcan", lambda *at: opened.append(at) or Bus()
     )
     (found,) = look("cylinder")
-    assert (found.verdict, opened) == (Verdict.OK, [("can0", 1_000_000), "let go"])
+    assert (found.verdict, opened) == (Fitness.OK, [("can0", 1_000_000), "let go"])
 
 
 def port(path):
@@ -54,15 +54,15 @@ def test_a_port_that_is_not_there_has_others_that_are(tmp_path):
     folder.mkdir()
     assert port("/dev/rig-none9").mend == "plug it in"
     found = port("/dev/null9")
-    assert (found.verdict, found.found) == (Verdict.NO, "is not there")
+    assert (found.verdict, found.found) == (Fitness.NO, "is not there")
     assert "/dev/null" in found.mend
 
 
 def test_a_port_that_may_not_be_opened_names_its_group(monkeypatch):
-    assert port("/dev/null").verdict is Verdict.OK
+    assert port("/dev/null").verdict is Fitness.OK
     monkeypatch.setattr(os, "access", lambda *_: False)
     found = port("/dev/null")
-    assert (found.verdict, found.found) == (Verdict.NO, "may not be opened")
+    assert (found.verdict, found.found) == (Fitness.NO, "may not be opened")
     assert found.mend.startswith("sudo usermod -aG root $USER")
 
 

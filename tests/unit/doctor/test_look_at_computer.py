@@ -9,7 +9,7 @@ import pytest
 
 from rig.doctor import computer
 from rig.doctor.computer import look_at_computer
-from rig.doctor.finding import Verdict
+from rig.doctor.look import Fitness
 
 Usage = collections.namedtuple("Usage", "total used free")
 
@@ -41,23 +41,23 @@ def test_a_real_time_kernel_is_told_from_another(tmp_path, system):
 
 def test_elsewhere_than_on_linux_nothing_is_run_on_hardware(tmp_path, system, monkeypatch):
     monkeypatch.setattr(computer.sys, "platform", "darwin")
-    assert look(tmp_path)["kernel"].verdict is Verdict.NO
+    assert look(tmp_path)["kernel"].verdict is Fitness.NO
 
 
 @pytest.mark.parametrize(
     ("governors", "verdict"),
-    [(["performance"] * 3, Verdict.OK), (["performance", "powersave"], Verdict.POOR)],
+    [(["performance"] * 3, Fitness.OK), (["performance", "powersave"], Fitness.POOR)],
 )
 def test_a_governor_that_saves_power_is_mended(tmp_path, system, governors, verdict):
-    assert look(tmp_path)["clock of the processors"].verdict is Verdict.OK
+    assert look(tmp_path)["clock of the processors"].verdict is Fitness.OK
     for k, name in enumerate(governors):
         system(f"devices/system/cpu/cpu{k}/cpufreq/scaling_governor", name)
     found = look(tmp_path)["clock of the processors"]
     assert found.verdict is verdict
-    assert ("cpupower frequency-set" in found.mend) is (verdict is Verdict.POOR)
+    assert ("cpupower frequency-set" in found.mend) is (verdict is Fitness.POOR)
 
 
-@pytest.mark.parametrize(("name", "verdict"), [("tsc", Verdict.OK), ("hpet", Verdict.POOR)])
+@pytest.mark.parametrize(("name", "verdict"), [("tsc", Fitness.OK), ("hpet", Fitness.POOR)])
 def test_a_slow_clock_is_told(tmp_path, system, name, verdict):
     system("devices/system/clocksource/clocksource0/current_clocksource", name)
     assert look(tmp_path)["clock source"].verdict is verdict
@@ -69,9 +69,9 @@ def test_real_time_that_is_refused_names_the_line_that_permits_it(tmp_path, syst
 
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     found = look(tmp_path, 80)["SCHED_FIFO at priority 80"]
-    assert (found.verdict, found.found) == (Verdict.POOR, "refused: Operation not permitted")
+    assert (found.verdict, found.found) == (Fitness.POOR, "refused: Operation not permitted")
     assert "rtprio 99" in found.mend
-    assert look(tmp_path, 0)["SCHED_FIFO at priority 0"].verdict is Verdict.OK
+    assert look(tmp_path, 0)["SCHED_FIFO at priority 0"].verdict is Fitness.OK
 
 
 def test_memory_that_may_not_be_locked_names_the_line_that_permits_it(
@@ -80,20 +80,20 @@ def test_memory_that_may_not_be_locked_names_the_line_that_permits_it(
     monkeypatch.setattr(os, "geteuid", lambda: 12345)
     monkeypatch.setattr(resource, "getrlimit", lambda _: (8 * 2**20, 8 * 2**20))
     found = look(tmp_path)["locked memory"]
-    assert (found.verdict, found.found) == (Verdict.POOR, "8 MiB at most")
+    assert (found.verdict, found.found) == (Fitness.POOR, "8 MiB at most")
     assert "12345 - memlock unlimited" in found.mend
     monkeypatch.setattr(resource, "getrlimit", lambda _: (resource.RLIM_INFINITY,) * 2)
-    assert look(tmp_path)["locked memory"].verdict is Verdict.OK
+    assert look(tmp_path)["locked memory"].verdict is Fitness.OK
 
 
 def test_a_full_disk_and_a_folder_of_somebody_elses_are_no(tmp_path, system, monkeypatch):
-    assert look(tmp_path)["room for runs"].verdict is Verdict.OK
+    assert look(tmp_path)["room for runs"].verdict is Fitness.OK
     monkeypatch.setattr(shutil, "disk_usage", lambda _: Usage(1, 1, 2**29))
     found = look(tmp_path)["room for runs"]
-    assert (found.verdict, found.found) == (Verdict.NO, "0.50 GiB")
+    assert (found.verdict, found.found) == (Fitness.NO, "0.50 GiB")
     monkeypatch.setattr(os, "access", lambda *_: False)
     found = look(tmp_path)["room for runs"]
-    assert (found.verdict, found.found) == (Verdict.NO, "may not be written")
+    assert (found.verdict, found.found) == (Fitness.NO, "may not be written")
     assert str(tmp_path) in found.mend
 
 
@@ -108,5 +108,5 @@ def test_a_library_that_is_missing_is_installed_by_its_name(tmp_path, system, mo
 
     monkeypatch.setattr(computer, "version", version)
     found = look(tmp_path)["versions"]
-    assert found.verdict is Verdict.NO
+    assert found.verdict is Fitness.NO
     assert found.mend.endswith("-m pip install canopen")
