@@ -6,6 +6,7 @@ COMMANDS = {
     "sweep": ("rig.cli.sweep:sweep", "Run an experiment under many settings, resumable."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "doctor": ("rig.cli.doctor:doctor", "Say what this computer lacks for a rig."),
+    "status": ("rig.cli.status:status", "Show how far a rig has come, and what comes next."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "tune": ("rig.cli.tune:tune", "Find gains that a rig and its uncertainty bear."),
     "reset": ("rig.cli.reset:reset", "Reset a rig's latched fault."),

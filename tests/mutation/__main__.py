@@ -9,6 +9,7 @@ import importlib
 import os
 import random
 import sys
+import tempfile
 import time
 from collections import Counter
 from functools import partial
@@ -29,6 +30,9 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the draw")
     parser.add_argument("--workers", type=int, default=os.cpu_count())
     asked = parser.parse_args()
+    # A mutant that looks for the user's folder elsewhere than the tests say must not find theirs.
+    home = tempfile.TemporaryDirectory()
+    os.environ["HOME"] = home.name
     from changes import mutants_of
     from equivalents import EQUIVALENTS
     from safety_core import SAFETY_CORE

@@ -1,0 +1,167 @@
+"""`rig status`: the whole state of a rig on one screen, and what comes next."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import click
+
+from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.config import Profile
+
+
+class Stage(NamedTuple):
+    """One stage on the way to a rig that tracks.
+
+    Parameters
+    ----------
+    what : str
+        Its name.
+    state : str
+        How far it has come.
+    remedy : str
+        The command that brings it further; empty: nothing is missing.
+    """
+
+    what: str
+    state: str
+    remedy: str = ""
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@out_option
+@set_option
+@configs_option
+@json_option
+def status(
+    rig: str, out: Path, overrides: tuple[str, ...], configs: Path | None, as_json: bool
+) -> int:
+    """Show how far RIG has come on its way to hardware, and which command comes next.
+
+    Nothing is opened: `rig doctor RIG` looks at the computer, `rig check RIG --on hardware` at
+    who answers.
+    """
+    from rig.assembly import REGISTRY
+    from rig.config import load_profile
+    from rig.config.names import find_configs
+
+    search = find_configs(configs)
+    profile = load_profile(rig, REGISTRY, overrides, search)
+    stages = [
+        _latch(profile),
+        *_calibrated(profile, search),
+        *_tuned(profile),
+        *_margins(profile),
+        *_last_runs(profile, out),
+    ]
+    following = next((stage.remedy for stage in stages if stage.remedy), "")
+    if as_json:
+        shown = {"stages": [stage._asdict() for stage in stages], "next": following or None}
+        print_data(json.dumps(shown, indent=2, ensure_ascii=False))
+        return 0
+    rows = [(stage.what, stage.state) for stage in stages]
+    print_tables([Table(f"{profile.name}, {profile.description}", ("what", "state"), rows)])
+    if following:
+        click.echo(f"next: {following}", err=True)
+    return 0
+
+
+def _latch(profile: Profile) -> Stage:
+    from rig.experiment.fault_latch import FaultLatch
+
+    reason = FaultLatch(profile.name).reason()
+    if reason is None:
+        return Stage("last fault", "none is latched")
+    return Stage("last fault", f"latched: {reason}", f"rig reset {profile.name}")
+
+
+def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Stage]:
+    """Return what each procedure has found, with its age, and whether hardware takes it."""
+    from rig.calibration import store
+    from rig.calibration.catalogue import procedures
+
+    stages = []
+    today = datetime.now(UTC).date()
+    for name, procedure in procedures(profile).items():
+        found = []
+        for target in procedure.targets(profile):
+            content = store.in_force(profile, search, target)
+            entries = [] if content is None else content["measured"]
+            found.append([entry for entry in entries if entry["procedure"] == name])
+        remedy = f"rig calibrate {profile.name} {name} --on hardware --yes {profile.name}"
+        if not all(found):
+            stages.append(Stage(f"calibrated: {name}", f"no ({procedure.title})", remedy))
+            continue
+        entries = [entry for of_target in found for entry in of_target]
+        date = min(str(entry["date"])[:10] for entry in entries)
+        until = min(str(entry.get("valid_until", "9999")) for entry in entries)
+        where = sorted({str(entry.get("backend", "nobody says where")) for entry in entries})
+        state = f"{date}, on {', '.join(where)}, until {until}"
+        if until < today.isoformat():
+            stages.append(Stage(f"calibrated: {name}", f"expired: {state}", f"{remedy} --replace"))
+        elif where != ["hardware"]:
+            state += ": hardware does not take it"
+            stages.append(Stage(f"calibrated: {name}", state, f"{remedy} --replace"))
+        else:
+            stages.append(Stage(f"calibrated: {name}", state))
+    return stages
+
+
+def _tuned(profile: Profile) -> list[Stage]:
+    from rig.assembly import REGISTRY
+    from rig.config.profile import TUNED
+
+    if REGISTRY.bench(profile.mechanism) is None:
+        return []
+    found = {
+        name.removeprefix(TUNED): calibration
+        for name, calibration in profile.calibrations.items()
+        if name.startswith(TUNED)
+    }
+    if not found:
+        state = "no: the profile's own gains are in force"
+        return [Stage("tuned", state, f"rig tune {profile.name}")]
+    return [
+        Stage(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
+        for law, calibration in found.items()
+    ]
+
+
+def _margins(profile: Profile) -> list[Stage]:
+    from rig.cli.loops import loops_of
+
+    tables, _ = loops_of(profile)
+    return [
+        Stage(f"loop of {name}",
+              f"stable: {stable}, crossover {crossover}, phase {phase}, more dead time: {delay}, "
+              f"sensitivity {sensitivity}")
+        for table in tables
+        for name, stable, crossover, phase, delay, sensitivity in table.rows
+    ]  # fmt: skip
+
+
+def _last_runs(profile: Profile, out: Path) -> list[Stage]:
+    """Return how the last runs of the rig ended, on hardware and in simulation."""
+    from rig.cli.listing import describe_run
+    from rig.cli.names import list_runs
+
+    runs = [run for run in map(describe_run, list_runs(out)) if run.rig == profile.name]
+    stages = []
+    for what, is_wanted in (("hardware", True), ("simulation", False)):
+        of = [run for run in runs if (run.backend == "hardware") is is_wanted]
+        if not of:
+            stages.append(Stage(f"last run on {what}" if is_wanted else "last simulated run", "-"))
+            continue
+        last = max(of, key=lambda run: run.started or "")
+        when = (last.started or "-")[:19].replace("T", " ")
+        title = f"last run on {what}" if is_wanted else "last simulated run"
+        stages.append(Stage(title, f"{last.status}, {last.experiment}, {when}, {last.path}"))
+    return stages

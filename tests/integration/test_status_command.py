@@ -1,0 +1,129 @@
+"""`rig status`: every stage of a rig on its way to hardware, and the command that comes next."""
+
+import json
+import shutil
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from rig.calibration import store
+from rig.cli.status import status
+from rig.experiment.fault_latch import FaultLatch
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+TODAY = datetime.now(UTC)
+PROCEDURES = {
+    "regulators": ("regulators",),
+    "encoders": ("encoder-agonist", "encoder-antagonist"),
+    "wires": ("cylinder",),
+    "response": ("cylinder",),
+    "friction": ("cylinder",),
+    "leak": ("cylinder",),
+}
+
+
+@pytest.fixture
+def configs(tmp_path):
+    shutil.copytree(CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration"))
+    return tmp_path / "configs"
+
+
+def keep(configs, *procedures, backend="hardware", days=365):
+    """Write calibrations that change nothing, as of so many procedures."""
+    until = (TODAY + timedelta(days=days)).date().isoformat()
+    date = TODAY.isoformat(timespec="seconds")
+    for target in {target for name in procedures for target in PROCEDURES[name]}:
+        measured = [
+            {"name": name, "value": 1.0, "unit": "1", "std": 0.1, "interval": [0.8, 1.2],
+             "procedure": name, "backend": backend, "date": date, "valid_until": until}
+            for name in procedures
+            if target in PROCEDURES[name]
+        ]  # fmt: skip
+        provenance = {
+            "procedure": procedures[-1], "date": date, "operator": "nobody", "backend": backend,
+            "valid_until": until,
+        }  # fmt: skip
+        content = {"values": {}, "measured": measured, "provenance": provenance}
+        store.write(configs, "cylinder", target, content)
+
+
+def show(configs, *words):
+    result = CliRunner().invoke(
+        status, ["cylinder", "--configs", str(configs), "--out", str(configs.parent), *words],
+        standalone_mode=False, catch_exceptions=False,
+    )  # fmt: skip
+    assert result.return_value == 0
+    return result
+
+
+def stages(configs):
+    found = json.loads(show(configs, "--json").stdout)
+    return {stage["what"]: stage["state"] for stage in found["stages"]}, found["next"]
+
+
+def test_a_fresh_rig_is_calibrated_first(configs):
+    found, following = stages(configs)
+    assert following == "rig calibrate cylinder regulators --on hardware --yes cylinder"
+    assert all(found[f"calibrated: {name}"].startswith("no (") for name in PROCEDURES)
+    assert found["last fault"] == "none is latched"
+    assert found["last run on hardware"] == "-"
+    assert "crossover" in found["loop of cascade"]
+    result = show(configs)
+    assert "next: rig calibrate cylinder regulators" in result.stderr
+
+
+def test_the_first_procedure_that_is_missing_comes_next(configs):
+    keep(configs, "regulators", "encoders", "wires")
+    found, following = stages(configs)
+    assert following == "rig calibrate cylinder response --on hardware --yes cylinder"
+    assert found["calibrated: wires"].startswith(f"{TODAY:%Y-%m-%d}, on hardware, until ")
+    assert found["calibrated: response"].startswith("no (")
+
+
+def test_a_rig_that_is_calibrated_is_tuned(configs):
+    keep(configs, *PROCEDURES)
+    found, following = stages(configs)
+    assert following == "rig tune cylinder"
+    assert found["tuned"].startswith("no")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [({"backend": "sim"}, "on sim"), ({"days": -1}, "expired: ")],
+)
+def test_what_hardware_does_not_take_comes_again(configs, changes, words):
+    keep(configs, *PROCEDURES, **changes)
+    found, following = stages(configs)
+    assert words in found["calibrated: regulators"]
+    assert following == "rig calibrate cylinder regulators --on hardware --yes cylinder --replace"
+
+
+def test_a_latched_fault_comes_before_everything(configs):
+    latch = FaultLatch("cylinder")
+    latch.set(Path("runs/last"), "the tube is off")
+    try:
+        found, following = stages(configs)
+    finally:
+        latch.clear()
+    assert found["last fault"].startswith("latched: the tube is off (")
+    assert following == "rig reset cylinder"
+
+
+def test_the_last_run_of_each_kind_is_shown(configs):
+    for name, backend, started, ending in (
+        ("early", "sim", "2026-01-01T00:00:00", "ok"),
+        ("later", "virtual", "2026-01-02T00:00:00", "fault"),
+        ("real", "hardware", "2026-01-01T12:00:00", "aborted"),
+    ):
+        folder = configs.parent / name
+        folder.mkdir()
+        manifest = {
+            "status": ending, "experiment": "cylinder-sine", "backend": backend,
+            "started": started, "rig": "cylinder",
+        }  # fmt: skip
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+    found, _ = stages(configs)
+    assert found["last simulated run"].startswith("fault, cylinder-sine, 2026-01-02 00:00:00, ")
+    assert found["last run on hardware"].startswith("aborted, cylinder-sine, 2026-01-01 12:00:00")
