@@ -406,6 +406,15 @@ def test_rods_that_move_against_their_pull_are_swapped(seed, turned):
     assert said in str(caught.value)
 
 
+def test_what_has_drifted_for_longer_than_is_remembered_is_judged_by_what_is():
+    rods = Rods(change=CHANGE)
+    rods.settle()
+    for _ in range(300):
+        rods.cycle(0.5 * CHANGE, 0.5 * CHANGE)
+    with pytest.raises(LimitExceeded, match="drifts or has a wrong scale"):
+        rods.cycle(1.5 * CHANGE, 1.5 * CHANGE)
+
+
 def test_the_speed_starts_anew_after_a_restart():
     """And is judged by the position, both ways."""
     watch = Rods().watch
