@@ -20,6 +20,7 @@ from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.kinematics import Dimensions, forward, singularity_indices
 from controllers.arm.law import AnyArmLaw, ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
+from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.region import (
     elbow_scale,
     pass_scale,
@@ -39,6 +40,12 @@ from controllers.arm.turn_back import (
 )
 from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
+
+
+_ELBOW = 2
+"""The place of q3 among the joints."""
+_RADIAL = 1.0 - 1e-9
+"""Cosine to the arm from which on a line is radial."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +82,12 @@ class EscPaper(ArmLaw[EscPaperSettings]):
 
     Settings = EscPaperSettings
     name = "esc-paper"
+    promises = Promises(path=True)
+
+    def promised(self, trajectory: Trajectory) -> Promises:
+        """Return what the law promises on a path: of q3 only while the tool does not turn."""
+        rates = (_ELBOW,) if trajectory.turn_rate == 0.0 else ()
+        return self.promises._replace(rates=rates)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""
@@ -162,7 +175,7 @@ class Esc(ArmLaw[EscSettings]):
     """The paper's law with what it lacks.
 
     Promises: the hand stays on its path; no joint exceeds its rate limit, at the elbow also while
-    the tool turns; q3 keeps its acceleration limit in the region on a radial line; the command's
+    the tool turns; q3 keeps its acceleration limit on a radial line to the boundary; the command's
     sign is kept on either side of the elbow; exact hits of shoulder and wrist are passed, and
     near misses take no longer than the rate limits require; a dwell has its exact length and
     never stops. Does not promise the accelerations of near misses: see `look-ahead`.
@@ -174,6 +187,20 @@ class Esc(ArmLaw[EscSettings]):
 
     Settings = EscSettings
     name = "esc"
+    promises = Promises(rates=ALL_JOINTS, path=True)
+
+    def promised(self, trajectory: Trajectory) -> Promises:
+        """Return what the law promises on a path: accelerations of q3 on a radial line."""
+        if not (
+            isinstance(trajectory, StraightTrajectory)
+            and trajectory.depth is None
+            and trajectory.turns_back
+            and trajectory.turn_rate == 0.0
+            and self.settings.limit_acceleration
+            and radial_share(self.arm, trajectory.start, trajectory.direction) > _RADIAL
+        ):
+            return self.promises
+        return self.promises._replace(accelerations=(_ELBOW,))
 
     def region(self, trajectory: StraightTrajectory) -> float:
         """Return sin q_s for a line."""

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.plan import ArmPlan, Sample, make_plan
+from controllers.arm.promises import Promises, check_promises
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
@@ -46,6 +47,8 @@ class ArmLaw(
     """
 
     name: ClassVar[str]
+    promises: ClassVar[Promises] = Promises()
+    """What every plan of it is held against."""
 
     def __init__(self, settings: Chosen, model: ArmGeometry, period: float) -> None:
         super().__init__(settings, model, period)
@@ -64,6 +67,11 @@ class ArmLaw(
         InfeasibleMotion
             The law cannot do the path.
         """
+
+    def promised(self, trajectory: Trajectory) -> Promises:
+        """Return what the law promises on a path."""
+        del trajectory
+        return self.promises
 
     def prepare(self, path: ArmPathSettings) -> ArmPlan:
         """Return the whole motion along a path, which `update` then follows.
@@ -86,6 +94,7 @@ class ArmLaw(
             end.outcome,
             end.marks,
         )
+        check_promises(self.geometry, trajectory, plan, self.promised(trajectory))
         self._trajectory = trajectory
         self._motion = None
         return plan

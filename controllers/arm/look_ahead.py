@@ -9,6 +9,7 @@ from annotated_types import Gt, Le
 from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, retime
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
@@ -49,6 +50,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
 
     Settings = LookAheadSettings
     name = "look-ahead"
+    promises = Promises(rates=ALL_JOINTS, accelerations=ALL_JOINTS, path=True)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""

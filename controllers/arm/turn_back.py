@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
-from controllers.arm.dwell import QuinticDwell, RampDwell
+from controllers.arm.dwell import QuinticDwell, RampDwell, integral_exact
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import advance_joints, bisect_period
 from controllers.arm.kinematics import Dimensions, forward, wrist_centre
@@ -217,26 +217,18 @@ def _dwell_instants(
 ) -> tuple[float, float, float]:
     """Return when the region is entered and left, and how long the way back takes from there, s.
 
-    The elbow's differential equation separates: the integral of b is that of ``dq3 / r_s``. If it
-    is not the one that the region takes (the Taylor expansion), the hand leaves when the elbow
-    is at its border, sooner or later than t_s.
+    The elbow's differential equation separates: the integral of b is that of ``dq3 / r_s``. A ramp
+    has the one that the region takes. The Taylor expansion has a little more: the hand leaves when
+    the elbow is at its border, sooner than t_s.
     """
-    from scipy.integrate import quad
     from scipy.optimize import brentq
 
-    from controllers.arm.dwell import integral_exact
-
     enter: float = time_at_depth(arm, trajectory, q_s)
-    needed = integral_exact(arm, q_s)
-    total = float(quad(profile.at, 0.0, profile.duration, limit=200, epsabs=1e-13)[0])
-    near = 0.03 * profile.duration
-
-    def missing(t: float) -> float:
-        return total + float(quad(profile.at, profile.duration, t, epsabs=1e-14)[0]) - needed
-
     stay = profile.duration
-    if abs(total - needed) > 1e-10 * needed:
-        stay = brentq(missing, profile.duration - near, profile.duration + near, xtol=1e-13)
+    if isinstance(profile, QuinticDwell):
+        needed = integral_exact(arm, q_s)
+        if profile.covered(stay) - needed > 1e-10 * needed:
+            stay = brentq(lambda t: profile.covered(t) - needed, 0.0, stay, xtol=1e-13)
     return enter, enter + stay, enter
 
 
