@@ -50,14 +50,12 @@ def check_promises(
     """
     _check(plan, promises.rates, plan.rates, geometry.rate_limits, "rad/s", 1.0, trajectory)
     limits = geometry.acceleration_limits
-    _check(
-        plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5, trajectory
-    )
+    _check(plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5, trajectory)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise InfeasibleMotion(
             f"after {plan.t[k]:.3f} s the hand would be {1e3 * plan.deviation[k]:.4g} mm off its "
-            f"path, more than {1e3 * _OFF_PATH:g} mm; a shorter period of the loop brings it nearer."
+            f"path, more than {1e3 * _OFF_PATH:g} mm; a shorter period brings it nearer."
         )
 
 

@@ -40,6 +40,8 @@ def pass_scale(index: float, half_width: float) -> float:
     ----------
     Miyata et al., below eq. (13): these are inside the workspace, so the absolute value is used.
     """
+    if half_width == 0.0:
+        return 1.0
     b, _ = turn_back_scale(index, half_width)
     return abs(b)
 

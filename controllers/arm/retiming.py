@@ -69,7 +69,7 @@ class Timing(NamedTuple):
 def retime(
     path: AxisPath,
     rate_limits: Sequence[float],
-    acceleration_limits: Sequence[float] | None,
+    acceleration_limits: Sequence[float] | Array | None,
 ) -> Timing:
     """Return the fastest timing.
 
@@ -86,7 +86,7 @@ def retime(
     s = s[np.concatenate(([True], np.diff(s) > 1e-9))]
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
     limits = _RATE_SHARE * np.array(rate_limits)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         greatest = np.min(limits / np.abs(tangent), axis=1)
         # The hand's own speeds, too.
         greatest = np.minimum(greatest, 1.0 / np.abs(path.way(s, 1)).max(axis=1))
@@ -112,7 +112,7 @@ def _reachable(s: Array, ceiling: Array, tangent: Array, bend: Array, allowed: A
     for ``|q' u + q'' x| <= a``; between two points x changes by ``2 ds u``.
     """
     ceiling = np.minimum(ceiling, _greatest_curved(tangent, bend, allowed))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         half = np.where(np.abs(tangent) > 1e-9, allowed / np.abs(tangent), np.inf)
         slope = np.where(np.abs(tangent) > 1e-9, bend / tangent, 0.0)
     halves, slopes, steps = half.tolist(), slope.tolist(), np.diff(s).tolist()
@@ -140,7 +140,7 @@ def _greatest_curved(tangent: Array, bend: Array, allowed: Array) -> Array:
     """Return the square of the speed beyond which no acceleration suits all joints."""
     n, joints = tangent.shape
     greatest = np.full(n, np.inf)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i in range(joints):
             alone = np.abs(tangent[:, i]) <= 1e-9
             bound = allowed[i] / np.abs(bend[:, i])
