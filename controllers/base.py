@@ -5,6 +5,7 @@ before it starts is a `PlanningLaw`. Their methods have defaults, so that nobody
 what a law may lack.
 """
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
@@ -86,7 +87,15 @@ class PlanningLaw(
     Law[Chosen, Model, Reference, State, Command],
     Generic[Chosen, Model, Reference, State, Command, Motion, Plan],
 ):
-    """A law that works out a whole motion before it starts, and follows it online."""
+    """A law that works out a whole motion before it starts, and follows it online.
+
+    Attributes
+    ----------
+    longest : float
+        A motion that takes longer is refused, s; who makes the law says it.
+    """
+
+    longest: float = math.inf
 
     @abstractmethod
     def prepare(self, motion: Motion) -> Plan:

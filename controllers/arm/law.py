@@ -12,6 +12,7 @@ from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
+from controllers.motion import check_length
 
 
 class MotionEnd:
@@ -34,6 +35,21 @@ class MotionEnd:
 
 
 Motion = Generator[Sample, None, None]
+
+
+def collected(motion: Motion, period: float, longest: float) -> list[Sample]:
+    """Return the samples of a motion that takes no longer than is permitted, s.
+
+    Raises
+    ------
+    LongMotion
+        It goes on; what it would have come to is not waited for.
+    """
+    samples: list[Sample] = []
+    for sample in motion:
+        check_length(len(samples) * period, longest)
+        samples.append(sample)
+    return samples
 
 
 class ArmLaw(
@@ -82,8 +98,9 @@ class ArmLaw(
             It cannot be done; the message says by how much.
         """
         trajectory = make_trajectory(self.arm, path)
+        check_length(trajectory.duration, self.longest)
         end = MotionEnd()
-        samples = list(self.move(trajectory, end))
+        samples = collected(self.move(trajectory, end), self.period, self.longest)
         plan = make_plan(
             self.name,
             self.geometry,

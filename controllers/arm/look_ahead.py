@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
+from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, retime
 from controllers.arm.trajectories import StraightTrajectory
@@ -90,7 +91,8 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
             return axis_path_of_line(self.arm, trajectory)
         esc = Esc(EscSettings(), self.geometry, _FINE)
-        return axis_path_of_motion(esc.move(trajectory, MotionEnd()), _FINE)
+        motion = esc.move(trajectory, MotionEnd())
+        return axis_path_of_motion(collected(motion, _FINE, self.longest), _FINE)
 
 
 def _accelerations(path: AxisPath, timing: Timing, period: float) -> Array:
@@ -102,9 +104,9 @@ def _accelerations(path: AxisPath, timing: Timing, period: float) -> Array:
     return np.asarray(steps / (t[1] - t[0]) if len(t) > 1 else steps, dtype=np.float64)
 
 
-def axis_path_of_motion(motion: Motion, period: float) -> AxisPath:
+def axis_path_of_motion(motion: list[Sample], period: float) -> AxisPath:
     """Return the joint path of a motion that may turn back, with the scales that it has."""
-    samples = list(motion)[:-1]
+    samples = motion[:-1]
     gone, turned = [0.0], [0.0]
     for a, b in pairwise(samples):
         gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))

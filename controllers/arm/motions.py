@@ -58,7 +58,7 @@ def dwell_motion(
         switch = switch._replace(rate=0.0)
     whole = integral_taylor(arm, q_s) if integral == "taylor" else integral_exact(arm, q_s)
     b = make_dwell(profile, whole, trajectory.dwell, switch)
-    return dwelling(arm, trajectory, q_s, b, law.period, end)
+    return dwelling(arm, trajectory, q_s, b, law, end)
 
 
 def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:

@@ -8,12 +8,12 @@ from controllers.arm.dwell import QuinticDwell, RampDwell, integral_exact
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import advance_joints, bisect_period, moved
 from controllers.arm.kinematics import Dimensions, forward, singularity_indices, wrist_centre
-from controllers.arm.law import Motion, MotionEnd
+from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
-from controllers.motion import InfeasibleMotion
+from controllers.motion import InfeasibleMotion, check_length
 
 Slowing = Callable[[Joints, Joints], float]
 _TOUCHING = 1e-6
@@ -202,7 +202,7 @@ def dwelling(
     trajectory: StraightTrajectory,
     q_s: float,
     profile: QuinticDwell | RampDwell,
-    period: float,
+    law: AnyArmLaw,
     end: MotionEnd,
 ) -> Motion:
     """Yield the motion to the region, a dwell in it, and the way back.
@@ -241,7 +241,8 @@ def dwelling(
                 t, known = border + (1e-12 if border == leave else 0.0), None
         return advance_joints(rates, t, q, until - t, known)
 
-    finish = leave + way_back
+    finish, period = leave + way_back, law.period
+    check_length(finish, law.longest)
     q, t = trajectory.start, 0.0
     command = Twist(linear, still)
     while t < finish:

@@ -27,7 +27,7 @@ from controllers.gait.types import (
     LegsReference,
     LegsState,
 )
-from controllers.motion import InfeasibleMotion
+from controllers.motion import InfeasibleMotion, check_length
 
 _REST: Joints = (0.0,) * 12
 _ROUNDING = 1e-9
@@ -109,7 +109,9 @@ class GaitLaw(
 
     def _prepare(self, motion: LegsMotion) -> GaitPlan:
         geometry = self.model.geometry
-        timed = _on_grid(geometry, motion.phases(geometry), self.period)
+        phases = motion.phases(geometry)
+        check_length(sum(phase.duration for phase in phases), self.longest)
+        timed = _on_grid(geometry, phases, self.period)
         make = self._pace_maker(timed, motion.speed)
         paces = [_make_pace(make, entry) for entry in timed]
         self._schedule = tuple(
