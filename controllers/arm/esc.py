@@ -26,7 +26,7 @@ from controllers.arm.region import (
     region_for_speed,
     region_for_twist,
 )
-from controllers.arm.retiming import follow_axis_path, retime
+from controllers.arm.retiming import follow_axis_path, retime_within
 from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import (
@@ -279,7 +279,7 @@ class Esc(ArmLaw[EscSettings]):
             return dwell_motion(self, trajectory, end, "exact", "ramp", natural=True)
         if not trajectory.turns_back:
             path = axis_path_of_line(self.arm, trajectory)
-            timing = retime(path, self.geometry.rate_limits, None)
+            timing = retime_within(path, self.geometry.rate_limits, None, self.period)
             return follow_axis_path(trajectory, path, timing, self.period, end)
         sin_qs = self.region(trajectory)
         check_turn_back(self.geometry, self.arm, trajectory, sin_qs)

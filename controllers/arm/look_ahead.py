@@ -6,23 +6,17 @@ from typing import Annotated
 
 import numpy as np
 from annotated_types import Gt, Le
-from numpy.typing import NDArray
 
 from controllers.arm.axis_path import AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
-from controllers.arm.retiming import Timing, follow_axis_path, retime
+from controllers.arm.retiming import Timing, follow_axis_path, retime_within
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.motion import InfeasibleMotion
 
-Array = NDArray[np.float64]
-
-_ROUNDS = 8
-_OVER = 5e-4
-"""By how much, relative, a joint may pass its acceleration limit between the grid's points."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
 
@@ -75,16 +69,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         """Return when the joint path is where."""
         rates = [self.settings.rate_share * limit for limit in self.geometry.rate_limits]
         allowed = self.settings.acceleration_share * np.array(self.geometry.acceleration_limits)
-        timing = retime(path, rates, allowed)
-        # The limits are met at the grid's points: past a near miss more is asked between them.
-        bounds = allowed.copy()
-        for _ in range(_ROUNDS):
-            over = _accelerations(path, timing, self.period) / allowed
-            if over.max() <= 1.0 + _OVER:
-                break
-            bounds /= np.maximum(over, 1.0)
-            timing = retime(path, rates, bounds)
-        return timing
+        return retime_within(path, rates, allowed, self.period)
 
     def axis_path(self, trajectory: Trajectory) -> AxisPath:
         """Return the joints along the path, whatever the time."""
@@ -93,15 +78,6 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         esc = Esc(EscSettings(), self.geometry, _FINE)
         motion = esc.move(trajectory, MotionEnd())
         return axis_path_of_motion(collected(motion, _FINE, self.longest), _FINE)
-
-
-def _accelerations(path: AxisPath, timing: Timing, period: float) -> Array:
-    """Return the greatest change of each joint's rate over a period, rad/s², shape (6,)."""
-    t = np.arange(0.0, timing.duration, period if period > 0.0 else _FINE)
-    s, speed = timing.at(t)
-    rates = path.joints(s, 1) * speed[:, None]
-    steps = np.abs(np.diff(rates, axis=0)).max(axis=0, initial=0.0)
-    return np.asarray(steps / (t[1] - t[0]) if len(t) > 1 else steps, dtype=np.float64)
 
 
 def axis_path_of_motion(motion: list[Sample], period: float) -> AxisPath:

@@ -32,6 +32,11 @@ _ACCELERATION_SHARE = 0.98
 """Of the acceleration limits that is used: they are met at the grid's points, not between them."""
 
 
+_ROUNDS = 8
+_OVER = 5e-4
+"""By how much, relative, a joint may pass a limit between the grid's points."""
+
+
 class Timing(NamedTuple):
     """The timing of an axis path.
 
@@ -68,7 +73,7 @@ class Timing(NamedTuple):
 
 def retime(
     path: AxisPath,
-    rate_limits: Sequence[float],
+    rate_limits: Sequence[float] | Array,
     acceleration_limits: Sequence[float] | Array | None,
 ) -> Timing:
     """Return the fastest timing.
@@ -98,6 +103,44 @@ def retime(
     mean = 0.5 * (speed[:-1] + speed[1:])
     t = np.concatenate(([0.0], np.cumsum(np.diff(s) / mean)))
     return Timing(s, t, speed)
+
+
+def retime_within(
+    path: AxisPath,
+    rate_limits: Sequence[float],
+    acceleration_limits: Sequence[float] | Array | None,
+    period: float,
+) -> Timing:
+    """Return the fastest timing whose samples, a period apart, keep the limits.
+
+    `retime` meets them at its grid's points. Past a near miss more may be asked between them: a
+    joint that passes its limit there is told a lower one.
+    """
+    rates = np.array(rate_limits)
+    accelerations = None if acceleration_limits is None else np.array(acceleration_limits)
+    timing = retime(path, rates, accelerations)
+    if period == 0.0:
+        return timing
+    told, told_accelerations = rates, accelerations
+    for _ in range(_ROUNDS):
+        t = np.arange(0.0, timing.duration, period)
+        s, speed = timing.at(t)
+        sampled = path.joints(s, 1) * speed[:, None]
+        mean = np.diff(path.joints(s), axis=0) / period
+        over = np.maximum(_most(sampled), _most(mean)) / rates
+        told = told / np.maximum(over, 1.0)
+        if accelerations is not None and told_accelerations is not None:
+            harder = _most(np.diff(sampled, axis=0)) / (period * accelerations)
+            told_accelerations = told_accelerations / np.maximum(harder, 1.0)
+            over = np.maximum(over, harder)
+        if over.max() <= 1.0 + _OVER:
+            break
+        timing = retime(path, told, told_accelerations)
+    return timing
+
+
+def _most(values: Array) -> Array:
+    return np.asarray(np.abs(values).max(axis=0, initial=0.0), dtype=np.float64)
 
 
 def velocity_limited_time(path: AxisPath, rate_limits: Sequence[float]) -> float:

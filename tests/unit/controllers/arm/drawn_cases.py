@@ -136,8 +136,7 @@ def faults_of(geometry, path, plan, rates, accelerations):
         faults.append("path")
     # The joints have to lead where their rates do: a jump of a position has no rate.
     jumps = np.abs(np.diff(q, axis=0) - 0.5 * h * (v[:-1] + v[1:]))[:-1]
-    if rates and jumps.max(initial=0.0) > 2.0 * h * limits.max():
-        faults.append("jump")
+    faults += [f"jump of q{j + 1}" for j in rates if jumps[:, j].max(initial=0) > h * limits[j]]
     return faults
 
 
