@@ -7,7 +7,7 @@ what a law may lack.
 
 import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 State = TypeVar("State", contravariant=True)
 Reference = TypeVar("Reference", contravariant=True)
@@ -96,6 +96,12 @@ class PlanningLaw(
     """
 
     longest: float = math.inf
+
+    def at_period(self, period: float) -> Self:
+        """Return the same law for a loop of another period, s."""
+        other = type(self)(self.settings, self.model, period)
+        other.longest = self.longest
+        return other
 
     @abstractmethod
     def prepare(self, motion: Motion) -> Plan:

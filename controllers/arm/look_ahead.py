@@ -1,5 +1,6 @@
 """The path known ahead: as fast as the joints' rates and accelerations allow."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated
@@ -7,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Gt, Le
 
-from controllers.arm.axis_path import AxisPath, axis_path_of_line
+from controllers.arm.axis_path import FINEST, AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
@@ -17,6 +18,8 @@ from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.motion import InfeasibleMotion
 
+_SHORTEST = 0.125
+"""Share of `_FINE` to which that period is shortened where the joints go fast."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
 
@@ -75,9 +78,17 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         """Return the joints along the path, whatever the time."""
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
             return axis_path_of_line(self.arm, trajectory)
-        esc = Esc(EscSettings(), self.geometry, _FINE)
-        motion = esc.move(trajectory, MotionEnd())
-        return axis_path_of_motion(collected(motion, _FINE, self.longest), _FINE)
+        samples, period = self._fine(trajectory, _FINE), _FINE
+        longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))
+        if longest > FINEST:
+            period *= max(FINEST / longest, _SHORTEST)
+            samples = self._fine(trajectory, period)
+        return axis_path_of_motion(samples, period)
+
+    def _fine(self, trajectory: Trajectory, period: float) -> list[Sample]:
+        """Return the motion of `esc` along the same path."""
+        esc = Esc(EscSettings(), self.geometry, period)
+        return collected(esc.move(trajectory, MotionEnd()), period, self.longest)
 
 
 def axis_path_of_motion(motion: list[Sample], period: float) -> AxisPath:

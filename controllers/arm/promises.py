@@ -23,7 +23,7 @@ _OFF_PATH = 1e-6
 
 
 class Promises(NamedTuple):
-    """What a law promises of a plan.
+    """The promises of a law about each of its plans.
 
     Parameters
     ----------

@@ -132,10 +132,10 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         """Have the law work out the whole motion; see `Mechanism.plan`."""
         if not isinstance(reference, GaitRequest):
             raise ValueError("the reference is not one for legs")
-        fine = _like(controller, min(_FINE, period)).prepare(reference)
+        fine = controller.at_period(min(_FINE, period)).prepare(reference)
         flat = None
         if reference.bob is not None:
-            flat = _like(controller, period).prepare(reference.without_bob())
+            flat = controller.at_period(period).prepare(reference.without_bob())
         return PlannedGait(controller.prepare(reference), fine, reference.distance, flat)
 
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
@@ -202,10 +202,3 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         if reference.follow:
             self._followed += 1
         return (*self.joint_row(state, reference, command, applied), *planned)
-
-
-def _like(controller: Any, period: float) -> Any:
-    """Return a law as another one is, with a period of its own."""
-    law = type(controller)(controller.settings, controller.model, period)
-    law.longest = controller.longest
-    return law
