@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, inverse
 from controllers.arm.kinematics import Dimensions
-from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints
 from controllers.motion import InfeasibleMotion
 
@@ -73,8 +73,8 @@ class AxisPath:
             yield tuple(q), tuple(rate)
 
 
-def axis_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> AxisPath:
-    """Return the joints along a line, through exact hits of shoulder and wrist.
+def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
+    """Return the joints along a path that is gone once, through exact hits of shoulder and wrist.
 
     The branch is the one that goes on: through an exact hit c or S5 changes its sign, past a near
     miss q1 or q4 swings round.

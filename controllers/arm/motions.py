@@ -125,5 +125,5 @@ def unknown_path(law: str, trajectory: Trajectory) -> InfeasibleMotion:
     """Return the refusal of a path of another kind."""
     return InfeasibleMotion(
         f"{law} plans lines and circles, not a {type(trajectory).__name__}; "
-        "inverse, dls and servo-halt follow any path."
+        "inverse, dls and servo-halt follow any path, look-ahead one through given places as well."
     )

@@ -6,7 +6,7 @@ joint accelerates by more than its bound.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Annotated, NamedTuple
@@ -16,10 +16,12 @@ from annotated_types import Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.bisection import bisect
-from controllers.gait.geometry import LegGeometry
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
+from controllers.gait.motions import LegsMotion
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
+from controllers.gait.plan import GaitPlan
 from controllers.gait.time_laws import PaceSummary
 from controllers.motion import InfeasibleMotion
 from controllers.reachable_speeds import reachable
@@ -30,6 +32,8 @@ _SAMPLES = 1200
 """Of a phase's curve, denser towards its ends."""
 _ROUNDS = 16
 """Halvings of the peak rate that is looked for."""
+_TRIES, _OVER = 8, 5e-4
+"""Times that a lower bound is tried, and by how much, relative, the bound may be passed."""
 _SHARE = 0.98
 """Of the acceleration that is used: it is met at the samples, not between them."""
 
@@ -56,11 +60,19 @@ class JointCurve(NamedTuple):
         Length, rad.
     tangent, bend : ndarray, shape (n, 12)
         First and second derivative of the joints by it.
+    joints : callable
+        Takes lengths, returns the joints there, rad.
     """
 
     s: Array
     tangent: Array
     bend: Array
+    joints: Callable[[Array], Array]
+
+    def hardest(self, lengths: Array, period: float) -> float:
+        """Return the greatest acceleration of a joint that goes so far in each cycle, rad/s²."""
+        rests = np.concatenate((lengths[:1], lengths, lengths[-1:]))
+        return float(np.abs(np.diff(self.joints(rests), 2, axis=0)).max()) / (period * period)
 
 
 class SmoothPace:
@@ -103,6 +115,19 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
         """Return the bound at a motion's speed, rad/s²."""
         return self.settings.acceleration * speed * speed
 
+    def _prepare(self, motion: LegsMotion) -> GaitPlan:
+        plan = super()._prepare(motion)
+        changes = np.abs(np.diff(plan.q_dot, axis=0, append=0.0)) / self.period
+        sample, joint = divmod(int(np.argmax(changes)), len(AXIS_NAMES))
+        hardest, bound = float(changes[sample, joint]), self.acceleration(motion.speed)
+        if hardest > (1.0 + 2.0 * _OVER) * bound:
+            raise InfeasibleMotion(
+                f"at {plan.t[sample]:.3f} s {AXIS_NAMES[joint]} would accelerate by "
+                f"{hardest:.4g} rad/s^2, beyond the bound of {bound:.4g} rad/s^2 (acceleration "
+                f"{self.settings.acceleration:g} rad/s^2 at a speed of 1)."
+            )
+        return plan
+
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
         geometry, allowed = self.model.geometry, self.acceleration(speed)
 
@@ -110,11 +135,17 @@ class SmoothLaw(GaitLaw[SmoothSettings]):
             shape = entry.phase._replace(duration=0.0)
             curve = _joint_curve(geometry, shape)
             duration = entry.cycles * self.period
-            t, speeds = _least_peak(geometry, shape, duration, allowed)
-            # The curve's own length is a little more than that of its chords.
-            stretch = entry.arcs.joint_length / float(curve.s[-1])
             at = self.period * np.arange(entry.cycles + 1, dtype=np.float64)
-            return SmoothPace(stretch * _gone(curve.s, t, speeds, at))
+            told = allowed
+            for _ in range(_TRIES):
+                t, speeds = _least_peak(geometry, shape, duration, told)
+                lengths = _gone(curve.s, t, speeds, at)
+                over = curve.hardest(lengths, self.period) / allowed
+                if over <= 1.0 + _OVER:
+                    break
+                told /= over  # the path has a corner in its curvature between two samples
+            # The curve's own length is a little more than that of its chords.
+            return SmoothPace(entry.arcs.joint_length / float(curve.s[-1]) * lengths)
 
         return make
 
@@ -132,7 +163,7 @@ def _joint_curve(geometry: LegGeometry, phase: GaitPhase) -> JointCurve:
     joints = joints[keep]
     s = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(joints, axis=0), axis=1))))
     spline = CubicSpline(s, joints)
-    return JointCurve(s, np.asarray(spline(s, 1)), np.asarray(spline(s, 2)))
+    return JointCurve(s, np.asarray(spline(s, 1)), np.asarray(spline(s, 2)), spline)
 
 
 @lru_cache(maxsize=256)

