@@ -5,8 +5,9 @@ before it starts is a `PlanningLaw`. Their methods have defaults, so that nobody
 what a law may lack.
 """
 
+import math
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 State = TypeVar("State", contravariant=True)
 Reference = TypeVar("Reference", contravariant=True)
@@ -86,7 +87,21 @@ class PlanningLaw(
     Law[Chosen, Model, Reference, State, Command],
     Generic[Chosen, Model, Reference, State, Command, Motion, Plan],
 ):
-    """A law that works out a whole motion before it starts, and follows it online."""
+    """A law that works out a whole motion before it starts, and follows it online.
+
+    Attributes
+    ----------
+    longest : float
+        A motion that takes longer is refused, s; who makes the law says it.
+    """
+
+    longest: float = math.inf
+
+    def at_period(self, period: float) -> Self:
+        """Return the same law for a loop of another period, s."""
+        other = type(self)(self.settings, self.model, period)
+        other.longest = self.longest
+        return other
 
     @abstractmethod
     def prepare(self, motion: Motion) -> Plan:

@@ -7,3 +7,29 @@ class InfeasibleMotion(ValueError):
     The message is a full sentence that names the number, its unit and its bound, and where there
     is one the least change of the request that would do.
     """
+
+
+class LongMotion(InfeasibleMotion):
+    """The requested motion takes longer than is permitted."""
+
+
+def check_length(duration: float, longest: float) -> None:
+    """Raise if a motion takes too long: its plan would not fit into memory, or never end.
+
+    Parameters
+    ----------
+    duration : float
+        At least so long it takes, s.
+    longest : float
+        That is permitted, s.
+
+    Raises
+    ------
+    LongMotion
+        With both.
+    """
+    if not duration <= longest:
+        raise LongMotion(
+            f"the motion takes at least {duration:.4g} s, the longest that is permitted is "
+            f"{longest:g} s."
+        )

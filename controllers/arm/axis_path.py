@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from controllers.arm.inverse import BRANCHES, OutOfReach, inverse
 from controllers.arm.kinematics import Dimensions
-from controllers.arm.trajectories import StraightTrajectory
+from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
 
-_FINEST = 4e-3
+FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
 path by less than 1e-9 m."""
 _COARSEST = 200
@@ -73,8 +73,8 @@ class AxisPath:
             yield tuple(q), tuple(rate)
 
 
-def axis_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> AxisPath:
-    """Return the joints along a line, through exact hits of shoulder and wrist.
+def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
+    """Return the joints along a path that is gone once, through exact hits of shoulder and wrist.
 
     The branch is the one that goes on: through an exact hit c or S5 changes its sign, past a near
     miss q1 or q4 swings round.
@@ -110,7 +110,7 @@ def axis_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> AxisPa
         q = solve(t, guess)
         moved = math.inf if q is None else math.dist(q, joints[-1])
         # A step is good if it is short and where the last two led: then the branch is right.
-        if q is None or moved > _FINEST or math.dist(q, guess) > 0.1 * _FINEST + 0.3 * moved:
+        if q is None or moved > FINEST or math.dist(q, guess) > 0.1 * FINEST + 0.3 * moved:
             if step > 1e-9 * last:
                 step *= 0.5 if q is not None else 0.77
                 continue
@@ -120,7 +120,7 @@ def axis_path_of_line(arm: Dimensions, trajectory: StraightTrajectory) -> AxisPa
             )
         nominal.append(t)
         joints.append(q)
-        step *= 1.6 if moved < 0.4 * _FINEST else 1.0
+        step *= 1.6 if moved < 0.4 * FINEST else 1.0
     return AxisPath(joints, nominal, nominal)
 
 

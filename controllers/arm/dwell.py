@@ -32,6 +32,11 @@ class Switch(NamedTuple):
 def elbow_at_depth(arm: Dimensions, depth: float) -> float:
     """Return q_s, the elbow's angle (rad) where the wrist is `depth` (m) inside the boundary.
 
+    Raises
+    ------
+    InfeasibleMotion
+        So deep the arm is folded, or it does not get there at all.
+
     Notes
     -----
     The paper's text swaps the two: q_s is in joint space, d_s in the workspace.
@@ -41,6 +46,12 @@ def elbow_at_depth(arm: Dimensions, depth: float) -> float:
     Miyata et al., eq. (18).
     """
     a2, a3 = arm.a2, arm.a3
+    folded = 2.0 * min(a2, a3)
+    if depth >= folded:
+        raise InfeasibleMotion(
+            f"a depth of {depth:g} m is no less than {folded:g} m, at which the arm is folded: "
+            f"there is no such region."
+        )
     square = depth * depth + 2.0 * a2 * a3 - 2.0 * depth * (a2 + a3)
     return math.acos(square / (2.0 * a2 * a3))
 
@@ -128,6 +139,14 @@ class QuinticDwell:
         """Return b at `t` seconds since the region was entered."""
         x = (t - self._half) ** 2
         return self.middle + x * (self._p + x * self._q)
+
+    def covered(self, t: float) -> float:
+        """Return the integral of b over the first `t` seconds."""
+        return self._odd(t - self._half) + self._odd(self._half)
+
+    def _odd(self, u: float) -> float:
+        x = u * u
+        return u * (self.middle + x * (self._p / 3.0 + x * self._q / 5.0))
 
 
 class RampDwell:

@@ -7,10 +7,12 @@ from typing import Any, ClassVar
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
 from controllers.arm.plan import ArmPlan, Sample, make_plan
+from controllers.arm.promises import Promises, check_promises
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
+from controllers.motion import check_length
 
 
 class MotionEnd:
@@ -35,6 +37,21 @@ class MotionEnd:
 Motion = Generator[Sample, None, None]
 
 
+def collected(motion: Motion, period: float, longest: float) -> list[Sample]:
+    """Return the samples of a motion that takes no longer than is permitted, s.
+
+    Raises
+    ------
+    LongMotion
+        It goes on; what it would have come to is not waited for.
+    """
+    samples: list[Sample] = []
+    for sample in motion:
+        check_length(len(samples) * period, longest)
+        samples.append(sample)
+    return samples
+
+
 class ArmLaw(
     PlanningLaw[Chosen, ArmGeometry, ArmReference, ArmState, ArmCommand, ArmPathSettings, ArmPlan]
 ):
@@ -46,6 +63,8 @@ class ArmLaw(
     """
 
     name: ClassVar[str]
+    promises: ClassVar[Promises] = Promises()
+    """What every plan of it is held against."""
 
     def __init__(self, settings: Chosen, model: ArmGeometry, period: float) -> None:
         super().__init__(settings, model, period)
@@ -65,6 +84,11 @@ class ArmLaw(
             The law cannot do the path.
         """
 
+    def promised(self, trajectory: Trajectory) -> Promises:
+        """Return what the law promises on a path."""
+        del trajectory
+        return self.promises
+
     def prepare(self, path: ArmPathSettings) -> ArmPlan:
         """Return the whole motion along a path, which `update` then follows.
 
@@ -74,8 +98,9 @@ class ArmLaw(
             It cannot be done; the message says by how much.
         """
         trajectory = make_trajectory(self.arm, path)
+        check_length(trajectory.duration, self.longest)
         end = MotionEnd()
-        samples = list(self.move(trajectory, end))
+        samples = collected(self.move(trajectory, end), self.period, self.longest)
         plan = make_plan(
             self.name,
             self.geometry,
@@ -86,6 +111,7 @@ class ArmLaw(
             end.outcome,
             end.marks,
         )
+        check_promises(self.geometry, trajectory, plan, self.promised(trajectory))
         self._trajectory = trajectory
         self._motion = None
         return plan

@@ -1,19 +1,26 @@
 """The path known ahead: as fast as the joints' rates and accelerations allow."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated
 
+import numpy as np
 from annotated_types import Gt, Le
 
-from controllers.arm.axis_path import AxisPath, axis_path_of_line
+from controllers.arm.axis_path import FINEST, AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
-from controllers.arm.law import ArmLaw, Motion, MotionEnd
-from controllers.arm.retiming import Timing, follow_axis_path, retime
+from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
+from controllers.arm.plan import Sample
+from controllers.arm.pose_trajectory import PoseTrajectory
+from controllers.arm.promises import ALL_JOINTS, Promises
+from controllers.arm.retiming import Timing, follow_axis_path, retime_within
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.motion import InfeasibleMotion
 
+_SHORTEST = 0.125
+"""Share of `_FINE` to which that period is shortened where the joints go fast."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
 
@@ -49,6 +56,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
 
     Settings = LookAheadSettings
     name = "look-ahead"
+    promises = Promises(rates=ALL_JOINTS, accelerations=ALL_JOINTS, path=True)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""
@@ -64,21 +72,31 @@ class LookAhead(ArmLaw[LookAheadSettings]):
     def timing(self, path: AxisPath) -> Timing:
         """Return when the joint path is where."""
         rates = [self.settings.rate_share * limit for limit in self.geometry.rate_limits]
-        share = self.settings.acceleration_share
-        accelerations = [share * limit for limit in self.geometry.acceleration_limits]
-        return retime(path, rates, accelerations)
+        allowed = self.settings.acceleration_share * np.array(self.geometry.acceleration_limits)
+        return retime_within(path, rates, allowed, self.period)
 
     def axis_path(self, trajectory: Trajectory) -> AxisPath:
         """Return the joints along the path, whatever the time."""
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
             return axis_path_of_line(self.arm, trajectory)
-        esc = Esc(EscSettings(), self.geometry, _FINE)
-        return axis_path_of_motion(esc.move(trajectory, MotionEnd()), _FINE)
+        if isinstance(trajectory, PoseTrajectory):
+            return axis_path_of_line(self.arm, trajectory)
+        samples, period = self._fine(trajectory, _FINE), _FINE
+        longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))
+        if longest > FINEST:
+            period *= max(FINEST / longest, _SHORTEST)
+            samples = self._fine(trajectory, period)
+        return axis_path_of_motion(samples, period)
+
+    def _fine(self, trajectory: Trajectory, period: float) -> list[Sample]:
+        """Return the motion of `esc` along the same path."""
+        esc = Esc(EscSettings(), self.geometry, period)
+        return collected(esc.move(trajectory, MotionEnd()), period, self.longest)
 
 
-def axis_path_of_motion(motion: Motion, period: float) -> AxisPath:
+def axis_path_of_motion(motion: list[Sample], period: float) -> AxisPath:
     """Return the joint path of a motion that may turn back, with the scales that it has."""
-    samples = list(motion)[:-1]
+    samples = motion[:-1]
     gone, turned = [0.0], [0.0]
     for a, b in pairwise(samples):
         gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))

@@ -18,6 +18,7 @@ from controllers.arm.integration import moved
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
+from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, Joints, Twist
 from controllers.arm.vectors import along, minus, rotation_error
@@ -139,6 +140,7 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
 
     Settings = DampedSettings
     name = "dls"
+    promises = Promises(rates=ALL_JOINTS)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period, once the damping is found."""
@@ -210,8 +212,8 @@ class ServoHaltSettings(InverseSettings):
 class ServoHalt(_InverseLaw[ServoHaltSettings]):
     """The plain inverse, with the hand's speed scaled to a halt before a singularity.
 
-    The rule and its thresholds are those of MoveIt Servo. Promises moderate rates by stopping: a
-    path through a singularity is not finished, and the plan's outcome is ``"halts"``.
+    The rule and its thresholds are those of MoveIt Servo. It halts before a singularity: a path
+    through one is not finished, and the plan's outcome is ``"halts"``. Promises no rates.
     """
 
     Settings = ServoHaltSettings

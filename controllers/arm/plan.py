@@ -106,6 +106,17 @@ class ArmPlan:
         return ArmReference(q, v, following)
 
     @property
+    def rates(self) -> Array:
+        """The greater of each joint's planned and its mean rate to the next row, rad/s."""
+        mean = np.diff(self.positions, axis=0, append=self.positions[-1:]) / self.period
+        return np.asarray(np.fmax(np.abs(self.velocities), np.abs(mean)), dtype=np.float64)
+
+    @property
+    def accelerations(self) -> Array:
+        """Change of each joint's velocity from row to row, but for the last, rad/s²."""
+        return np.asarray(np.diff(self.velocities[:-1], axis=0) / self.period, dtype=np.float64)
+
+    @property
     def peak_rates(self) -> Array:
         """Greatest speed of each joint, rad/s."""
         return np.asarray(np.abs(self.velocities).max(axis=0), dtype=np.float64)
@@ -113,8 +124,7 @@ class ArmPlan:
     @property
     def peak_accelerations(self) -> Array:
         """Greatest change of velocity from row to row, of each joint, rad/s²."""
-        steps = np.abs(np.diff(self.velocities[:-1], axis=0)).max(axis=0, initial=0.0)
-        return np.asarray(steps / self.period, dtype=np.float64)
+        return np.asarray(np.abs(self.accelerations).max(axis=0, initial=0.0), dtype=np.float64)
 
     @property
     def deviation(self) -> Array:

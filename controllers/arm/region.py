@@ -8,6 +8,7 @@ import math
 
 from controllers.arm.decomposition import Scale
 from controllers.arm.geometry import ArmGeometry
+from controllers.bisection import bisect
 
 
 def turn_back_scale(s3: float, sin_qs: float) -> tuple[float, float]:
@@ -39,6 +40,8 @@ def pass_scale(index: float, half_width: float) -> float:
     ----------
     Miyata et al., below eq. (13): these are inside the workspace, so the absolute value is used.
     """
+    if half_width == 0.0:
+        return 1.0
     b, _ = turn_back_scale(index, half_width)
     return abs(b)
 
@@ -98,16 +101,18 @@ def region_for_twist(geometry: ArmGeometry, speed: float, turn_rate: float) -> f
     -----
     With ``u = |S3| / sin q_s`` and ``f = (3 - u^2) / 2`` the elbow's rate is at most
     ``R f (|v| + d6 |w| u f) / (a2 a3 sin q_s)``; eq. (13) is its value at ``u = 0``, which is the
-    greatest one only if the tool does not turn.
+    greatest one only if the tool does not turn. Its slope in u falls from above zero to below it.
     """
     a2, a3, limit = geometry.a2, geometry.forearm, geometry.rate_limits[2]
     swing = geometry.d6 * turn_rate
-    greatest = 0.0
-    for k in range(1001):
-        u = k / 1000.0
-        f = 0.5 * (3.0 - u * u)
-        greatest = max(greatest, f * (speed + swing * u * f))
-    return (a2 + a3) / (a2 * a3 * limit) * greatest
+
+    def rises(u: float) -> bool:
+        square = u * u
+        return swing * (9.0 - square * (18.0 - 5.0 * square)) > 4.0 * speed * u
+
+    u = bisect(rises, 0.0, 1.0)[0] if swing else 0.0
+    f = 0.5 * (3.0 - u * u)
+    return (a2 + a3) / (a2 * a3 * limit) * f * (speed + swing * u * f)
 
 
 def region_for_acceleration(geometry: ArmGeometry, speed: float) -> float:

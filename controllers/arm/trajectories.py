@@ -122,6 +122,8 @@ class StraightTrajectory:
             return (arm.a2 + arm.a3) ** 2 - square, square - (arm.a2 - arm.a3) ** 2
 
         last = travel / self.speed
+        if last == math.inf:
+            return last
         step = last / 2000.0
         t = 0.0
         while margin(t + step)[0] > 0.0:

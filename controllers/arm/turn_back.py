@@ -4,19 +4,24 @@ import math
 from collections.abc import Callable
 
 from controllers.arm.decomposition import Scale, elbow_frame, joint_rates
-from controllers.arm.dwell import QuinticDwell, RampDwell
+from controllers.arm.dwell import QuinticDwell, RampDwell, integral_exact
 from controllers.arm.geometry import ArmGeometry
-from controllers.arm.integration import advance_joints, bisect_period
-from controllers.arm.kinematics import Dimensions, forward, wrist_centre
-from controllers.arm.law import Motion, MotionEnd
+from controllers.arm.integration import advance_joints, bisect_period, moved
+from controllers.arm.kinematics import Dimensions, forward, singularity_indices, wrist_centre
+from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
 from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
-from controllers.motion import InfeasibleMotion
+from controllers.motion import InfeasibleMotion, check_length
 
+Slowing = Callable[[Joints, Joints], float]
 _TOUCHING = 1e-6
 _TANGENTIAL = 1e-3
+_A_LITTLE = 1e-3
+"""s."""
+_AT_REST = 1e-6
+"""rad/s."""
 
 
 def check_turn_back(
@@ -42,6 +47,11 @@ def check_turn_back(
         raise InfeasibleMotion(
             f"the arm starts at the elbow's singularity (S3 = {s3:.2g}) and the command is {kind}."
         )
+    if abs(s3) < _TOUCHING:
+        raise InfeasibleMotion(
+            f"the arm starts folded (S3 = {s3:.2g}), on no side of the elbow that a sign could be "
+            f"kept of."
+        )
     if sin_qs > 1.0:
         limit = geometry.rate_limits[2]
         least = max(limit * sin_qs, least_rate(geometry, trajectory.speed))
@@ -61,6 +71,40 @@ def check_turn_back(
         )
 
 
+def check_start(arm: Dimensions, trajectory: StraightTrajectory, scale: Scale) -> None:
+    """Raise if the arm starts at the shoulder's or the wrist's singularity and has to turn there.
+
+    A command that asks nothing of the singular joint, there and a little later, is no reason.
+
+    Parameters
+    ----------
+    arm : Dimensions
+        The arm.
+    trajectory : StraightTrajectory
+        The line.
+    scale : Scale
+        Of the twist at the start.
+
+    Raises
+    ------
+    InfeasibleMotion
+        With the index and the joint.
+    """
+    q = trajectory.start
+    c, _, s5 = singularity_indices(arm, q)
+    rates = joint_rates(arm, q, *trajectory.command, scale)
+    after = joint_rates(arm, moved(q, rates, _A_LITTLE), *trajectory.command, scale)
+    for index, name, unit, joint in ((c, "shoulder", " m", 0), (s5, "wrist", "", 5)):
+        greatest = max(abs(rates[joint]), abs(after[joint]))
+        if abs(index) < _TOUCHING and greatest > _AT_REST:
+            symbol = "c" if joint == 0 else "S5"
+            raise InfeasibleMotion(
+                f"the arm starts at the {name}'s singularity ({symbol} = {index:.2g}{unit}) and "
+                f"the command asks q{joint + 1} to turn there: it would have to jump. Start with "
+                f"|{symbol}| of more than {_TOUCHING:g}{unit}."
+            )
+
+
 def radial_share(arm: Dimensions, q: Joints, direction: Vector) -> float:
     """Return the cosine between a direction and the wrist's, seen from the shoulder."""
     sine, cosine, _, _ = elbow_frame(arm, q[1], q[2])
@@ -73,7 +117,7 @@ def turn_back(
     trajectory: StraightTrajectory,
     sin_qs: float,
     side: float,
-    slow: Callable[[Joints], float],
+    slow: Slowing,
     period: float,
     end: MotionEnd,
 ) -> Motion:
@@ -90,7 +134,8 @@ def turn_back(
     side : float
         The elbow's, when it starts.
     slow : callable
-        What the rates (rad/s) are multiplied with beyond the region's scale: a change of time.
+        Takes joints (rad) and rates (rad/s); what the rates are multiplied with beyond the
+        region's scale: a change of time.
     period : float
         s.
     end : MotionEnd
@@ -106,7 +151,7 @@ def turn_back(
     def sample(q: Joints) -> Sample:
         scale = elbow_scale(q[2] + offset, sin_qs, side)
         plain = joint_rates(arm, q, linear, angular, scale)
-        share = slow(plain)
+        share = slow(q, plain)
         return Sample(
             q,
             plain if share == 1.0 else _times(plain, share),
@@ -157,7 +202,7 @@ def dwelling(
     trajectory: StraightTrajectory,
     q_s: float,
     profile: QuinticDwell | RampDwell,
-    period: float,
+    law: AnyArmLaw,
     end: MotionEnd,
 ) -> Motion:
     """Yield the motion to the region, a dwell in it, and the way back.
@@ -196,7 +241,8 @@ def dwelling(
                 t, known = border + (1e-12 if border == leave else 0.0), None
         return advance_joints(rates, t, q, until - t, known)
 
-    finish = leave + way_back
+    finish, period = leave + way_back, law.period
+    check_length(finish, law.longest)
     q, t = trajectory.start, 0.0
     command = Twist(linear, still)
     while t < finish:
@@ -217,26 +263,18 @@ def _dwell_instants(
 ) -> tuple[float, float, float]:
     """Return when the region is entered and left, and how long the way back takes from there, s.
 
-    The elbow's differential equation separates: the integral of b is that of ``dq3 / r_s``. If it
-    is not the one that the region takes (the Taylor expansion), the hand leaves when the elbow
-    is at its border, sooner or later than t_s.
+    The elbow's differential equation separates: the integral of b is that of ``dq3 / r_s``. A ramp
+    has the one that the region takes. The Taylor expansion has a little more: the hand leaves when
+    the elbow is at its border, sooner than t_s.
     """
-    from scipy.integrate import quad
     from scipy.optimize import brentq
 
-    from controllers.arm.dwell import integral_exact
-
     enter: float = time_at_depth(arm, trajectory, q_s)
-    needed = integral_exact(arm, q_s)
-    total = float(quad(profile.at, 0.0, profile.duration, limit=200, epsabs=1e-13)[0])
-    near = 0.03 * profile.duration
-
-    def missing(t: float) -> float:
-        return total + float(quad(profile.at, profile.duration, t, epsabs=1e-14)[0]) - needed
-
     stay = profile.duration
-    if abs(total - needed) > 1e-10 * needed:
-        stay = brentq(missing, profile.duration - near, profile.duration + near, xtol=1e-13)
+    if isinstance(profile, QuinticDwell):
+        needed = integral_exact(arm, q_s)
+        if profile.covered(stay) - needed > 1e-10 * needed:
+            stay = brentq(lambda t: profile.covered(t) - needed, 0.0, stay, xtol=1e-13)
     return enter, enter + stay, enter
 
 

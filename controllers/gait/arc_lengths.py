@@ -32,6 +32,8 @@ class Arcs(NamedTuple):
         Of the whole curve, extrapolated to infinitely many pieces, rad.
     steepest : float
         Greatest share that one joint has in the twelve joints' length.
+    shares : ndarray
+        The same of each piece.
     """
 
     path: Array
@@ -39,6 +41,7 @@ class Arcs(NamedTuple):
     joint_pieces: Array
     joint_length: float
     steepest: float
+    shares: Array
 
     @property
     def path_length(self) -> float:
@@ -71,11 +74,13 @@ def _measure(geometry: LegGeometry, phase: GaitPhase) -> Arcs:
     # A chord is short by its length cubed: the classical extrapolation from twice the step.
     total = float(np.sum(fine) + (np.sum(fine) - np.sum(coarse)) / 3.0)
     moving = fine > 0.0
-    steepest = float(np.max(np.abs(steps[moving]) / fine[moving, None])) if moving.any() else 0.0
+    shares = np.zeros(len(fine))
+    shares[moving] = np.max(np.abs(steps[moving]), axis=1) / fine[moving]
+    steepest = float(np.max(shares)) if moving.any() else 0.0
     middle = 0.5 * (xi[:-1] + xi[1:])
     speeds = [
         np.array([curve.speed(x) for x in points.tolist()]) for points in (xi[:-1], middle, xi[1:])
     ]
     pieces = np.diff(xi) * (speeds[0] + 4.0 * speeds[1] + speeds[2]) / 6.0
     scaled = fine * (total / float(np.sum(fine))) if moving.any() else fine
-    return Arcs(xi, pieces, scaled, total, steepest)
+    return Arcs(xi, pieces, scaled, total, steepest, shares)

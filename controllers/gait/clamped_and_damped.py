@@ -56,6 +56,7 @@ class ClampedLaw(RivalLaw[NoSettings]):
 
     Settings = NoSettings
     name = "clamp"
+    keeps_rates = True
 
     def _next(self, curve: PhaseCurve) -> Joints:
         most = self.model.geometry.max_rate * self.period

@@ -27,9 +27,11 @@ from controllers.gait.types import (
     LegsReference,
     LegsState,
 )
-from controllers.motion import InfeasibleMotion
+from controllers.motion import InfeasibleMotion, check_length
 
 _REST: Joints = (0.0,) * 12
+_RATE_SHARE = 1e-3
+"""By which a joint may pass its greatest rate, relative: what servos do not resolve."""
 _ROUNDING = 1e-9
 """By which a joint may pass its limit, rad."""
 
@@ -78,6 +80,8 @@ class GaitLaw(
     """
 
     name: ClassVar[str]
+    keeps_rates: ClassVar[bool] = False
+    """Whether every plan of it keeps the joints' greatest rate."""
 
     def __init__(self, settings: Chosen, model: GaitModel, period: float) -> None:
         super().__init__(settings, model, period)
@@ -101,15 +105,22 @@ class GaitLaw(
         """
         try:
             if isinstance(motion, WalkSettings) and motion.fastest:
-                motion = fastest(self._prepare, motion)
+                motion = fastest(self._prepare_within_rates, motion)
             return self._prepare(motion)
         except InfeasibleMotion:
             self._schedule = ()  # what was refused must not run
             raise
 
+    def _prepare_within_rates(self, motion: LegsMotion) -> GaitPlan:
+        plan = self._prepare(motion)
+        check_rates(plan, motion.speed)
+        return plan
+
     def _prepare(self, motion: LegsMotion) -> GaitPlan:
         geometry = self.model.geometry
-        timed = _on_grid(geometry, motion.phases(geometry), self.period)
+        phases = motion.phases(geometry)
+        check_length(sum(phase.duration for phase in phases), self.longest)
+        timed = _on_grid(geometry, phases, self.period)
         make = self._pace_maker(timed, motion.speed)
         paces = [_make_pace(make, entry) for entry in timed]
         self._schedule = tuple(
@@ -118,6 +129,8 @@ class GaitLaw(
         )
         plan = self._sample(timed, paces)
         self._check(plan)
+        if self.keeps_rates:
+            check_rates(plan, motion.speed)
         self._restart()
         return plan
 
@@ -218,9 +231,13 @@ class GaitLaw(
         worst, joint = divmod(int(np.argmax(beyond)), len(AXIS_NAMES))
         if beyond[worst, joint] > _ROUNDING:
             low, high = np.degrees(limits[joint]).tolist()
+            angle = math.degrees(plan.q[worst, joint])
+            shown = f"{angle:.3f}"
+            if low <= float(shown) <= high:
+                shown = f"{angle:.3g}"
             raise InfeasibleMotion(
-                f"at {plan.t[worst]:.3f} s {AXIS_NAMES[joint]} would be at "
-                f"{math.degrees(plan.q[worst, joint]):.3f} deg, outside {low:g} … {high:g} deg."
+                f"at {plan.t[worst]:.3f} s {AXIS_NAMES[joint]} would be at {shown} deg, outside "
+                f"{low:g} … {high:g} deg."
             )
         bound = self.model.balance.min_margin
         worst = int(np.argmin(plan.balance.margin))
@@ -236,6 +253,27 @@ class GaitLaw(
     @staticmethod
     def _name_at(plan: GaitPlan, sample: int) -> str:
         return plan.phases[int(plan.phase_number[sample])].phase.name
+
+
+def check_rates(plan: GaitPlan, speed: float) -> None:
+    """Raise if a joint passes its greatest rate.
+
+    Raises
+    ------
+    InfeasibleMotion
+        With the joint, the instant, the rate, and the speed of the motion at which it would fit
+        if its rates were in proportion.
+    """
+    limit = plan.geometry.max_rate
+    sample, joint = divmod(int(np.argmax(np.abs(plan.q_dot))), len(AXIS_NAMES))
+    worst = abs(float(plan.q_dot[sample, joint]))
+    if worst > (1.0 + _RATE_SHARE) * limit:
+        phase = plan.phases[int(plan.phase_number[sample])].phase.name
+        raise InfeasibleMotion(
+            f"at {plan.t[sample]:.3f} s ({phase}) {AXIS_NAMES[joint]} would need {worst:.4g} "
+            f"rad/s, beyond its limit of {limit:.4g} rad/s; at a speed of "
+            f"{0.999 * speed * limit / worst:.4g} instead of {speed:.4g} it would fit."
+        )
 
 
 def _on_grid(

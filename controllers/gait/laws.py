@@ -42,7 +42,10 @@ class InverseLaw(GaitLaw[NoSettings]):
 
 
 class MinimumJerkLaw(GaitLaw[NoSettings]):
-    """The rival: minimum-jerk timing of the path, by the closed-form inverse."""
+    """The rival: minimum-jerk timing of the path, by the closed-form inverse.
+
+    Does not promise the joints' rates, but where the fastest walk is looked for.
+    """
 
     Settings = NoSettings
     name = "min-jerk"
@@ -71,6 +74,8 @@ class LimitedNormSettings:
 class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
     """The singularity-consistent law: constant path speed, with the joints' norm bounded.
 
+    Promises that no joint passes its greatest rate, nor all of them the bound of their norm.
+
     References
     ----------
     Kameta et al., section 4 and Fig. 4 (b).
@@ -78,6 +83,7 @@ class LimitedNormLaw(GaitLaw[LimitedNormSettings]):
 
     Settings = LimitedNormSettings
     name = "sc"
+    keeps_rates = True
 
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
         wanted = self.settings.norm_rate
@@ -110,7 +116,11 @@ class TrapezoidNormSettings:
 
 
 class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
-    """The singularity-consistent law with a trapezoid of the joints' norm: no jump of the rates.
+    """The singularity-consistent law with a trapezoid of the joints' norm.
+
+    Promises that no joint passes its greatest rate, and that their norm does not jump. Does not
+    bound accelerations: where the joints' curve turns round, a joint does within a sample or two.
+    See `sc-smooth`.
 
     References
     ----------
@@ -119,13 +129,13 @@ class TrapezoidNormLaw(GaitLaw[TrapezoidNormSettings]):
 
     Settings = TrapezoidNormSettings
     name = "sc-trapezoid"
+    keeps_rates = True
 
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
         ramp = self.settings.ramp / speed
         most = self.model.geometry.max_rate
 
         def make(entry: TimedPhase) -> TimeLaw:
-            limit = most / entry.arcs.steepest
-            return TrapezoidNormPace(entry.arcs, entry.cycles, self.period, ramp, limit)
+            return TrapezoidNormPace(entry.arcs, entry.cycles, self.period, ramp, most)
 
         return make

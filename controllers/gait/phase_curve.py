@@ -109,12 +109,22 @@ class PhaseCurve:
         return norm, speed
 
     def follow_joints(self, length: float) -> None:
-        """Go on by a length of the curve of all twelve joints, rad."""
-        self.joints, self.velocities, self.path, outcome = self._follow(
+        """Go on by a length of the curve of all twelve joints, rad, at most to the phase's end.
+
+        What rounding leads beyond it would bend a straight knee backwards.
+        """
+        if self.path >= 1.0:
+            self.velocities = _REST
+            return
+        joints, velocities, path, outcome = self._follow(
             self.joints, self.path, length, False, self._period
         )
         if outcome:
             self._refuse(outcome)
+        if path > 1.0:
+            self.finish()
+        else:
+            self.joints, self.velocities, self.path = joints, velocities, path
 
     def follow_path(self, length: float) -> None:
         """Go on by a length of the path, m; not where a leg is straight."""

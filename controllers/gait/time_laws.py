@@ -145,15 +145,19 @@ class LimitedNormPace:
             curve.finish()
             return
         norm, path = curve.rates()
+        step = min(self._norm_rate * self._period, max(self._left, 0.0))
         if self._speed * norm < self._norm_rate * path:
+            joints, xi = curve.joints, curve.path
             curve.follow_path(self._speed * self._period)
-            norm_after, path_after = curve.rates()
-            per_path = 0.5 * (norm / path + norm_after / path_after)
-            self._left -= self._speed * self._period * per_path
-        else:
-            step = min(self._norm_rate * self._period, max(self._left, 0.0))
-            curve.follow_joints(step)
-            self._left -= step
+            if math.dist(curve.joints, joints) <= self._norm_rate * self._period:
+                norm_after, path_after = curve.rates()
+                per_path = 0.5 * (norm / path + norm_after / path_after)
+                self._left -= self._speed * self._period * per_path
+                return
+            # The norm reaches its bound within this period.
+            curve.joints, curve.path = joints, xi
+        curve.follow_joints(step)
+        self._left -= step
 
     def _reach_unraised(self, duration: float) -> float:
         """Return the share of the path that is done in time (s) if the speed is not raised."""
@@ -196,8 +200,8 @@ class TrapezoidNormPace:
         s.
     ramp : float
         Of the trapezoid's sides, s; at most half the phase.
-    most : float
-        Norm of the joint rates at which a joint would reach its greatest rate, rad/s.
+    max_rate : float
+        Greatest rate of a joint, rad/s.
 
     Raises
     ------
@@ -209,7 +213,9 @@ class TrapezoidNormPace:
     Kameta et al., section 5: trapezoidal interpolation of the joint-rate norm.
     """
 
-    def __init__(self, arcs: Arcs, cycles: int, period: float, ramp: float, most: float) -> None:
+    def __init__(
+        self, arcs: Arcs, cycles: int, period: float, ramp: float, max_rate: float
+    ) -> None:
         duration = cycles * period
         self._ramp = min(ramp, 0.5 * duration)
         self._duration = duration
@@ -217,7 +223,14 @@ class TrapezoidNormPace:
         self._cycles = cycles
         self._norm_rate = arcs.joint_length / (duration - self._ramp)
         self.summary = PaceSummary(self._norm_rate)
-        if self._norm_rate > most:
+        if self._norm_rate * arcs.steepest > max_rate and not self._keeps(
+            arcs, self._norm_rate, max_rate
+        ):
+            most = bisect(
+                lambda norm: self._keeps(arcs, norm, max_rate),
+                max_rate / arcs.steepest,
+                self._norm_rate,
+            )[0]
             raise InfeasibleMotion(
                 f"the joint rates would reach a norm of {self._norm_rate:.4g} rad/s, at which one "
                 f"joint passes its limit ({most:.4g} rad/s); the phase needs at least "
@@ -231,6 +244,16 @@ class TrapezoidNormPace:
             return
         t = cycle * self._period
         curve.follow_joints(self._covered(t + self._period) - self._covered(t))
+
+    def _keeps(self, arcs: Arcs, norm_rate: float, max_rate: float) -> bool:
+        """Return whether no joint passes its rate: its share counts where the norm is that high."""
+        gone = np.concatenate(([0.0], np.cumsum(arcs.joint_pieces)))
+        left = gone[-1] - gone
+        norms = np.full(len(arcs.shares), norm_rate)
+        if self._ramp > 0.0:
+            farthest = np.minimum(gone[1:], left[:-1])  # of a piece's points from the nearer end
+            norms = np.minimum(norms, np.sqrt(2.0 * norm_rate * farthest / self._ramp))
+        return bool(np.all(norms * arcs.shares <= max_rate))
 
     def _covered(self, t: float) -> float:
         ramp, left = self._ramp, self._duration - t

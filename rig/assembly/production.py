@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from controllers.motion import InfeasibleMotion
+from controllers.base import PlanningLaw
+from controllers.motion import InfeasibleMotion, LongMotion, check_length
 from rig.assembly.answers import check_motion
 from rig.assembly.contract_check import check_offers, make
 from rig.assembly.registry import REGISTRY
@@ -117,6 +118,8 @@ def make_controller(profile: Profile, name: str) -> Any:
     except InfeasibleMotion as error:
         raise MotionRefused(str(error)) from error
     check_offers(what, made, view.law)
+    if isinstance(made, PlanningLaw):
+        made.longest = profile.loop.longest_motion
     made.compile()
     return made
 
@@ -130,10 +133,18 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
         The rig cannot or must not move so.
     """
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
+    longest = profile.loop.longest_motion
     try:
+        if Motion in type(reference).__mro__:
+            check_length(reference.duration, longest)
         motion: Motion[object] = mechanism.plan(
             profile.mechanism_settings, reference, controller, profile.loop.period
         )
+        check_length(motion.duration, longest)
+    except LongMotion as error:
+        raise MotionRefused(
+            f"{str(error).removesuffix('.')} (loop.longest_motion of the profile)."
+        ) from error
     except ValueError as error:
         raise MotionRefused(str(error)) from error
     what = f"the motion that the mechanism {profile.mechanism} has planned"

@@ -35,6 +35,9 @@ class LoopSettings:
     safe_within : float
         For how long at most the safe setpoints are repeated until the devices' own readings say
         that they are safe; else the run ends with a fault. Chambers vent in some 0.3 s.
+    longest_motion : float
+        A motion that takes longer is refused, s: one that is asked for by mistake would fill
+        memory while it is planned, or run until the disk is full.
     """
 
     rate: Annotated[float, Unit("Hz"), Interval(ge=1, le=5000)]
@@ -43,6 +46,7 @@ class LoopSettings:
     spin: bool = False
     max_missed: Annotated[int, Interval(ge=1, le=1000)] = 5
     safe_within: Annotated[float, Unit("s"), Interval(ge=0, le=10)] = 1.0
+    longest_motion: Annotated[float, Unit("s"), Interval(gt=0, le=604800)] = 1800.0
 
     @property
     def period(self) -> float:

@@ -56,6 +56,7 @@ def test_rates_of_the_other_laws(tmp_path, law):
         ("legs-walk", "legs-can"),
         ("legs-walk-fast", "legs"),
         ("legs-walk-fast", "legs-can"),
+        ("legs-walk-smooth", "legs"),
         ("legs-walk-bob", "legs"),
         ("legs-squat", "legs"),
         ("legs-squat", "legs-can"),

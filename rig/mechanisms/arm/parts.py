@@ -22,6 +22,7 @@ PARTS = MechanismParts(
         "arm-dwell": f"{_HERE}.references:DwellLine",
         "arm-circle": f"{_HERE}.references:Circle",
         "arm-line": f"{_HERE}.references:Line",
+        "arm-path": f"{_HERE}.references:PosePath",
     },
     plants={
         "arm": PlantModel(

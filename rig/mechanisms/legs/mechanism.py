@@ -132,13 +132,10 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         """Have the law work out the whole motion; see `Mechanism.plan`."""
         if not isinstance(reference, GaitRequest):
             raise ValueError("the reference is not one for legs")
-        law = type(controller)
-        fine = law(controller.settings, controller.model, min(_FINE, period)).prepare(reference)
+        fine = controller.at_period(min(_FINE, period)).prepare(reference)
         flat = None
         if reference.bob is not None:
-            flat = law(controller.settings, controller.model, period).prepare(
-                reference.without_bob()
-            )
+            flat = controller.at_period(period).prepare(reference.without_bob())
         return PlannedGait(controller.prepare(reference), fine, reference.distance, flat)
 
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:

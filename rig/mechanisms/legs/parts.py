@@ -13,6 +13,7 @@ PARTS = MechanismParts(
         "inverse": f"{_LAWS}.laws:InverseLaw",
         "sc": f"{_LAWS}.laws:LimitedNormLaw",
         "sc-trapezoid": f"{_LAWS}.laws:TrapezoidNormLaw",
+        "sc-smooth": f"{_LAWS}.smooth:SmoothLaw",
         "min-jerk": f"{_LAWS}.laws:MinimumJerkLaw",
         "clamp": f"{_LAWS}.clamped_and_damped:ClampedLaw",
         "dls": f"{_LAWS}.clamped_and_damped:DampedLaw",

@@ -206,7 +206,7 @@ def test_trapezoid_is_refused_where_a_joint_cannot_be_that_fast():
     model = GaitModel(LegGeometry(max_rate=0.2), BalanceSettings())
     law = TrapezoidNormLaw(TrapezoidNormSettings(), model, 5e-3)
     with pytest.raises(
-        InfeasibleMotion, match=r"^shift 1: .* 0\.3092 rad/s.* at least 7\.437 s instead of 6 s"
+        InfeasibleMotion, match=r"^shift 1: .* 0\.3092 rad/s.* at least 7\.363 s instead of 6 s"
     ):
         law.prepare(WalkSettings())
 

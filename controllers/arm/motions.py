@@ -1,0 +1,129 @@
+"""Motions that both singularity-consistent laws make alike: dwells, circles, lines past."""
+
+from collections.abc import Callable
+from typing import Literal
+
+from controllers.arm.circles import elbow_circle_rates, elbow_rate, shoulder_circle_rates
+from controllers.arm.decomposition import Scale, full_scale
+from controllers.arm.dwell import (
+    elbow_at_depth,
+    integral_exact,
+    integral_taylor,
+    make_dwell,
+    switch_of,
+)
+from controllers.arm.integration import advance_joints, bisect_period
+from controllers.arm.inverse import branch_of, inverse
+from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
+from controllers.arm.plan import Sample
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectory import Trajectory
+from controllers.arm.turn_back import check_start, dwelling, radial_share, time_at_depth
+from controllers.arm.types import AT_REST, Joints
+from controllers.motion import InfeasibleMotion
+
+
+def dwell_motion(
+    law: AnyArmLaw,
+    trajectory: StraightTrajectory,
+    end: MotionEnd,
+    integral: Literal["taylor", "exact"],
+    profile: Literal["quintic", "ramp"],
+    *,
+    natural: bool,
+) -> Motion:
+    """Return a line to the boundary and back that stays near it; see `dwelling`.
+
+    Raises
+    ------
+    InfeasibleMotion
+        It starts too near, goes along the boundary, or would have to stop.
+    """
+    arm = law.arm
+    assert trajectory.depth is not None
+    q_s = elbow_at_depth(arm, trajectory.depth)
+    enter = time_at_depth(arm, trajectory, q_s)
+    check_start(arm, trajectory, full_scale(arm, trajectory.start))
+    # The direction at the border, seen by an arm that is moved there in its plane's geometry.
+    at_border = forward_along(trajectory, arm, enter)
+    cosine = radial_share(arm, at_border, trajectory.direction)
+    if cosine < 0.05:
+        raise InfeasibleMotion(
+            f"the line enters the region almost along the boundary (cosine {cosine:.3f} to the "
+            f"arm): eq. (14) needs a radial share, which would vanish within the region."
+        )
+    switch = switch_of(arm, q_s, trajectory.speed, cosine)
+    if not natural:
+        switch = switch._replace(rate=0.0)
+    whole = integral_taylor(arm, q_s) if integral == "taylor" else integral_exact(arm, q_s)
+    b = make_dwell(profile, whole, trajectory.dwell, switch)
+    return dwelling(arm, trajectory, q_s, b, law, end)
+
+
+def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:
+    """Return the joints at a nominal time on the way out, on the branch of the start."""
+    return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
+
+
+def circle_motion(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:
+    """Yield a circle through a singularity, at full speed throughout.
+
+    References
+    ----------
+    Miyata et al., eq. (7)-(10).
+    """
+    arm, settings = law.arm, trajectory.settings
+    side = float(settings.side)
+
+    def rates(t: float, q: Joints) -> Joints:
+        velocity = trajectory.wrist_velocity(t)
+        if settings.through == "shoulder":
+            return shoulder_circle_rates(arm, q, velocity, settings.rate)
+        elbow = elbow_rate(
+            arm, trajectory.r1, trajectory.r2, trajectory.gamma(t), settings.rate, q[2], side
+        )
+        return elbow_circle_rates(arm, q, velocity, elbow)
+
+    return integrated_motion(law, trajectory, rates, lambda _: Scale(1.0, 1.0, 0.0), end)
+
+
+def integrated_motion(
+    law: AnyArmLaw,
+    trajectory: Trajectory,
+    rates: Callable[[float, Joints], Joints],
+    scale_at: Callable[[Joints], Scale],
+    end: MotionEnd,
+) -> Motion:
+    """Yield a motion to the end of a path that is followed one way."""
+    period, arm = law.period, law.arm
+    q, t = trajectory.start, 0.0
+    straight = trajectory if isinstance(trajectory, StraightTrajectory) else None
+    length = trajectory.speed * trajectory.duration
+    longest = trajectory.duration if straight is None else 8.0 * trajectory.duration
+
+    def left(t: float, q: Joints) -> float:
+        if straight is None:
+            return trajectory.duration - t
+        return length - straight.distance(forward(arm, q).position)
+
+    while t < longest:
+        scale, now = scale_at(q), rates(t, q)
+        command = trajectory.twist(t)
+        yield Sample(q, now, scale.linear, scale.angular, command)
+        after = advance_joints(rates, t, q, period, now)
+        if left(t + period, after) <= 0.0:
+            last, _ = bisect_period(rates, t, q, period, lambda at, there: left(at, there) > 0.0)
+            yield Sample(advance_joints(rates, t, q, last), AT_REST, 0.0, 0.0, command)
+            end.duration = t + last
+            return
+        q, t = after, t + period
+    end.duration, end.outcome = t, "stalls"
+
+
+def unknown_path(law: str, trajectory: Trajectory) -> InfeasibleMotion:
+    """Return the refusal of a path of another kind."""
+    return InfeasibleMotion(
+        f"{law} plans lines and circles, not a {type(trajectory).__name__}; "
+        "inverse, dls and servo-halt follow any path, look-ahead one through given places as well."
+    )

@@ -1,0 +1,115 @@
+"""A spline through poses as a trajectory: nominal time is length over speed."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation as Turn
+from scipy.spatial.transform import RotationSpline
+
+from controllers.arm.inverse import BRANCHES, OutOfReach, branch_of, inverse
+from controllers.arm.kinematics import Dimensions, forward
+from controllers.arm.types import Joints, Pose, Twist, Vector
+from controllers.motion import InfeasibleMotion
+
+Array = NDArray[np.float64]
+
+_SAMPLES = 4000
+"""Of the spline, for its length."""
+_ROUNDS = 4
+"""Newton's, for the nearest place."""
+
+
+class PoseTrajectory:
+    """A spline through poses; parameters are those of `PosePath`.
+
+    Raises
+    ------
+    InfeasibleMotion
+        The arm does not reach its beginning.
+    """
+
+    def __init__(
+        self,
+        arm: Dimensions,
+        places: Sequence[Vector],
+        rotations: Sequence[tuple[float, float, float, float]] | None,
+        near: Joints,
+        speed: float,
+        *,
+        from_start: bool,
+    ) -> None:
+        hand = forward(arm, near)
+        tool = Turn.from_matrix(np.array(hand.rotation))
+        points = np.array(places, dtype=np.float64)
+        if from_start:
+            points = tool.apply(points) + np.array(hand.position)
+        u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+        self._places = CubicSpline(u, points)
+        self._turns: RotationSpline | None = None
+        self._tool = tool
+        if rotations is not None:
+            turns = Turn.from_quat(np.roll(np.array(rotations), -1, axis=1))
+            self._turns = RotationSpline(u, tool * turns if from_start else turns)
+        fine = np.unique(np.concatenate((np.linspace(0.0, u[-1], _SAMPLES), u)))
+        slopes = np.linalg.norm(self._places(fine, 1), axis=1)
+        middle = np.linalg.norm(self._places(0.5 * (fine[1:] + fine[:-1]), 1), axis=1)
+        pieces = np.diff(fine) * (slopes[1:] + 4.0 * middle + slopes[:-1]) / 6.0
+        lengths = np.concatenate(([0.0], np.cumsum(pieces)))
+        self._at = CubicSpline(lengths, fine)
+        self._lengths, self._samples = lengths, np.asarray(self._places(fine))
+        self.speed = speed
+        self.duration = float(lengths[-1]) / speed
+        self.turn_rate = max(
+            float(np.linalg.norm(self.twist(t).angular))
+            for t in np.linspace(0.0, self.duration, 200).tolist()
+        )
+        self.start = self._begin(arm, near)
+
+    def pose(self, t: float) -> Pose:
+        """Return the pose at a nominal time."""
+        u = float(self._at(self.speed * t))
+        turn = self._tool if self._turns is None else self._turns(u)
+        x, y, z = self._places(u).tolist()
+        first, second, third = (tuple(row) for row in turn.as_matrix().tolist())
+        return Pose((x, y, z), (first, second, third))
+
+    def twist(self, t: float) -> Twist:
+        """Return the twist at a nominal time."""
+        s = self.speed * t
+        u, rate = float(self._at(s)), self.speed * float(self._at(s, 1))
+        vx, vy, vz = (rate * self._places(u, 1)).tolist()
+        if self._turns is None:
+            return Twist((vx, vy, vz), (0.0, 0.0, 0.0))
+        # Of a spline of rotations it is given in the tool's axes.
+        wx, wy, wz = (rate * self._turns(u).apply(self._turns(u, 1))).tolist()
+        return Twist((vx, vy, vz), (wx, wy, wz))
+
+    def command_at(self, gone: float) -> Twist:
+        """Return the twist at a nominal time: the path is not turned back on."""
+        return self.twist(gone)
+
+    def foot(self, position: Vector) -> Vector:
+        """Return the nearest place of the path, m."""
+        at = np.array(position)
+        k = int(np.argmin(np.linalg.norm(self._samples - at, axis=1)))
+        u = float(self._at(self._lengths[k]))
+        for _ in range(_ROUNDS):
+            away, slope = self._places(u) - at, self._places(u, 1)
+            curve = float(slope @ slope + away @ self._places(u, 2))
+            u -= float(away @ slope) / curve if curve > 0.0 else 0.0
+            u = min(max(u, 0.0), float(self._places.x[-1]))
+        x, y, z = self._places(u).tolist()
+        return x, y, z
+
+    def _begin(self, arm: Dimensions, near: Joints) -> Joints:
+        pose = self.pose(0.0)
+        elbow = branch_of(arm, near).elbow
+        try:
+            found = [
+                inverse(arm, pose, branch, near) for branch in BRANCHES if branch.elbow == elbow
+            ]
+        except OutOfReach as error:
+            raise InfeasibleMotion(f"the path cannot be begun: {error}.") from error
+        return min(found, key=lambda q: float(np.linalg.norm(np.subtract(q, near))))

@@ -1,0 +1,102 @@
+"""A plan held against what its law promises, before anything moves."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
+from controllers.arm.plan import ArmPlan
+from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
+from controllers.arm.trajectory import Trajectory
+from controllers.motion import InfeasibleMotion
+
+Array = NDArray[np.float64]
+
+ALL_JOINTS = tuple(range(len(AXIS_NAMES)))
+
+_SHARE = 1e-3
+"""By which a limit may be passed, relative: the drives do not resolve it."""
+_OFF_PATH = 1e-6
+"""How far the hand may be off its path, m."""
+
+
+class Promises(NamedTuple):
+    """The promises of a law about each of its plans.
+
+    Parameters
+    ----------
+    rates, accelerations : tuple of int
+        Joints that keep their limits, counted from 0.
+    path : bool
+        Whether the hand stays on its path.
+    """
+
+    rates: tuple[int, ...] = ()
+    accelerations: tuple[int, ...] = ()
+    path: bool = False
+
+
+def check_promises(
+    geometry: ArmGeometry, trajectory: Trajectory, plan: ArmPlan, promises: Promises
+) -> None:
+    """Raise if a plan does not keep what its law promises.
+
+    Raises
+    ------
+    InfeasibleMotion
+        With the joint, the instant, the number, its bound, and how slow the motion had to be.
+    """
+    _check(plan, promises.rates, plan.rates, geometry.rate_limits, "rad/s", 1.0, trajectory)
+    limits = geometry.acceleration_limits
+    _check(plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5, trajectory)
+    if promises.path and plan.path_deviation > _OFF_PATH:
+        k = int(np.argmax(plan.deviation))
+        raise InfeasibleMotion(
+            f"after {plan.t[k]:.3f} s the hand would be {1e3 * plan.deviation[k]:.4g} mm off its "
+            f"path, more than {1e3 * _OFF_PATH:g} mm; a shorter period brings it nearer."
+        )
+
+
+def _check(
+    plan: ArmPlan,
+    joints: tuple[int, ...],
+    values: Array,
+    limits: tuple[float, ...],
+    unit: str,
+    power: float,
+    trajectory: Trajectory,
+) -> None:
+    """Raise if a joint passes a limit; time that passes `k` times slower divides by k^(1/power)."""
+    if not joints or not len(values):
+        return
+    shares = np.abs(values[:, joints]) / np.array(limits)[list(joints)]
+    k, place = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    worst = float(shares[k, place])
+    if worst <= 1.0 + _SHARE:
+        return
+    joint = joints[int(place)]
+    raise InfeasibleMotion(
+        f"after {plan.t[k]:.3f} s {AXIS_NAMES[joint]} would need {abs(values[k, joint]):.4g} "
+        f"{unit}, beyond its limit of {limits[joint]:g} {unit}; "
+        f"{_slower(trajectory, worst**power)}."
+    )
+
+
+def _slower(trajectory: Trajectory, factor: float) -> str:
+    """Return in words what settings make a motion pass more slowly by at least a factor."""
+    if isinstance(trajectory, CircularTrajectory):
+        rate = _floor(trajectory.settings.rate / factor)
+        return f"at a rate of {rate:g} rad/s round the circle it would fit"
+    if isinstance(trajectory, StraightTrajectory) and trajectory.depth is not None:
+        speed = _floor(trajectory.speed / factor)
+        dwell = trajectory.dwell * trajectory.speed / speed
+        return f"at {speed:g} m/s with a dwell of {dwell:.6g} s it would fit"
+    return f"at {_floor(trajectory.speed / factor):g} m/s it would fit"
+
+
+def _floor(value: float) -> float:
+    """Return the greatest number of four digits that is no greater."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 3)
+    return math.floor(value / digit) * digit

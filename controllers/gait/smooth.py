@@ -1,0 +1,211 @@
+"""The singularity-consistent law with bounded accelerations, and the least rates that they leave.
+
+The joints' curve is regular in its own length, through straight knees as well. Along it the law
+goes with the least peak of the joints' rates with which the phase still ends in time, when no
+joint accelerates by more than its bound.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from annotated_types import Gt, Unit
+from numpy.typing import NDArray
+
+from controllers.bisection import bisect
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
+from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
+from controllers.gait.motions import LegsMotion
+from controllers.gait.phase_curve import PhaseCurve
+from controllers.gait.phases import GaitPhase
+from controllers.gait.plan import GaitPlan
+from controllers.gait.time_laws import PaceSummary
+from controllers.motion import InfeasibleMotion
+from controllers.reachable_speeds import reachable
+
+Array = NDArray[np.float64]
+
+_SAMPLES = 1200
+"""Of a phase's curve, denser towards its ends."""
+_ROUNDS = 16
+"""Halvings of the peak rate that is looked for."""
+_TRIES, _OVER = 8, 5e-4
+"""Times that a lower bound is tried, and by how much, relative, the bound may be passed."""
+_SHARE = 0.98
+"""Of the acceleration that is used: it is met at the samples, not between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothSettings:
+    """Bound of the joints' accelerations.
+
+    Parameters
+    ----------
+    acceleration : float
+        Of each joint, at a motion's speed of 1, rad/s²; it grows with the square of that.
+    """
+
+    acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 2.0
+
+
+class JointCurve(NamedTuple):
+    """The joints along a phase, over the length of their curve.
+
+    Parameters
+    ----------
+    s : ndarray, shape (n,)
+        Length, rad.
+    tangent, bend : ndarray, shape (n, 12)
+        First and second derivative of the joints by it.
+    joints : callable
+        Takes lengths, returns the joints there, rad.
+    """
+
+    s: Array
+    tangent: Array
+    bend: Array
+    joints: Callable[[Array], Array]
+
+    def hardest(self, lengths: Array, period: float) -> float:
+        """Return the greatest acceleration of a joint that goes so far in each cycle, rad/s²."""
+        rests = np.concatenate((lengths[:1], lengths, lengths[-1:]))
+        return float(np.abs(np.diff(self.joints(rests), 2, axis=0)).max()) / (period * period)
+
+
+class SmoothPace:
+    """A phase on a timing of its joints' curve.
+
+    Parameters
+    ----------
+    lengths : ndarray, shape (cycles + 1,)
+        How far the curve is gone after each cycle, rad.
+    """
+
+    def __init__(self, lengths: Array) -> None:
+        self.summary = PaceSummary()
+        self._steps: list[float] = np.diff(lengths).tolist()
+
+    def advance(self, curve: PhaseCurve, cycle: int) -> None:
+        """Move on by one period."""
+        if cycle >= len(self._steps) - 1:
+            curve.finish()
+        else:
+            curve.follow_joints(self._steps[cycle])
+
+
+class SmoothLaw(GaitLaw[SmoothSettings]):
+    """The singularity-consistent law with bounded accelerations and the least peak rates.
+
+    Promises that no joint passes its greatest rate, nor accelerates by more than
+    `SmoothSettings.acceleration`: a knee that turns round in mid-swing is slowed before it.
+
+    References
+    ----------
+    Kameta et al., section 5, whose trapezoid bounds no acceleration where the joints' curve bends.
+    """
+
+    Settings = SmoothSettings
+    name = "sc-smooth"
+    keeps_rates = True
+
+    def acceleration(self, speed: float) -> float:
+        """Return the bound at a motion's speed, rad/s²."""
+        return self.settings.acceleration * speed * speed
+
+    def _prepare(self, motion: LegsMotion) -> GaitPlan:
+        plan = super()._prepare(motion)
+        changes = np.abs(np.diff(plan.q_dot, axis=0, append=0.0)) / self.period
+        sample, joint = divmod(int(np.argmax(changes)), len(AXIS_NAMES))
+        hardest, bound = float(changes[sample, joint]), self.acceleration(motion.speed)
+        if hardest > (1.0 + 2.0 * _OVER) * bound:
+            raise InfeasibleMotion(
+                f"at {plan.t[sample]:.3f} s {AXIS_NAMES[joint]} would accelerate by "
+                f"{hardest:.4g} rad/s^2, beyond the bound of {bound:.4g} rad/s^2 (acceleration "
+                f"{self.settings.acceleration:g} rad/s^2 at a speed of 1)."
+            )
+        return plan
+
+    def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
+        geometry, allowed = self.model.geometry, self.acceleration(speed)
+
+        def make(entry: TimedPhase) -> SmoothPace:
+            shape = entry.phase._replace(duration=0.0)
+            curve = _joint_curve(geometry, shape)
+            duration = entry.cycles * self.period
+            at = self.period * np.arange(entry.cycles + 1, dtype=np.float64)
+            told = allowed
+            for _ in range(_TRIES):
+                t, speeds = _least_peak(geometry, shape, duration, told)
+                lengths = _gone(curve.s, t, speeds, at)
+                over = curve.hardest(lengths, self.period) / allowed
+                if over <= 1.0 + _OVER:
+                    break
+                told /= over  # the path has a corner in its curvature between two samples
+            # The curve's own length is a little more than that of its chords.
+            return SmoothPace(entry.arcs.joint_length / float(curve.s[-1]) * lengths)
+
+        return make
+
+
+@lru_cache(maxsize=256)
+def _joint_curve(geometry: LegGeometry, phase: GaitPhase) -> JointCurve:
+    """Return the joints' curve of a phase, by the closed-form inverse."""
+    from scipy.interpolate import CubicSpline
+
+    curve = PhaseCurve(geometry, phase, 1.0)
+    xi = np.sin(np.linspace(0.0, 0.5 * math.pi, _SAMPLES + 1)) ** 2
+    joints = np.array([curve.joints_at(x) for x in xi.tolist()])
+    steps = np.linalg.norm(np.diff(joints, axis=0), axis=1)
+    keep = np.concatenate(([True], steps > 1e-9))
+    joints = joints[keep]
+    s = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(joints, axis=0), axis=1))))
+    spline = CubicSpline(s, joints)
+    return JointCurve(s, np.asarray(spline(s, 1)), np.asarray(spline(s, 2)), spline)
+
+
+@lru_cache(maxsize=256)
+def _least_peak(
+    geometry: LegGeometry, phase: GaitPhase, duration: float, allowed: float
+) -> tuple[Array, Array]:
+    """Return instants (s) and speeds (rad/s) of the timing with the least peak of a joint's rate.
+
+    Raises
+    ------
+    InfeasibleMotion
+        It takes longer than the phase lasts, however fast the joints.
+    """
+    curve, max_rate = _joint_curve(geometry, phase), geometry.max_rate
+    greatest = np.max(np.abs(curve.tangent), axis=1)
+    bounds = np.full(curve.tangent.shape[1], _SHARE * allowed)
+
+    def timing(rate: float) -> tuple[Array, Array]:
+        squares = reachable(curve.s, (rate / greatest) ** 2, curve.tangent, curve.bend, bounds)
+        speeds = np.sqrt(squares)
+        mean = 0.5 * (speeds[:-1] + speeds[1:])
+        return np.concatenate(([0.0], np.cumsum(np.diff(curve.s) / mean))), speeds
+
+    fastest, _ = timing(max_rate)
+    if fastest[-1] > duration:
+        raise InfeasibleMotion(
+            f"with no joint faster than {max_rate:.4g} rad/s nor accelerated by more than "
+            f"{allowed:.4g} rad/s^2 the phase needs at least {fastest[-1]:.4g} s instead of "
+            f"{duration:.4g} s."
+        )
+    # No rate can be less than the farthest joint's way over the time.
+    ways = np.abs(curve.tangent[:-1] + curve.tangent[1:]) * np.diff(curve.s)[:, None] / 2.0
+    least = float(ways.sum(axis=0).max()) / duration
+    rate = bisect(lambda rate: timing(rate)[0][-1] > duration, 0.9 * least, max_rate, _ROUNDS)[1]
+    t, speeds = timing(rate)
+    slower = duration / float(t[-1])
+    return slower * t, speeds / slower
+
+
+def _gone(s: Array, t: Array, speeds: Array, at: Array) -> Array:
+    """Return the length at some instants; the speed's square is linear between the samples."""
+    k = np.clip(np.searchsorted(t, at, side="right") - 1, 0, len(t) - 2)
+    into = np.minimum(at, t[-1]) - t[k]
+    acceleration = (speeds[k + 1] - speeds[k]) / (t[k + 1] - t[k])
+    return np.asarray(s[k] + into * (speeds[k] + 0.5 * acceleration * into), dtype=np.float64)

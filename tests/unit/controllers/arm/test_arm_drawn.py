@@ -1,0 +1,61 @@
+"""Drawn paths on drawn arms: a plan keeps what its law promises, or nothing is planned."""
+
+import numpy as np
+import pytest
+from drawn_cases import draw_geometry, draw_path, faults_of
+
+from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.motion import InfeasibleMotion
+
+PERIOD = 1e-2
+ALL = range(6)
+# Settings, and the joints whose rates and accelerations a law promises on every path.
+LAWS = {
+    "esc-paper": (EscPaper, EscPaperSettings(), (), ()),
+    "esc": (Esc, EscSettings(), ALL, ()),
+    "look-ahead": (LookAhead, LookAheadSettings(), ALL, ALL),
+}
+each_law = pytest.mark.parametrize("law", LAWS)
+
+
+def judge(law, seeds):
+    """Return what was planned, refused and wrong, by seed."""
+    kind, settings, rates, accelerations = LAWS[law]
+    planned, refused, wrong = [], [], {}
+    for seed in seeds:
+        rng = np.random.default_rng((2, seed))
+        geometry = draw_geometry(rng)
+        path = draw_path(rng, geometry)
+        try:
+            plan = kind(settings, geometry, PERIOD).prepare(path)
+        except InfeasibleMotion as error:
+            refused.append(seed)
+            if not str(error).strip().endswith("."):
+                wrong[seed] = str(error)
+            continue
+        planned.append(seed)
+        promised = rates
+        if law == "esc-paper" and getattr(path, "turn_rate", 0.0) == 0.0:
+            promised = (2,)
+        faults = faults_of(geometry, path, plan, promised, accelerations)
+        if faults:
+            wrong[seed] = faults
+    return planned, refused, wrong
+
+
+@each_law
+def test_a_few_drawn_paths(law):
+    planned, refused, wrong = judge(law, range(8))
+    assert not wrong
+    assert planned
+    assert refused
+
+
+@pytest.mark.slow
+@each_law
+@pytest.mark.parametrize("block", range(10))
+def test_a_thousand_drawn_paths(law, block):
+    planned, _, wrong = judge(law, range(1000 + 100 * block, 1100 + 100 * block))
+    assert not wrong
+    assert len(planned) > 20

@@ -1,0 +1,147 @@
+"""A path through given places: drawn ones, through and past the wrist's singularity, from files."""
+
+import math
+
+import numpy as np
+import pytest
+from arm_cases import GEOMETRIES, radians
+from drawn_cases import WIDE, faults_of, hand_of
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
+from controllers.arm.esc import Esc, EscSettings
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.look_ahead import LookAhead, LookAheadSettings
+from controllers.arm.optimum import least_time
+from controllers.arm.pose_path import PosePath
+from controllers.motion import InfeasibleMotion
+
+GEOMETRY = ArmGeometry(**WIDE)
+PERIOD = 5e-3
+EVERY = range(6)
+
+
+def plan(path, geometry=GEOMETRY):
+    return LookAhead(LookAheadSettings(), geometry, PERIOD).prepare(path)
+
+
+def spline_of(points):
+    u = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
+    return CubicSpline(u, points), u[-1]
+
+
+def distance(spline, end, point):
+    u = np.linspace(0.0, end, 2000)
+    k = int(np.argmin(np.linalg.norm(spline(u) - point, axis=1)))
+    bounds = (u[max(k - 1, 0)], u[min(k + 1, len(u) - 1)])
+    found = minimize_scalar(
+        lambda x: np.linalg.norm(spline(x) - point),
+        bounds=bounds, method="bounded", options={"xatol": 1e-12},
+    )  # fmt: skip
+    return found.fun
+
+
+def drawn(seed):
+    """Return a path about a place at or near the wrist's singularity, seen from the tool."""
+    rng = np.random.default_rng((61, seed))
+    miss = float(rng.choice([0.0, 1e-3, 1e-2, 0.3]))
+    near = (float(rng.uniform(-1, 1)), 0.35, 1.5, 0.0, miss, 0.0)
+    steps = rng.normal(scale=0.03, size=(4, 3)) + np.array((-0.05, 0.0, 0.0))
+    points = np.cumsum(np.insert(steps, 0, (0.1, 0.0, 0.0), axis=0), axis=0)
+    if miss == 0.0:
+        points[:, 1] = 0.0  # in the arm's plane, through the singularity itself
+    return PosePath(
+        points=tuple(map(tuple, points.tolist())), near=near, frame="start",
+        speed=float(rng.uniform(0.05, 0.3)),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_hand_is_on_the_spline_and_the_joints_within_their_limits(seed):
+    path = drawn(seed)
+    made = plan(path)
+    at, tool = hand_of(GEOMETRY, path.near)
+    spline, end = spline_of(np.array(path.points) @ tool.T + at)
+    hands = [hand_of(GEOMETRY, q) for q in made.positions.tolist()]
+    assert max(distance(spline, end, hand) for hand, _ in hands[::7]) < 1e-6
+    assert max(np.abs(turned - tool).max() for _, turned in hands) < 1e-6
+    np.testing.assert_allclose(hands[0][0], spline(0.0), atol=1e-9)
+    np.testing.assert_allclose(hands[-1][0], spline(end), atol=1e-9)
+    speeds = np.linalg.norm(np.diff([hand for hand, _ in hands], axis=0), axis=1) / PERIOD
+    assert speeds.max() <= path.speed * (1 + 3e-3)  # met at the points of the timing's grid
+    assert faults_of(GEOMETRY, path, made, EVERY, EVERY) == []
+    assert made.duration <= 1.25 * least_time(GEOMETRY, path)
+
+
+def test_it_goes_through_the_wrists_singularity():
+    path = next(path for path in map(drawn, range(50)) if path.near[4] == 0.0)
+    made = plan(path)
+    assert np.ptp(np.sign(made.indices[:, 2])) == 2.0
+
+
+def written(tmp_path, text):
+    file = tmp_path / "places.csv"
+    file.write_text(text)
+    return PosePath(file=str(file), near=radians(0, 20, 90, 0, 40, 0), frame="start")
+
+
+def test_a_file_says_places_in_its_units_and_rotations(tmp_path):
+    angles = np.radians((0.0, 10.0, 30.0))
+    rows = [
+        f"{100 * k:g}, {5 * k:g}, 0.02, {math.cos(a / 2)!r}, 0, 0, {math.sin(a / 2)!r}"
+        for k, a in enumerate(angles.tolist())
+    ]
+    path = written(tmp_path, "\n".join(["x (mm), y (cm), z (m), qw, qx, qy, qz", *rows, ""]))
+    made = plan(path)
+    at, tool = hand_of(GEOMETRY, path.near)
+    last, turned = hand_of(GEOMETRY, made.positions[-1])
+    np.testing.assert_allclose(last, at + tool @ (0.2, 0.1, 0.02), atol=1e-9)
+    c, s = math.cos(angles[-1]), math.sin(angles[-1])
+    np.testing.assert_allclose(turned, tool @ [[c, -s, 0], [s, c, 0], [0, 0, 1]], atol=1e-9)
+    assert made.path_deviation < 1e-6
+    assert made.twist_residual < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1: the header has to name x, y and z"),
+        ("x (mm), y (mm)\n1, 2\n", "line 1: the header has to name x, y and z"),
+        ("x, y, z\n0, 0, 0\n1, 0, 0\n", "the unit of x is missing"),
+        ("x (ft), y (m), z (m)\n0, 0, 0\n", "the unit of x is ft"),
+        ("x (m), y (m), z (m), qw\n0, 0, 0, 1\n", "all of qw, qx, qy, qz or none"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n0, nan, 0\n", "line 3: 'nan' is no number"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n0, 1\n", "line 3: '' is no number"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n0, 0, 0\n", "place 2 of the path is place 1 again"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n", "needs two places at least; there is 1"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n0, 0, 3\n", "leaves the workspace"),
+        ("x (m), y (m), z (m)\n3, 0, 0\n3, 0, 3\n", "cannot be begun"),
+        (
+            "x (m), y (m), z (m), qw, qx, qy, qz\n0, 0, 0, 1, 1, 0, 0\n",
+            "line 2: the quaternion's length is 1.414",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said_with_its_line(tmp_path, text, message):
+    with pytest.raises(InfeasibleMotion) as refused:
+        plan(written(tmp_path, text))
+    assert message in str(refused.value)
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(InfeasibleMotion, match=r"nowhere\.csv"):
+        plan(PosePath(file=str(tmp_path / "nowhere.csv")))
+    with pytest.raises(ValueError, match="a file or points"):
+        PosePath()
+
+
+@pytest.mark.parametrize("name", ["equal links", "other wrist", "offsets"])
+def test_other_arms_do_it_too(name):
+    path = drawn(3)
+    geometry = GEOMETRIES[name]
+    assert plan(path, geometry).path_deviation < 1e-6
+
+
+def test_a_law_that_plans_lines_says_which_ones_follow_it():
+    with pytest.raises(InfeasibleMotion, match="look-ahead"):
+        Esc(EscSettings(), GEOMETRY, PERIOD).prepare(drawn(0))
