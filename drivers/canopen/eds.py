@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.hal import ConfigurationError
+from rig.hal.files import read_regular
 
 _SECTION: Final = re.compile(r"\[\s*([^\]]*?)\s*\]\s*(?:[;#].*)?")
 _OBJECT: Final = re.compile(r"([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?")
@@ -38,6 +39,7 @@ _TYPES: Final = {
 _ACCESS: Final = ("ro", "wo", "rw", "rwr", "rww", "const")
 _NUMBER_OF_ENTRIES: Final = "number of entries"
 _U8: Final = 0x05
+_MOST: Final = 8 << 20  # bytes; the largest sheets of makers have some hundred thousand
 
 
 class EdsError(ConfigurationError):
@@ -314,14 +316,12 @@ def read_eds(path: Path) -> Eds:
 
     Raises
     ------
+    ConfigurationError
+        It cannot be read.
     EdsError
-        It cannot be read or understood; with the line.
+        It cannot be understood; with the line.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise EdsError(path, 0, f"cannot read it: {error.strerror or error}") from error
-    return Eds(path, decode_text(content))
+    return Eds(path, decode_text(read_regular(path, _MOST)))
 
 
 def decode_text(content: bytes) -> str:

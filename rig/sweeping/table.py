@@ -1,8 +1,6 @@
 """The table of a sweep: one row for each point, in the order of the points."""
 
-import contextlib
 import csv
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
@@ -13,6 +11,7 @@ from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
+from rig.whole_file import whole_file
 
 if TYPE_CHECKING:
     from pyarrow import DataType
@@ -152,13 +151,10 @@ def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> P
 
 
 def _write(path: Path, write: Callable[[Path], None]) -> Path:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        write(temporary)
-        temporary.replace(path)
+        with whole_file(path) as temporary:
+            write(temporary)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
         raise SweepStopped(
             str(path), f"cannot be written: {error.strerror or error}; what is finished is kept"
         ) from error
