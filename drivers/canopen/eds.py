@@ -235,7 +235,7 @@ class Eds:
             if line[0] == "[":
                 found = _SECTION.fullmatch(line)
                 if found is None:
-                    raise EdsError(self.path, number, f"a section's name has no end: {line[:40]!r}")
+                    raise EdsError(self.path, number, "a section's name has no end")
                 name = found[1].lower()
                 if name in self._sections:
                     first = self._sections[name].line
@@ -249,9 +249,8 @@ class Eds:
             if section is None or not equals:
                 if free:
                     continue
-                raise EdsError(
-                    self.path, number, f"expected [section] or name=value, found {line[:40]!r}"
-                )
+                # What stands there is not quoted: the file may be any that a profile names.
+                raise EdsError(self.path, number, "expected [section] or name=value")
             section.entries.setdefault(key.strip().lower(), _Entry(_bare(value), number))
 
     def _variable(self, index: int, sub: int, section: _Section) -> EdsObject:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rig.cli.names import configs_option, json_option, list_runs, out_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_data, print_tables, visible
 
 if TYPE_CHECKING:
     from rig.config.names import Folder
@@ -97,7 +97,7 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     runs = [_with_metric(run, asked) for run in compress(found, chosen)]
     for run in found:
         if run.status == "unreadable" and run not in runs:
-            click.echo(f"{run.name} cannot be read: nothing is known of it", err=True)
+            click.echo(visible(f"{run.name} cannot be read: nothing is known of it"), err=True)
     return runs
 
 

@@ -20,6 +20,7 @@ CSV, PARQUET = "sweep.csv", "sweep.parquet"
 _BATCH: Final = 1024
 """SweepRows that are written at once."""
 
+_FORMULA: Final = re.compile("'*[-+=@\t\r]")
 _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _NUMBER: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 
@@ -83,6 +84,16 @@ def value_of(text: str) -> Cell:
         return text
 
 
+def guarded(cell: Cell) -> Cell:
+    """Return a cell that no spreadsheet takes for a formula: an apostrophe stands before it."""
+    return f"'{cell}" if isinstance(cell, str) and _FORMULA.match(cell) else cell
+
+
+def unguarded(text: str) -> str:
+    """Return the text of a cell as it was before `guarded`."""
+    return text[1:] if text[:1] == "'" and _FORMULA.match(text[1:]) else text
+
+
 def kind_of(values: Iterable[Cell]) -> type:
     """Return the type that all values of a setting can have."""
     kinds = {type(value) for value in values}
@@ -113,7 +124,7 @@ def write_csv(folder: Path, columns: Columns, rows: Iterable[TableRow]) -> Path:
         with path.open("w", encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(columns.names)
-            writer.writerows(columns.cells(row) for row in rows)
+            writer.writerows(map(guarded, columns.cells(row)) for row in rows)
 
     return _write(folder / CSV, write)
 
