@@ -1,7 +1,5 @@
 """A run's log for other programs: csv, npz, mat, parquet and indexed MCAP."""
 
-import contextlib
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +9,7 @@ from rig.exporting.rows import write_csv, write_mcap, write_parquet
 from rig.hal import ConfigurationError
 from rig.run_folder import RunFolder
 from rig.runtime.log import LogFile
+from rig.whole_file import whole_file
 
 FORMATS: dict[str, Callable[[LogFile, Path], None]] = {
     "csv": write_csv,
@@ -69,28 +68,18 @@ def export_run(path: str | Path, format: str, out: str | Path | None = None) -> 
     folder = RunFolder.open(path)
     file = LogFile(folder.log_path)
     name = "log-indexed.mcap" if format == "mcap" else f"log.{format}"
-    target = folder.path / name if out is None else Path(out)
+    target = folder.place(name) if out is None else Path(out)
     if target.exists() and target.samefile(folder.log_path):
         raise ConfigurationError(f"{target} is the run's log itself; choose another place")
     try:
-        _write_whole(FORMATS[format], file, target)
+        if out is not None and target.exists() and not target.is_file():  # a pipe or a terminal
+            FORMATS[format](file, target)
+        else:
+            with whole_file(target) as temporary:
+                FORMATS[format](file, temporary)
     except OSError as error:
         raise ExportError(f"cannot write {target}: {error.strerror or error}") from error
     return Exported(target, folder.missing_end(complete=file.complete))
-
-
-def _write_whole(write: Callable[[LogFile, Path], None], file: LogFile, target: Path) -> None:
-    """Write a file beside its place and move it there when it is whole."""
-    if target.exists() and not target.is_file():  # a pipe or a terminal
-        write(file, target)
-        return
-    temporary = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        write(file, temporary)
-        temporary.replace(target)
-    finally:
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
 
 
 __all__ = ["FORMATS", "ExportError", "Exported", "export_run", "matlab_names"]

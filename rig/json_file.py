@@ -1,13 +1,13 @@
 """JSON files that are whole or not there, of any plain data and numpy's numbers."""
 
-import contextlib
 import json
 import math
-import os
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+
+from rig.whole_file import write_whole
 
 
 def write_json(path: Path, content: Mapping[str, object]) -> None:
@@ -16,20 +16,10 @@ def write_json(path: Path, content: Mapping[str, object]) -> None:
     Raises
     ------
     OSError
-        It cannot be written; what was there is as it was.
+        It cannot be written, or there is a link; what was there is as it was.
     """
-    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with temporary.open("w", encoding="utf-8") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        temporary.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
-        raise
+    text = json.dumps(plain(content), indent=2, ensure_ascii=False, allow_nan=False)
+    write_whole(path, text + "\n")
 
 
 def plain(value: object) -> object:

@@ -1,48 +1,170 @@
-"""What the files of a run folder must be like to be read: somebody may have edited them."""
+"""The facts of a run as its folder keeps them, each file with a type: checked where it is read."""
 
-from collections.abc import Mapping, Sequence
-from types import NoneType, UnionType
-from typing import Final
+import contextlib
+import re
+from datetime import datetime
+from enum import StrEnum
+from pathlib import Path
+from typing import Final, NotRequired, Required, TypedDict
+
+from rig.hal import ConfigurationError
+from rig.hal.files import read_regular
+from rig.provenance import GitState
+from rig.typed_json import MOST, checked, parse, read_json
 
 FORMAT: Final = 1
 """Of run folders. A manifest that does not say it is of the first."""
 
-_FACTS: Final[Mapping[str, type | UnionType]] = {
-    "format": int, "experiment": str, "backend": str, "rig": str, "law": str, "command": list,
-    "seed": int | None, "started": str, "ended": str | None, "exit_code": int | None,
-    "message": str | None, "git": dict | None, "versions": dict, "machine": dict, "files": dict,
-}  # fmt: skip
+MANIFEST = "manifest.json"
+LOG = "log.mcap"
+EVENTS = "events.jsonl"
+EVALUATION = "evaluation.json"
+METRICS = "metrics.json"
+TIMING = "timing.json"
+REPORT, FIGURES = "report.html", "figures"
 
 
-def trouble_with_manifest(manifest: object, statuses: Sequence[str]) -> str | None:
-    """Say what in a manifest cannot be; None if all of it can."""
-    if not isinstance(manifest, dict):
-        return "its manifest.json holds no facts"
+_COMMIT: Final = re.compile("[0-9a-f]{40,64}")
+
+
+class RunStatus(StrEnum):
+    """The state of a run, or how it ended."""
+
+    RUNNING = "running"
+    OK = "ok"
+    FAILED = "failed"
+    """It ran to its end and missed an acceptance bound."""
+    ABORTED = "aborted"
+    """It was interrupted and made safe."""
+    FAULTED = "faulted"
+    CRASHED = "crashed"
+    """A bug ended it, or the process died; the log holds what had happened until then."""
+
+
+class Manifest(TypedDict, total=False):
+    """The facts of a run, as ``manifest.json`` keeps them."""
+
+    format: int
+    status: Required[str]
+    experiment: str
+    backend: str
+    seed: int | None
+    rig: str
+    law: str
+    command: list[str]
+    started: str
+    ended: str | None
+    exit_code: int | None
+    message: str | None
+    git: GitState | None
+    versions: dict[str, str]
+    machine: dict[str, object]
+    files: dict[str, str]
+
+
+MetricRow = TypedDict(
+    "MetricRow",
+    {
+        "name": str,
+        "value": float | None,
+        "unit": str,
+        "bound": NotRequired[float | None],
+        "bound_kind": NotRequired[str | None],
+        "pass": NotRequired[bool | None],
+        "measure": NotRequired[str],
+        "segments": NotRequired[str],
+        "is_nan": NotRequired[bool],
+    },
+)
+"""One entry of ``metrics.json``, SI."""
+
+
+class MetricRows(TypedDict):
+    """The content of ``metrics.json``."""
+
+    metrics: list[MetricRow]
+
+
+class Event(TypedDict, total=False):
+    """One line of ``events.jsonl``; `t` is on the rig's clock, s."""
+
+    t: float | None
+    kind: str
+    message: str
+    data: dict[str, object]
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Return the facts of a run.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder is none of a run, or one that a later version recorded.
+    """
+    try:
+        content = read_json(folder / MANIFEST, dict[str, object])
+        _check_format(content)
+        manifest = checked(content, Manifest, f"its {MANIFEST}")
+        if manifest["status"] not in list(RunStatus):
+            raise ConfigurationError(f"its {MANIFEST} has no status that a run can have")
+        for stamp in (manifest.get("started"), manifest.get("ended")):
+            _check_stamp(stamp)
+        git = manifest.get("git")
+        if git is not None and not _COMMIT.fullmatch(git["commit"]):
+            raise ConfigurationError(f"its {MANIFEST} has a git commit that is none")
+    except ConfigurationError as error:
+        what = f"{folder} is not a run folder that can be read"
+        raise ConfigurationError(f"{what}: {error}") from error
+    return manifest
+
+
+def read_metrics(folder: Path) -> list[MetricRow]:
+    """Return the entries of a run's ``metrics.json``; none if it has no such file.
+
+    Raises
+    ------
+    ConfigurationError
+        It holds something else.
+    """
+    path = folder / METRICS
+    return read_json(path, MetricRows)["metrics"] if path.exists() else []
+
+
+def read_events(folder: Path) -> list[Event]:
+    """Return a run's events; a line that is none, the torn last one say, is left out.
+
+    Raises
+    ------
+    ConfigurationError
+        There is something else than a file of lines.
+    """
+    path = folder / EVENTS
+    if not path.exists():
+        return []
+    events = []
+    for line in read_regular(path, MOST).decode(errors="replace").split("\n"):
+        with contextlib.suppress(ValueError, RecursionError, ConfigurationError):
+            events.append(checked(parse(line), Event, EVENTS))
+    return events
+
+
+def _check_format(manifest: dict[str, object]) -> None:
     said = manifest.get("format", FORMAT)
-    if isinstance(said, int) and said > FORMAT:
-        versions = manifest.get("versions")
-        version = versions.get("rig-controller") if isinstance(versions, dict) else None
-        return (
-            f"rig {version or 'of a later version'} recorded it in format {said}, and this version "
-            f"reads formats up to {FORMAT}"
-        )
-    if manifest.get("status") not in statuses:
-        return "its manifest.json has no status that a run can have"
-    for name, kind in _FACTS.items():
-        if name in manifest and not isinstance(manifest[name], kind):
-            return f"its manifest.json has {manifest[name]!r} for {name}"
-    git = manifest.get("git")
-    if isinstance(git, dict) and not {"commit", "dirty"} <= set(git):
-        return f"its manifest.json has {git!r} for git"
-    return None
-
-
-def is_metric(row: object) -> bool:
-    """Return whether an entry of ``metrics.json`` has a name, and a number or nothing for value."""
-    return (
-        isinstance(row, dict)
-        and isinstance(row.get("name"), str)
-        and "value" in row
-        and isinstance(row["value"], int | float | NoneType)
-        and isinstance(row.get("unit", ""), str)
+    if not isinstance(said, int) or said <= FORMAT:
+        return
+    versions = manifest.get("versions")
+    version = versions.get("rig-controller") if isinstance(versions, dict) else None
+    raise ConfigurationError(
+        f"rig {version or 'of a later version'} recorded it in format {said}, and this version "
+        f"reads formats up to {FORMAT}"
     )
+
+
+def _check_stamp(stamp: str | None) -> None:
+    if stamp is None:
+        return
+    with contextlib.suppress(ValueError):
+        if datetime.fromisoformat(stamp).utcoffset() is not None:
+            return
+    raise ConfigurationError(f"its {MANIFEST} has a time that is none: {stamp[:40]!r}")

@@ -7,89 +7,36 @@ import os
 import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
-from enum import StrEnum
 from pathlib import Path
-from typing import Protocol, TypedDict, cast
+from typing import Protocol, TypeVar, cast
 
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
 from rig.json_file import plain, write_json
-from rig.run_facts import FORMAT, is_metric, trouble_with_manifest
+from rig.run_facts import (
+    EVENTS,
+    FORMAT,
+    LOG,
+    MANIFEST,
+    METRICS,
+    TIMING,
+    Event,
+    Manifest,
+    MetricRow,
+    RunStatus,
+    read_events,
+    read_manifest,
+    read_metrics,
+)
 from rig.runtime.log import is_locked
 from rig.spare_room import SpareRoom, append_line
+from rig.typed_json import read_json
+from rig.whole_file import refuse_link
 
-MANIFEST = "manifest.json"
-LOG = "log.mcap"
-EVENTS = "events.jsonl"
-EVALUATION = "evaluation.json"
-METRICS = "metrics.json"
-TIMING = "timing.json"
-REPORT, FIGURES = "report.html", "figures"
-
-
-class RunStatus(StrEnum):
-    """The state of a run, or how it ended."""
-
-    RUNNING = "running"
-    OK = "ok"
-    FAILED = "failed"
-    """It ran to its end and missed an acceptance bound."""
-    ABORTED = "aborted"
-    """It was interrupted and made safe."""
-    FAULTED = "faulted"
-    CRASHED = "crashed"
-    """A bug ended it, or the process died; the log holds what had happened until then."""
-
+Kind = TypeVar("Kind")
 
 _CLOSED = (RunStatus.OK, RunStatus.FAILED, RunStatus.ABORTED)
 """After these the log is whole. A fault may have been that it could not be written."""
-
-
-class Manifest(TypedDict, total=False):
-    """The facts of a run, as ``manifest.json`` keeps them."""
-
-    format: int
-    status: str
-    experiment: str
-    backend: str
-    seed: int | None
-    rig: str
-    law: str
-    command: list[str]
-    started: str
-    ended: str | None
-    exit_code: int | None
-    message: str | None
-    git: provenance.GitState | None
-    versions: dict[str, str]
-    machine: dict[str, object]
-    files: dict[str, str]
-
-
-MetricRow = TypedDict(
-    "MetricRow",
-    {
-        "name": str,
-        "value": float | None,
-        "unit": str,
-        "bound": float | None,
-        "bound_kind": str | None,
-        "pass": bool | None,
-        "measure": str,
-        "segments": str,
-        "is_nan": bool,
-    },
-)
-"""One entry of ``metrics.json``, SI; it may lack all but the first three."""
-
-
-class Event(TypedDict, total=False):
-    """One line of ``events.jsonl``; `t` is on the rig's clock, s."""
-
-    t: float | None
-    kind: str
-    message: str
-    data: dict[str, object]
 
 
 class _AsJson(Protocol):
@@ -210,19 +157,10 @@ class RunFolder:
             It is not a run folder, or one that a later version recorded.
         """
         path = Path(path)
-        try:
-            manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError) as error:
-            raise ConfigurationError(
-                f"{path} is not a run folder: its {MANIFEST} cannot be read ({error})"
-            ) from error
-        trouble = trouble_with_manifest(manifest, list(RunStatus))
-        if trouble is not None:
-            raise ConfigurationError(f"{path} is not a run folder that can be read: {trouble}")
-        folder = cls(path, cast("Manifest", manifest))
+        folder = cls(path, read_manifest(path))
         if folder.status is RunStatus.RUNNING and not folder.is_live():
             # It may have finished since then.
-            folder.manifest = json.loads((path / MANIFEST).read_text(encoding="utf-8"))
+            folder.manifest = read_manifest(path)
             if folder.status is RunStatus.RUNNING:
                 folder._mark_crashed()
         return folder
@@ -279,17 +217,26 @@ class RunFolder:
         descriptor = self._events_fd
         self._store(EVENTS, lambda: append_line(descriptor, line))
 
-    def events(self) -> list[Event]:
-        """Return the events; a torn last line is left out."""
+    def place(self, name: str) -> Path:
+        """Return where a file of the folder is written, which is in no other folder.
+
+        Raises
+        ------
+        ConfigurationError
+            There is a link.
+        """
+        path = self.path
         try:
-            lines = (self.path / EVENTS).read_text(encoding="utf-8", errors="replace").split("\n")
-        except OSError:
-            return []
-        events = []
-        for line in lines:
-            with contextlib.suppress(ValueError):
-                events.append(json.loads(line))
-        return events
+            for part in Path(name).parts:
+                path /= part
+                refuse_link(path)
+        except OSError as error:
+            raise ConfigurationError(f"cannot write {path}: {error}") from error
+        return path
+
+    def events(self) -> list[Event]:
+        """Return the events; a line that is none, the torn last one say, is left out."""
+        return read_events(self.path)
 
     def write_json(self, name: str, content: Mapping[str, object]) -> None:
         """Write one of the folder's JSON files, whole or not at all.
@@ -303,22 +250,27 @@ class RunFolder:
         """
         self._store(name, lambda: write_json(self.path / name, content))
 
-    def read_json(self, name: str) -> dict[str, object]:
-        """Return the content of one of the folder's JSON files, ``{}`` if it is absent."""
-        try:
-            content = json.loads((self.path / name).read_text(encoding="utf-8"))
-        except OSError:
-            return {}
-        except (ValueError, RecursionError) as error:
-            raise ConfigurationError(f"{self.path / name} is not JSON: {error}") from error
-        return content if isinstance(content, dict) else {}
+    def read_json(self, name: str, kind: type[Kind]) -> Kind:
+        """Return the content of one of the folder's JSON files, ``{}`` if it is absent.
+
+        Parameters
+        ----------
+        name : str
+            The file's.
+        kind : type
+            A TypedDict of which no entry need be there.
+
+        Raises
+        ------
+        ConfigurationError
+            It holds something else.
+        """
+        path = self.path / name
+        return read_json(path, kind) if path.exists() else cast("Kind", {})
 
     def metrics(self) -> tuple[MetricRow, ...]:
         """Return the entries of ``metrics.json``."""
-        rows = self.read_json(METRICS).get("metrics", [])
-        if not isinstance(rows, list) or not all(map(is_metric, rows)):
-            raise ConfigurationError(f"{self.path / METRICS} holds something else than metrics")
-        return tuple(cast("Iterable[MetricRow]", rows))
+        return tuple(read_metrics(self.path))
 
     def write_metrics(self, metrics: Iterable[_AsJson]) -> None:
         """Write ``metrics.json`` from objects with an ``as_json`` method."""

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 from rig.config.quantities import parse_quantity
 from rig.hal import ConfigurationError
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 
 NAMES: Final = ("status", "rig", "experiment", "law", "backend", "name")
 """What a run is asked for by beside its metrics: words, compared for equality."""

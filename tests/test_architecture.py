@@ -47,6 +47,7 @@ def belongs(module: str, package: str) -> bool:
 
 # (who, may import of the project only these)
 FRAMEWORKS = ("rig.experiment", "rig.report", "rig.calibration")
+RUN_FOLDER = ("rig.run_folder", "rig.run_facts", "rig.typed_json", "rig.whole_file")
 ALLOWED = [
     ("rig.hal", ("rig.hal",)),
     ("controllers", ("controllers",)),
@@ -56,7 +57,7 @@ ALLOWED = [
     *(
         (
             framework,
-            (*FRAMEWORKS, "rig.assembly", "rig.run_folder", "rig.runtime", "rig.config", "rig.hal"),
+            (*FRAMEWORKS, "rig.assembly", *RUN_FOLDER, "rig.runtime", "rig.config", "rig.hal"),
         )
         for framework in FRAMEWORKS
     ),
@@ -66,7 +67,7 @@ ALLOWED = [
             "rig.mechanisms",
             *FRAMEWORKS,
             "rig.assembly",
-            "rig.run_folder",
+            *RUN_FOLDER,
             "rig.runtime",
             "rig.config",
             "rig.hal",

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
+from drivers.can.interface_names import interface_trouble
 from rig.hal import BusSettings, Endpoint
 
 
@@ -46,6 +47,10 @@ class CanInterfaceSettings(BusSettings):
     def endpoint(self) -> Endpoint:
         """Return the interface."""
         return Endpoint(self.interface, self.channel, self.bitrate)
+
+    def trouble(self) -> str | None:
+        """Say why this is no interface that a file may name."""
+        return interface_trouble(self.interface, self.channel, self.options)
 
     @property
     def sync(self) -> bool:

@@ -20,7 +20,7 @@ from drivers.can.frame import (
 from rig.hal.frames import LoggedFrame
 
 _LINE: Final = re.compile(
-    r"\(\s*(\d+\.\d+)\)\s+(\S+)\s+"  # time and channel
+    r"\(\s*(\d{1,12}\.\d{1,12})\)\s+([\x21-\x7e]{1,64})\s+"  # time and channel
     r"([0-9A-F]{3}|[0-9A-F]{8})#(?:(R)\d?|((?:[0-9A-F]{2}\.?){0,8}))"  # frame
     r"(?:\s+([RT]))?\s*",  # direction, of newer candumps and of python-can
     re.IGNORECASE,

@@ -1,14 +1,9 @@
 """Frames as an identifier with flags and bytes, of any interface that python-can knows."""
 
-from collections import deque
 from collections.abc import Callable
-from typing import Final
 
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG
 from rig.hal import CanBus, FastCanBus, Frame
-
-_ECHOES: Final = 256
-"""Most frames that are expected back; older ones were lost."""
 
 Drain = Callable[[int], list[tuple[int, bytes]]]
 Send = Callable[[int, bytes], None]
@@ -63,37 +58,6 @@ class AdaptedBus(FastCanBus):
     def shutdown(self) -> None:
         """Release the interface."""
         self._bus.shutdown()
-
-
-class EchoingBus(AdaptedBus):
-    """An interface that hands a program its own frames back: each is dropped once.
-
-    What nobody else has sent must not be taken for another master's.
-
-    Parameters
-    ----------
-    bus : CanBus
-        Open. It is owned from now on.
-    """
-
-    def __init__(self, bus: CanBus) -> None:
-        super().__init__(bus)
-        self._sent: deque[tuple[int, bytes]] = deque(maxlen=_ECHOES)
-
-    def drain(self, limit: int) -> list[tuple[int, bytes]]:
-        """Return the waiting frames of others, at most `limit`."""
-        return [frame for frame in super().drain(limit) if not self._is_own(frame)]
-
-    def send_data(self, can_id: int, data: bytes) -> None:
-        """Send one frame, and expect it back."""
-        super().send_data(can_id, data)
-        self._sent.append((can_id, bytes(data)))
-
-    def _is_own(self, frame: tuple[int, bytes]) -> bool:
-        if frame not in self._sent:
-            return False
-        self._sent.remove(frame)
-        return True
 
 
 def flagged_id(frame: Frame) -> int:

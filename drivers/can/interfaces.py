@@ -4,24 +4,20 @@ import contextlib
 import logging
 from typing import Any, Protocol, cast
 
-from drivers.can.fast_path import AdaptedBus, EchoingBus
+from drivers.can.fast_path import AdaptedBus
+from drivers.can.interface_names import interface_trouble, is_serial
+from drivers.can.multicast import FIRST_PORT, MulticastBus
 from drivers.can.socketcan import open_socketcan
+from drivers.terminal import check_terminal
 from rig.hal import CanBus, ConnectionFailed, FastCanBus
-
-_CONFINED: dict[str, dict[str, Any]] = {"udp_multicast": {"hop_limit": 0}}
-"""Options that are not the profile's to choose. Multicast with no hops never leaves the host: a
-setpoint must not reach another lab's rig."""
-
-_ECHOING = ("udp_multicast",)
-"""Interfaces that hand a program its own frames back."""
 
 _ADVICE = {
     "Permission denied": "sudo usermod -aG dialout $USER, then log in again",
-    "msgpack not installed": "pip install 'python-can[multicast]'",
+    "msgpack": "pip install 'python-can[multicast]'",
     "No such file": "look for it with: ls /dev/serial/by-id",
     "insufficient permissions": "the kernel may have a driver for it, which needs none: "
     "ip -brief link show type can",
-    "configure socket": "give this host a way for multicast: "
+    "No such device": "give this host a way for multicast: "
     "sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev lo",
 }
 """What to type next, by words of an error."""
@@ -61,28 +57,33 @@ def open_bus(settings: InterfaceSettings) -> FastCanBus:
     ConnectionFailed
         The interface is unknown, not there, down, or refuses its options.
     """
+    trouble = interface_trouble(settings.interface, settings.channel, settings.options)
+    if trouble is not None:
+        raise ConnectionFailed(settings.channel, trouble)
     if settings.interface == "socketcan" and not settings.options:
         return open_socketcan(settings.channel, settings.bitrate)
-    import can
-
-    options: dict[str, Any] = {**settings.options, **_CONFINED.get(settings.interface, {})}
     try:
+        if settings.interface == "udp_multicast":
+            return MulticastBus(settings.channel, int(settings.options.get("port", FIRST_PORT)))
+        import can
+
+        if is_serial(settings.interface):
+            check_terminal(settings.channel)
         bus = can.Bus(
             channel=settings.channel,
             interface=settings.interface,
             ignore_config=True,
             bitrate=settings.bitrate,
-            **options,
+            **cast("dict[str, Any]", settings.options),
         )
     except Exception as error:  # each interface has errors of its own
         raise ConnectionFailed(
             settings.channel,
-            f"python-can cannot open interface {settings.interface!r}: "
+            f"cannot open interface {settings.interface!r}: "
             f"{error or type(error).__name__}{_advise(settings.interface, str(error))}",
         ) from error
     # A Message's attributes are a little narrower than the seam's.
-    adapted = EchoingBus if settings.interface in _ECHOING else AdaptedBus
-    return adapted(cast("CanBus", bus))
+    return AdaptedBus(cast("CanBus", bus))
 
 
 def close_bus(bus: FastCanBus) -> None:
@@ -100,8 +101,4 @@ def _advise(interface: str, text: str) -> str:
     advice = next((advice for words, advice in _ADVICE.items() if words in text), "")
     if not advice and "No module named" in text:
         advice = f"pip install 'python-can[{interface.replace('_', '-')}]'"
-    elif not advice and "not supported" in text:
-        import can
-
-        advice = "there are " + ", ".join(sorted(can.VALID_INTERFACES))
     return f"; {advice}" if advice else ""

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.hal import ConfigurationError
+from rig.hal.files import read_regular
 
 _SECTION: Final = re.compile(r"\[\s*([^\]]*?)\s*\]\s*(?:[;#].*)?")
 _OBJECT: Final = re.compile(r"([0-9a-f]{4})(?:sub([0-9a-f]{1,2}))?")
@@ -38,6 +39,7 @@ _TYPES: Final = {
 _ACCESS: Final = ("ro", "wo", "rw", "rwr", "rww", "const")
 _NUMBER_OF_ENTRIES: Final = "number of entries"
 _U8: Final = 0x05
+_MOST: Final = 8 << 20  # bytes; the largest sheets of makers have some hundred thousand
 
 
 class EdsError(ConfigurationError):
@@ -233,7 +235,7 @@ class Eds:
             if line[0] == "[":
                 found = _SECTION.fullmatch(line)
                 if found is None:
-                    raise EdsError(self.path, number, f"a section's name has no end: {line[:40]!r}")
+                    raise EdsError(self.path, number, "a section's name has no end")
                 name = found[1].lower()
                 if name in self._sections:
                     first = self._sections[name].line
@@ -247,9 +249,8 @@ class Eds:
             if section is None or not equals:
                 if free:
                     continue
-                raise EdsError(
-                    self.path, number, f"expected [section] or name=value, found {line[:40]!r}"
-                )
+                # What stands there is not quoted: the file may be any that a profile names.
+                raise EdsError(self.path, number, "expected [section] or name=value")
             section.entries.setdefault(key.strip().lower(), _Entry(_bare(value), number))
 
     def _variable(self, index: int, sub: int, section: _Section) -> EdsObject:
@@ -314,14 +315,12 @@ def read_eds(path: Path) -> Eds:
 
     Raises
     ------
+    ConfigurationError
+        It cannot be read.
     EdsError
-        It cannot be read or understood; with the line.
+        It cannot be understood; with the line.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise EdsError(path, 0, f"cannot read it: {error.strerror or error}") from error
-    return Eds(path, decode_text(content))
+    return Eds(path, decode_text(read_regular(path, _MOST)))
 
 
 def decode_text(content: bytes) -> str:

@@ -5,6 +5,7 @@ import os
 from typing import Protocol
 
 from drivers.dynamixel.settings import SerialBusSettings
+from drivers.terminal import check_terminal
 from rig.hal import ConnectionFailed
 
 
@@ -57,6 +58,7 @@ class TtyPort:
     def __init__(self, path: str, baudrate: int, *, low_latency: bool = True) -> None:
         import serial
 
+        check_terminal(path)
         self._serial = serial.Serial(path, baudrate, timeout=0, exclusive=True)
         self._file: int = self._serial.fileno()
         if low_latency:

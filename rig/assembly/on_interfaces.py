@@ -12,7 +12,6 @@ Interfaces = dict[str, dict[str, Any]]
 """Settings that replace a bus's own, by the bus's name."""
 
 _LAST_NUMBER = re.compile(r"(\d+)(?=\D*$)")
-_FIRST_PORT = 43113  # python-can's own for udp_multicast
 _ON_THIS_HOST = ("udp_multicast",)
 """Interfaces that never leave the host; `drivers.can.interfaces` sees to it."""
 
@@ -117,5 +116,7 @@ def _settings(on: str, word: str) -> dict[str, Any]:
     number = _LAST_NUMBER.search(channel)
     if interface == "udp_multicast" and number is not None:
         # Linux hands what comes for one group to whoever listens to another on the same port.
-        options["port"] = _FIRST_PORT + int(number[1])
+        from drivers.can.multicast import FIRST_PORT
+
+        options["port"] = FIRST_PORT + int(number[1])
     return {"interface": interface, "channel": channel, "options": options}

@@ -15,8 +15,9 @@ import numpy as np
 
 from rig.calibration.recording import TRUTH, CalibrationRefused
 from rig.config.quantities import UnitError, parse_quantity
-from rig.experiment.metrics import evaluation_from_json
-from rig.run_folder import EVALUATION, RunFolder
+from rig.experiment.metrics import Evaluation, evaluation_from_json
+from rig.run_facts import EVALUATION
+from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 Readings = Mapping[str, Mapping[str, float]]
@@ -56,7 +57,7 @@ def simulate(instruments: Sequence[Instrument], folders: Sequence[Path], seed: i
     for path in folders:
         folder = RunFolder.open(path)
         log = read_log(folder.log_path)
-        segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+        segments, _ = evaluation_from_json(folder.read_json(EVALUATION, Evaluation))
         t = log.column("reference.time")
         bounds = {segment.name: (segment.start, segment.end) for segment in segments}
         for instrument in instruments:

@@ -8,10 +8,11 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.experiment.measure import PHASE_RUN
-from rig.experiment.metrics import evaluation_from_json
+from rig.experiment.metrics import Evaluation, evaluation_from_json
 from rig.hal import RigError
 from rig.hal.motion import Segment
-from rig.run_folder import EVALUATION, RunFolder
+from rig.run_facts import EVALUATION
+from rig.run_folder import RunFolder
 from rig.runtime.log import Log, LogError, read_log
 
 TRUTH = "truth."
@@ -84,7 +85,7 @@ class Recording:
                 log = read_log(folder.log_path)
             except LogError as error:
                 raise CalibrationRefused(str(error)) from error
-            segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+            segments, _ = evaluation_from_json(folder.read_json(EVALUATION, Evaluation))
             runs.append((log, segments))
             paths.append(folder.log_path)
         return cls(runs, paths)

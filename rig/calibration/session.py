@@ -25,7 +25,7 @@ from rig.config import (
 from rig.experiment.plan import Plan
 from rig.experiment.run import Result, run_experiment
 from rig.experiment.watcher import Watcher
-from rig.run_folder import FIGURES, RunStatus
+from rig.run_facts import FIGURES, RunStatus
 
 
 class Calibrated(NamedTuple):

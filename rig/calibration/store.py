@@ -1,6 +1,5 @@
 """Calibration files: writing with history, comparing, refusing a worse fit."""
 
-import os
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
@@ -18,6 +17,7 @@ from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_
 from rig.config.diagnostics import Problems
 from rig.config.yaml_loader import read_source
 from rig.hal import ConfigurationError
+from rig.whole_file import write_whole
 
 _HEADER = "# Written by rig {}; the last line seals it. Values of your own go into the profile.\n"
 
@@ -260,9 +260,7 @@ def restore(search: Sequence[Path], rig: str, target: str, date: str) -> Path:
 
 def _put(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_text(text, encoding="utf-8")
-    temporary.replace(path)
+    write_whole(path, text)
 
 
 def in_force(profile: Profile, search: Sequence[Path], target: str) -> Content | None:

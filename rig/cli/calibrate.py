@@ -120,7 +120,7 @@ def _calibrate(
     from rig.calibration.procedure import FilesOffered
     from rig.calibration.recording import CalibrationRefused, NoFiles, Recording, RigLacks
     from rig.calibration.session import conclude, read_instruments, recorded
-    from rig.run_folder import RunStatus
+    from rig.run_facts import RunStatus
 
     backend, folders = backend_of(options["on"]), list(options["earlier"])
     files = FilesOffered(options["views"], options["board"], backend.is_simulated, options["out"])

@@ -123,12 +123,13 @@ def is_experiment(source: str, search: Sequence[Path]) -> bool:
     """
     from rig.config.diagnostics import nearest
     from rig.config.names import is_path, list_files
+    from rig.config.yaml_loader import read_source
     from rig.hal import ConfigurationError
 
     if is_path(source):
         try:
-            text = Path(source).read_text(encoding="utf-8", errors="replace")
-        except OSError:
+            text = read_source(Path(source)).text
+        except ConfigurationError:
             text = ""  # the loader says what is wrong with it
         ours, others = _EXPERIMENT_KEY.findall(text), _PROFILE_KEY.findall(text)
         if len(ours) == len(others):  # a file that extends another may have neither

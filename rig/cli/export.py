@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rig.cli.names import complete_run, find_run, runs_option
-from rig.cli.tables import print_data
+from rig.cli.tables import print_data, visible
 
 TORN = 1
 
@@ -41,5 +41,5 @@ def export(run: str, format: str, out: Path | None, runs: Path) -> int:
     print_data(str(made.path))
     if made.missing is None:
         return 0
-    click.echo(f"{made.missing}: what was left of it is exported", err=True)
+    click.echo(visible(f"{made.missing}: what was left of it is exported"), err=True)
     return TORN

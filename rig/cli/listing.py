@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import MANIFEST, configs_option, json_option, list_runs, out_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.names import configs_option, json_option, list_runs, out_option
+from rig.cli.tables import Table, print_data, print_tables, visible
 
 if TYPE_CHECKING:
     from rig.config.names import Folder
-
-Metric = dict[str, object]
-"""An entry of a ``metrics.json``, which need not be whole."""
+    from rig.run_facts import MetricRow
 
 
 class ConfigEntry(NamedTuple):
@@ -38,7 +36,7 @@ class RunEntry(NamedTuple):
     experiment: str | None
     backend: str | None
     started: str | None
-    metric: Metric | None
+    metric: MetricRow | None
     rig: str | None
     law: str | None
 
@@ -99,14 +97,14 @@ def _runs(out: Path, where: str | None) -> list[RunEntry]:
     runs = [_with_metric(run, asked) for run in compress(found, chosen)]
     for run in found:
         if run.status == "unreadable" and run not in runs:
-            click.echo(f"{run.name} cannot be read: nothing is known of it", err=True)
+            click.echo(visible(f"{run.name} cannot be read: nothing is known of it"), err=True)
     return runs
 
 
 def _with_metric(run: RunEntry, asked: Sequence[str]) -> RunEntry:
     """Return a run that shows the first metric that was asked for, if one was."""
     metrics = _metrics(Path(run.path))
-    shown = [metric for name in asked for metric in metrics if metric.get("name") == name]
+    shown = [metric for name in asked for metric in metrics if metric["name"] == name]
     return run._replace(metric=shown[0]) if shown else run
 
 
@@ -114,9 +112,8 @@ def _values(run: RunEntry) -> dict[str, tuple[float, str]]:
     """Return value and unit of every metric of a run; NaN for one without a value."""
     found = {}
     for metric in _metrics(Path(run.path)):
-        if isinstance(value := metric.get("value"), int | float | None):
-            number = math.nan if value is None else float(value)
-            found[str(metric.get("name"))] = number, str(metric.get("unit") or "")
+        value = metric["value"]
+        found[metric["name"]] = math.nan if value is None else float(value), metric["unit"]
     return found
 
 
@@ -131,36 +128,40 @@ def list_configs(folder: Folder, search: Sequence[Path]) -> list[ConfigEntry]:
 
 
 def describe_run(path: Path) -> RunEntry:
-    """Return what a list says of a run; one whose process died is marked crashed."""
-    manifest: Mapping[str, object] = _read_object(path / MANIFEST)
-    if manifest.get("status") == "running":
-        from rig.hal import RigError
-        from rig.run_folder import RunFolder  # slow to import; only a live or dead run needs it
+    """Return what a list says of a run; one whose process died is marked crashed.
 
-        try:
+    A folder that cannot be read is unreadable, and keeps no other from being shown.
+    """
+    from rig.hal import RigError
+    from rig.run_facts import RunStatus, read_manifest
+
+    try:
+        manifest = read_manifest(path)
+        if manifest["status"] == RunStatus.RUNNING:
+            from rig.run_folder import RunFolder  # slow to import
+
             manifest = RunFolder.open(path).manifest
-        except RigError:
-            manifest = {}
-
-    def text(key: str) -> str | None:
-        value = manifest.get(key)
-        return value if isinstance(value, str) else None
-
+    except RigError:
+        return RunEntry(path.name, str(path), "unreadable", *(None,) * 6)
     return RunEntry(
-        path.name, str(path), text("status") or "unreadable", text("experiment"), text("backend"),
-        text("started"), _headline(_metrics(path)), text("rig"), text("law"),
+        path.name, str(path), manifest["status"], manifest.get("experiment"),
+        manifest.get("backend"), manifest.get("started"), _headline(_metrics(path)),
+        manifest.get("rig"), manifest.get("law"),
     )  # fmt: skip
 
 
-def _metrics(path: Path) -> list[Metric]:
-    """Return what a run's folder says of its metrics, as far as it can be read."""
-    found = _read_object(path / "metrics.json").get("metrics")
-    return (
-        [metric for metric in found if isinstance(metric, dict)] if isinstance(found, list) else []
-    )
+def _metrics(path: Path) -> list[MetricRow]:
+    """Return what a run's folder says of its metrics, if it can be read."""
+    from rig.hal import ConfigurationError
+    from rig.run_facts import read_metrics
+
+    try:
+        return read_metrics(path)
+    except ConfigurationError:
+        return []
 
 
-def _headline(metrics: Sequence[Metric]) -> Metric | None:
+def _headline(metrics: Sequence[MetricRow]) -> MetricRow | None:
     """Return the first metric that missed its bound, else the first with one, else the first."""
     for wanted in (False, True, None):
         for metric in metrics:
@@ -169,22 +170,13 @@ def _headline(metrics: Sequence[Metric]) -> Metric | None:
     return None
 
 
-def _read_object(path: Path) -> dict[str, object]:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    return content if isinstance(content, dict) else {}
-
-
 def _description(path: Path) -> str:
-    import yaml
-
-    from rig.config.yaml_loader import read_loosely
+    from rig.config.yaml_loader import read_plain
+    from rig.hal import ConfigurationError
 
     try:
-        content = read_loosely(path)
-    except (OSError, ValueError, yaml.YAMLError):
+        content = read_plain(path)
+    except ConfigurationError:
         return f"cannot be read; see `rig check {path}`"
     text = content.get("description", "") if isinstance(content, dict) else ""
     return " ".join(str(text).split())
@@ -195,13 +187,13 @@ def _run_row(run: RunEntry) -> tuple[str, ...]:
     return (run.name, run.status, run.backend or "-", started, _metric_text(run.metric))
 
 
-def _metric_text(metric: Metric | None) -> str:
+def _metric_text(metric: MetricRow | None) -> str:
     if metric is None:
         return "-"
     from rig.config.formats import format_quantity
 
-    value, unit = metric.get("value"), str(metric.get("unit") or "1")
+    value, unit = metric["value"], metric["unit"] or "1"
     nothing = "NaN" if metric.get("is_nan") else "never"
-    text = format_quantity(value, unit) if isinstance(value, int | float) else nothing
+    text = nothing if value is None else format_quantity(value, unit)
     verdict = "" if metric.get("pass") is None else " ok" if metric["pass"] else " MISSED"
-    return f"{metric.get('name')} {text}{verdict}"
+    return f"{metric['name']} {text}{verdict}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import complete_run, find_run, runs_option, set_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_data, print_tables, visible
 
 if TYPE_CHECKING:
     from rig.replaying.recorded import RecordedRun
@@ -57,7 +57,7 @@ def replay(
 
     versions = other_version(RunFolder.open(path))
     if versions is not None:
-        click.echo(versions, err=True)
+        click.echo(visible(versions), err=True)
     options = list(overrides)
     if controller is not None:
         options.append(Setting(f"controller={controller}", f"--controller {controller}"))
@@ -116,7 +116,7 @@ def _ask(path: Path, options: list[str], out: Path) -> int:
         err=True,
     )
     if found.stopped is not None:
-        click.echo(found.stopped, err=True)
+        click.echo(visible(found.stopped), err=True)
     with paper_style():
         figure = draw(found, names)
         made = save(figure, out, "commands", f"open loop; {origin_of(recorded.folder)}")

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from rig.cli.names import complete_run, find_run, runs_option
+from rig.cli.tables import print_data, visible
 
 
 @click.command()
@@ -29,6 +30,6 @@ def report(run: str, runs: Path) -> int:
             f"cannot write the report of {path}: {error.strerror or error}"
         ) from error
     for sentence in made.failures:
-        click.echo(sentence, err=True)
-    click.echo(str(made.page))
+        click.echo(visible(sentence), err=True)
+    print_data(str(made.page))
     return 0

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rig.cli.names import complete_run, find_run, out_option, runs_option, yes_option
-from rig.cli.tables import print_data
+from rig.cli.tables import print_data, visible
 
 
 @click.command()
@@ -46,5 +46,7 @@ def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> 
         else:
             print_data(f"it differs first at {difference}")
             for change in differing_code(repeat.folder, made):
-                click.echo(f"{change.what}: {change.first} then, {change.second} now", err=True)
+                click.echo(
+                    visible(f"{change.what}: {change.first} then, {change.second} now"), err=True
+                )
     return result.exit_code

@@ -30,7 +30,8 @@ _REDRAW = 0.5  # of the status line, s
     metavar="INTERFACE",
     help="CHANNEL (of SocketCAN) or INTERFACE:CHANNEL of python-can, one for each CAN bus of the "
     "profile with commas between (vcan0,vcan1), or BUS=… each. A single one with a number "
-    "counts on: vcan0 is vcan0,vcan1 for two buses. udp_multicast stays on this host.",
+    "counts on: vcan0 is vcan0,vcan1 for two buses. udp_multicast:GROUP stays on this host; its "
+    "UDP port is 43113 and the number at the group's end, 43115 for 239.74.163.2.",
 )
 @click.option(
     "--for", "duration", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import click
+
+_OBEYED: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Control characters but line feed and tab, what turns the direction of a text, half characters."""
 
 
 class Table(NamedTuple):
@@ -28,9 +32,18 @@ class Table(NamedTuple):
     rows: Sequence[tuple[str, ...]]
 
 
+def visible(text: str) -> str:
+    """Return a text without what a terminal would obey: files and devices of others say it too."""
+    return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
 def print_tables(tables: Sequence[Table]) -> None:
     """Print tables that have rows, one below the other."""
-    shown = [table for table in tables if table.rows]
+    shown = [
+        Table(visible(t.title), t.header, [tuple(map(visible, row)) for row in t.rows])
+        for t in tables
+        if t.rows
+    ]
     if not shown:
         return
     if sys.stdout.isatty():
@@ -42,7 +55,7 @@ def print_tables(tables: Sequence[Table]) -> None:
 def print_data(text: str) -> None:
     """Print text on stdout; a reader that has had enough (`rig list | head`) is no error."""
     try:
-        click.echo(text)
+        click.echo(visible(text))
         sys.stdout.flush()
     except BrokenPipeError:
         abandon_stdout()

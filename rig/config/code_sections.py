@@ -1,6 +1,6 @@
 """Read the parts of a profile or experiment that name code: drivers, controllers, plants."""
 
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.located import BROKEN, Node
@@ -8,6 +8,7 @@ from rig.config.models import Settings
 from rig.config.named_settings import Kind, Registry
 from rig.config.names import is_name
 from rig.config.settings import build
+from rig.hal import BusSettings
 
 T = TypeVar("T")
 
@@ -110,6 +111,26 @@ class Sections:
             return None
         built = build(settings, node.with_items(items), self.problems, also=(key,))
         return None if built is None else (name, built)
+
+    def bus(self, node: Node, protocol: str) -> tuple[str, BusSettings] | None:
+        """Build a bus's entry, which must name nothing that is not to be opened.
+
+        Parameters
+        ----------
+        node : Node
+            The entry.
+        protocol : str
+            What is spoken if the entry does not say.
+        """
+        chosen = self.chosen("bus", node, "protocol", protocol)
+        if chosen is None:
+            return None
+        settings = cast("BusSettings", chosen[1])
+        trouble = settings.trouble()
+        if trouble is not None:
+            named = next(filter(None, map(node.get, ("channel", "port"))), node)
+            self.problems.add(named.mark, trouble)
+        return chosen[0], settings
 
     def text(self, node: Node, key: str) -> str | None:
         """Return the text below a key of a mapping, None after noting why there is none."""

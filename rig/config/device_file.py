@@ -7,9 +7,13 @@ from typing import Final
 from rig.config.diagnostics import Problems
 from rig.config.located import Node
 from rig.hal import ConfigurationError, DeviceFile, DriverSettings
+from rig.hal.files import read_regular
 
 KEY: Final = "eds"
 """The key of a device's entry that names the file."""
+
+MOST: Final = 8 << 20
+"""Bytes of the longest; the largest sheets of makers have some hundred thousand."""
 
 
 class DeviceDescription:
@@ -110,7 +114,7 @@ def _with_default(entry: Node, keys: tuple[str, ...], leaf: Node) -> Node:
 
 def text_of(path: Path) -> str:
     """Return the text of a device's own file."""
-    content = path.read_bytes()
+    content = read_regular(path, MOST)
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError:  # most tools for EDS files write Latin-1

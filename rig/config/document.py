@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, ProfileError, shown
 from rig.config.located import BROKEN, Mark, Node, Source
-from rig.config.names import Folder, find_file, is_path
+from rig.config.names import SUFFIXES, Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.setting import Setting
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
@@ -93,6 +93,8 @@ def _base(
             base = find_file(name, folder, search)
         if not base.is_file():
             raise ConfigurationError(f"there is no file {base}")
+        if base.resolve().suffix not in SUFFIXES:  # errors quote lines of what is read
+            raise ConfigurationError(f"{base} is no YAML file by its name")
     except (ConfigurationError, OSError, ValueError) as error:
         problems.add(extends.mark, f"extends: {error}")
         return None

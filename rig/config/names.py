@@ -10,7 +10,7 @@ from rig.hal import ConfigurationError
 
 Folder = Literal["rigs", "experiments"]
 
-_SUFFIXES: Final = (".yaml", ".yml")
+SUFFIXES: Final = (".yaml", ".yml")
 _SINGULAR: Final = {"rigs": "rig", "experiments": "experiment"}
 _NAME: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,63}")
 
@@ -55,14 +55,14 @@ def list_files(folder: Folder, search: Sequence[Path]) -> dict[str, Path]:
         if not directory.is_dir():
             continue
         for path in sorted(directory.iterdir()):
-            if path.suffix in _SUFFIXES and not path.name.startswith("."):
+            if path.suffix in SUFFIXES and not path.name.startswith("."):
                 found.setdefault(path.stem, path)
     return dict(sorted(found.items()))
 
 
 def is_path(source: str) -> bool:
     """Return whether a text means a file and not a name."""
-    return "/" in source or source.endswith(_SUFFIXES)
+    return "/" in source or source.endswith(SUFFIXES)
 
 
 def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Path:

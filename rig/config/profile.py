@@ -228,10 +228,7 @@ class _Reader(Sections):
         """Read every section, so that every error is found; None if there is one."""
         mechanism_settings, calibration, uncalibrated = self._mechanism()
         bus_nodes, device_nodes = self.named("buses"), self.named("devices")
-        buses = {
-            bus: self.chosen("bus", node, "protocol", DEFAULT_PROTOCOL)
-            for bus, node in bus_nodes.items()
-        }
+        buses = {bus: self.bus(node, DEFAULT_PROTOCOL) for bus, node in bus_nodes.items()}
         devices = {
             device: self._device(device, node, tuple(bus_nodes))
             for device, node in device_nodes.items()

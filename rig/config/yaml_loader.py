@@ -15,7 +15,6 @@ Keys are text as they are written.
 """
 
 import re
-import stat
 from pathlib import Path
 from typing import Final
 
@@ -36,8 +35,8 @@ from yaml.events import (
 )
 
 from rig.config.diagnostics import Diagnostic, Problems, ProfileError
-from rig.config.located import BROKEN, Mark, Node, Scalar, Source
-from rig.hal import ConfigurationError
+from rig.config.located import BROKEN, Mark, Node, Plain, Scalar, Source
+from rig.hal.files import read_regular
 
 MAX_BYTES: Final = 1 << 20
 """Largest file that is read; a profile has some thousand bytes."""
@@ -87,18 +86,7 @@ def read_source(path: Path) -> Source:
     ProfileError
         It holds a character that has no place in YAML; with its location.
     """
-    try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            what = "a directory" if path.is_dir() else "not a regular file"
-            raise ConfigurationError(f"cannot read {path}: it is {what}")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
-    except ValueError as error:  # a NUL in the name
-        raise ConfigurationError(f"cannot read {str(path)!r}: {error}") from error
-    if len(content) > MAX_BYTES:
-        raise ConfigurationError(f"cannot read {path}: it has more than {MAX_BYTES} bytes")
+    content = read_regular(path, MAX_BYTES)
     try:
         return Source(str(path), content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
@@ -109,16 +97,18 @@ def read_source(path: Path) -> Source:
         raise ProfileError([Diagnostic(mark, message)]) from error
 
 
-def read_loosely(path: Path) -> object:
-    """Return what any YAML file holds, by the rules of YAML alone.
+def read_plain(path: Path) -> Plain:
+    """Return what a file holds, as plain data.
 
     Raises
     ------
-    OSError, ValueError, yaml.YAMLError
-        It cannot be read.
+    ConfigurationError
+        It cannot be read, or is none of the strict subset.
     """
-    with path.open("rb") as stream:
-        return yaml.load(stream, Loader=SafeLoader)
+    problems = Problems()
+    root = parse(read_source(path), problems)
+    problems.raise_if_any()
+    return root.plain()
 
 
 def parse(source: Source, problems: Problems, *, flow_only: bool = False) -> Node:

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from rig.assembly.contract_check import whose_bug
 from rig.hal import ConfigurationError, ContractBroken, DeviceError, RigError
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.recorder import RecorderError
 from rig.runtime.stop import StopRequests
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rig.experiment.ending import EXIT_PREFLIGHT, Ending
 from rig.hal import DeviceError
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 
 _DIED = "the program ended while the rig was energised, and did not say why"
 _HARMLESS = (RunStatus.OK, RunStatus.FAILED, RunStatus.ABORTED)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypedDict
 
 import numpy as np
 
@@ -19,8 +19,40 @@ if TYPE_CHECKING:
     from rig.runtime.log import Log
 
 
-_Content = Mapping[str, Any]
-"""Of a file of JSON."""
+class FactEntry(TypedDict):
+    """A `Fact` of an ``evaluation.json``; the value of what never happens is null."""
+
+    value: float | None
+    unit: str
+    description: str
+
+
+class SegmentEntry(TypedDict):
+    """A `Segment` of an ``evaluation.json``, s."""
+
+    name: str
+    start: float
+    end: float
+
+
+class SpecEntry(TypedDict, total=False):
+    """A `RecordedSpec` of an ``evaluation.json``, SI."""
+
+    measure: str | None
+    segments: str
+    max: float | None
+    min: float | None
+
+
+class Evaluation(TypedDict, total=False):
+    """The content of ``evaluation.json``: what is needed beside a log to judge and draw it."""
+
+    mechanism: str | None
+    constants: dict[str, float]
+    figures: list[str]
+    facts: dict[str, FactEntry]
+    segments: list[SegmentEntry]
+    metrics: dict[str, SpecEntry]
 
 
 class MetricError(RigError):
@@ -255,17 +287,24 @@ def evaluation_as_json(
     facts: Mapping[str, Fact] | None = None,
     mechanism: str | None = None,
     constants: Mapping[str, float] | None = None,
-) -> dict[str, Any]:
+) -> Evaluation:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
         "mechanism": mechanism,
         "constants": dict(constants or {}),
         "figures": list(figures),
         "facts": {
-            name: {**fact._asdict(), "value": fact.value if math.isfinite(fact.value) else None}
+            name: {
+                "value": fact.value if math.isfinite(fact.value) else None,
+                "unit": fact.unit,
+                "description": fact.description,
+            }
             for name, fact in (facts or {}).items()
         },
-        "segments": [segment._asdict() for segment in segments],
+        "segments": [
+            {"name": segment.name, "start": segment.start, "end": segment.end}
+            for segment in segments
+        ],
         "metrics": {
             name: {
                 "measure": spec.measure,
@@ -278,29 +317,35 @@ def evaluation_as_json(
     }
 
 
-def facts_from_json(content: _Content) -> dict[str, Fact]:
+def facts_from_json(content: Evaluation) -> dict[str, Fact]:
     """Return the facts of an ``evaluation.json``; what never happens is null there."""
     return {
-        name: Fact(math.inf if fact["value"] is None else fact["value"], *_texts(fact))
+        name: Fact(
+            math.inf if fact["value"] is None else fact["value"], fact["unit"], fact["description"]
+        )
         for name, fact in content.get("facts", {}).items()
     }
 
 
-def constants_from_json(content: _Content) -> dict[str, float]:
+def constants_from_json(content: Evaluation) -> dict[str, float]:
     """Return what an ``evaluation.json`` knows of the rig, SI."""
     return {name: float(value) for name, value in content.get("constants", {}).items()}
 
 
-def _texts(fact: Mapping[str, str]) -> tuple[str, str]:
-    return fact["unit"], fact["description"]
-
-
 def evaluation_from_json(
-    content: _Content,
+    content: Evaluation,
 ) -> tuple[tuple[Segment, ...], dict[str, RecordedSpec]]:
     """Return the segments and metric specifications of an ``evaluation.json``."""
-    segments = tuple(Segment(**segment) for segment in content.get("segments", ()))
-    specs = {name: RecordedSpec(**spec) for name, spec in content.get("metrics", {}).items()}
+    segments = tuple(
+        Segment(entry["name"], entry["start"], entry["end"])
+        for entry in content.get("segments", ())
+    )
+    specs = {
+        name: RecordedSpec(
+            spec.get("measure"), spec.get("segments", "*"), spec.get("max"), spec.get("min")
+        )
+        for name, spec in content.get("metrics", {}).items()
+    }
     return segments, specs
 
 

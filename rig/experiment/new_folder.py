@@ -9,7 +9,8 @@ from rig.config.device_file import text_of
 from rig.experiment.command import command_of
 from rig.experiment.metrics import evaluation_as_json
 from rig.experiment.plan import Plan, constants_of
-from rig.run_folder import EVALUATION, RunFolder
+from rig.run_facts import EVALUATION
+from rig.run_folder import RunFolder
 
 
 def create_folder(

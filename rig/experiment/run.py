@@ -33,7 +33,8 @@ from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
 from rig.hal import Column, ContractBroken, RigError
-from rig.run_folder import RunFolder, RunFolderError, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder, RunFolderError
 from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import Log, LogError, read_log
 from rig.runtime.loop import Loop, Outcome
@@ -358,7 +359,7 @@ def _finish(
         if plan.motion.watches:  # what it came to is known only now
             write_evaluation(plan, folder)
         if len(log.cycle):
-            folder.write_timing(summarise_timing(log) | stopwatch.facts)
+            folder.write_timing({**summarise_timing(log), **stopwatch.facts})
         if ending.status is RunStatus.OK:
             metrics, unmeasured = _measure(plan, log)
             folder.write_metrics(metrics)

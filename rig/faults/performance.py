@@ -21,7 +21,7 @@ from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Column, Controller
 from rig.hal.hazards import ENERGY_LEFT
-from rig.run_folder import EVENTS, LOG
+from rig.run_facts import EVENTS, LOG
 from rig.runtime.phases import Timings
 from rig.runtime.states import RigState
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from rig.faults.kind import Expect, FaultKind, Magnitudes, Must, Place, Sizes, either, ride, safe
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
-from rig.run_folder import LOG
+from rig.run_facts import LOG
 
 
 def _here(words: tuple[str, ...], subject: Subject) -> list[Place]:

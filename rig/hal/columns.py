@@ -8,8 +8,12 @@ SCHEMA_NAME = "rig_msgs/msg/Cycle"
 RESERVED = ("stamp", "cycle", "t", "checksum")
 """Fields that every message has, so no column may be called so."""
 
-_FIELD_NAME = re.compile(r"^(?!.*__)(?!.*_$)[a-z][a-z0-9_]*$")
+_FIELD_NAME = re.compile(r"^(?!.*__)(?!.*_$)[a-z][a-z0-9_]{0,99}$")
 """ROS 2's rule for field names: each part of a dotted column name becomes a field."""
+
+
+_MOST = 4096
+"""Columns of a log; the joint's has a hundred, and a row of more takes longer than a cycle."""
 
 
 class Column(NamedTuple):
@@ -62,7 +66,7 @@ def schema_text(columns: Sequence[Column]) -> str:
     ValueError
         A name is not a legal field name, is used twice, or its group is split.
     """
-    _check_names(columns)
+    check_columns(columns)
     fields = [
         "builtin_interfaces/Time stamp  # wall-clock time of the cycle",
         "uint64 cycle  # number of the cycle since the rig was armed",
@@ -96,11 +100,23 @@ def _type_name(group: str) -> str:
     return "".join(word.capitalize() for word in group.split("_"))
 
 
-def _check_names(columns: Sequence[Column]) -> None:
+def check_columns(columns: Sequence[Column]) -> None:
+    """Refuse what no file, table or terminal should meet as the name of a column.
+
+    Raises
+    ------
+    ValueError
+        There are too many, a name is not a legal field name, is used twice, or its group is split,
+        or a unit or a description is no line of text.
+    """
+    if len(columns) > _MOST:
+        raise ValueError(f"{len(columns)} columns, expected at most {_MOST}")
     names: set[str] = set()
     types: dict[str, str] = {}
     tops: list[str] = []
     for column in columns:
+        if not column.unit.isprintable() or not " ".join(column.description.split()).isprintable():
+            raise ValueError(f"column {column.name!r}: its unit or description is no line of text")
         parts = column.name.split(".")
         if len(parts) > 2 or not all(_FIELD_NAME.match(part) for part in parts):
             raise ValueError(

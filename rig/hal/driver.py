@@ -161,3 +161,7 @@ class BusSettings(Protocol):
 
     def endpoint(self) -> Endpoint:
         """Return what it runs on."""
+
+    def trouble(self) -> str | None:
+        """Say why what a file names is not opened, whatever is there; None: it may be."""
+        return None

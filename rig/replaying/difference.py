@@ -3,16 +3,16 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
-from yaml import YAMLError
 
 from rig.config.located import Plain
-from rig.config.yaml_loader import read_loosely
+from rig.config.yaml_loader import read_plain
 from rig.hal import ConfigurationError, RigError
 from rig.replaying.recorded import EXPERIMENT, PROFILE
-from rig.run_folder import MANIFEST, RunFolder
+from rig.run_facts import MANIFEST
+from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 _WALL_CLOCK = "timing."
@@ -196,10 +196,9 @@ def _code(folder: RunFolder) -> dict[str, str]:
 
 def _settings(folder: RunFolder, name: str) -> dict[str, str]:
     try:
-        content = cast("Plain", read_loosely(folder.path / name))
-    except (OSError, ValueError, YAMLError) as error:
+        return dict(_flat("", read_plain(folder.path / name)))
+    except ConfigurationError as error:
         raise ConfigurationError(f"{folder.path} has no readable {name}: {error}") from error
-    return dict(_flat("", content))
 
 
 def _flat(prefix: str, value: Plain) -> Iterator[tuple[str, str]]:

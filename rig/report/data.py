@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rig.config.calibration import HARDWARE
+from rig.config.yaml_loader import read_plain
 from rig.experiment.measure import PHASE_RUN
-from rig.experiment.metrics import evaluation_from_json
+from rig.experiment.metrics import Evaluation, evaluation_from_json
+from rig.hal import ConfigurationError
 from rig.hal.motion import Segment
-from rig.run_folder import EVALUATION, MetricRow, RunFolder
+from rig.run_facts import EVALUATION, MetricRow
+from rig.run_folder import RunFolder
 from rig.runtime.log import Log, read_log
 
 if TYPE_CHECKING:
@@ -84,17 +87,18 @@ class RunData:
     @cached_property
     def settings(self) -> dict[str, Any]:
         """What the run's own profile says of its mechanism, SI."""
-        import yaml
-
-        profile = yaml.safe_load((self.folder.path / "profile.yaml").read_text(encoding="utf-8"))
-        settings: dict[str, Any] = profile[profile["mechanism"]]
+        path = self.folder.path / "profile.yaml"
+        profile = read_plain(path)
+        entries = profile if isinstance(profile, dict) else {}
+        settings = entries.get(str(entries.get("mechanism")))
+        if not isinstance(settings, dict):
+            raise ConfigurationError(f"{path} does not say what its mechanism is")
         return settings
 
 
 def mechanism_of(folder: RunFolder) -> str | None:
     """Return the mechanism of the rig that a run was recorded on; None if it is not noted."""
-    mechanism = folder.read_json(EVALUATION).get("mechanism")
-    return mechanism if isinstance(mechanism, str) else None
+    return folder.read_json(EVALUATION, Evaluation).get("mechanism")
 
 
 def origin_of(folder: RunFolder) -> str:
@@ -116,5 +120,5 @@ def load_run(path: str | Path) -> RunData:
         It has no readable log.
     """
     folder = RunFolder.open(path)
-    segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+    segments, _ = evaluation_from_json(folder.read_json(EVALUATION, Evaluation))
     return RunData(folder, read_log(folder.log_path), segments, folder.metrics())

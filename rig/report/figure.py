@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from rig.hal.motion import Segment
-    from rig.run_folder import MetricRow
+    from rig.run_facts import MetricRow
 
 TIME_LABEL = "time since the reference started (s)"
 

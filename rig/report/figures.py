@@ -10,7 +10,7 @@ from rig.report.data import load_run, origin_of
 from rig.report.figure import FigureKind
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
-from rig.run_folder import FIGURES as FIGURES_FOLDER
+from rig.run_facts import FIGURES as FIGURES_FOLDER
 from rig.run_folder import RunFolderError
 
 
@@ -75,13 +75,13 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
     drawn = Drawn([], [])
     if len(run.log.t) < 2:
         return drawn
+    folder = run.folder.place(FIGURES_FOLDER)
     with paper_style():
         for name in chosen:
             draw = known[name].draw
             try:
                 figure = draw(run)
                 if figure is not None:
-                    folder = run.folder.path / FIGURES_FOLDER
                     drawn.files.extend(save(figure, folder, name, origin_of(run.folder)))
             except (OSError, RunFolderError):
                 raise

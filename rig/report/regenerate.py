@@ -2,9 +2,10 @@
 
 import math
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from rig.experiment.metrics import (
+    Evaluation,
     Metric,
     MetricError,
     constants_from_json,
@@ -18,7 +19,8 @@ from rig.report.data import mechanism_of
 from rig.report.figures import draw_figures
 from rig.report.html import write_html
 from rig.report.timing import summarise_timing
-from rig.run_folder import EVALUATION, METRICS, TIMING, MetricRow, RunFolder, RunStatus
+from rig.run_facts import EVALUATION, METRICS, TIMING, MetricRow, RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.log import Log, LogError, read_log
 
 
@@ -71,7 +73,7 @@ def write_report(path: str | Path) -> RunReport:
             folder.write_metrics(metrics)
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
-    names = cast("list[str] | None", folder.read_json(EVALUATION).get("figures") or None)
+    names = folder.read_json(EVALUATION, Evaluation).get("figures") or None
     drawn = draw_figures(folder.path, names)
     figures = [file for file in drawn.files if file.suffix == ".png"]
     page = write_html(folder, figures, [*torn, *problems], drawn.failures)
@@ -88,7 +90,7 @@ def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
     problems : list of str
         Why the others could not.
     """
-    content = folder.read_json(EVALUATION)
+    content = folder.read_json(EVALUATION, Evaluation)
     segments, specs = evaluation_from_json(content)
     facts, constants = facts_from_json(content), constants_from_json(content)
     mechanism = mechanism_of(folder)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rig.run_folder import RunFolderError
+from rig.whole_file import refuse_link, whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -112,13 +113,16 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
     """
     paths = [folder / f"{name}.png", folder / f"{name}.svg"]
     try:
+        refuse_link(folder)
         folder.mkdir(parents=True, exist_ok=True)
         figure.text(
             1.0, 0.0, origin, ha="right", va="bottom", fontsize=ORIGIN_TEXT, color="#4a5560"
         )
-        figure.savefig(paths[0])
+        with whole_file(paths[0]) as temporary:
+            figure.savefig(temporary)
         figure.set_layout_engine("none")  # both files have the layout of the first
-        figure.savefig(paths[1], metadata={"Date": None})
+        with whole_file(paths[1]) as temporary:
+            figure.savefig(temporary, metadata={"Date": None})
     except OSError as error:
         raise RunFolderError(
             f"cannot write figures to {folder}: {error.strerror or error}"

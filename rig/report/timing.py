@@ -1,6 +1,6 @@
 """Summarise the times of the cycle's stages."""
 
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING, NotRequired, TypedDict
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class LongCycle(TypedDict):
     blame: str
 
 
-class TimingSummary(TypedDict, total=False):
+class TimingSummary(TypedDict):
     """The content of ``timing.json``; ``took`` (s) and ``speed`` are of the run as a whole."""
 
     period: float
@@ -50,8 +50,12 @@ class TimingSummary(TypedDict, total=False):
     lateness: Spread
     stages: dict[str, StageTime]
     worst: list[LongCycle]
-    took: float
-    speed: float
+    took: NotRequired[float]
+    speed: NotRequired[float]
+
+
+class NoTiming(TypedDict):
+    """The summary of a log without times."""
 
 
 def has_timing(log: "Log") -> bool:
@@ -66,7 +70,7 @@ def stage_times(log: "Log") -> "NDArray[np.float64]":
     return np.column_stack([log.column(f"timing.{stage}") for stage in STAGES])
 
 
-def summarise_timing(log: "Log") -> TimingSummary:
+def summarise_timing(log: "Log") -> TimingSummary | NoTiming:
     """Summarise a run's timing for ``timing.json``; ``{}`` if the log has none.
 
     Returns

@@ -12,6 +12,7 @@ import numpy as np
 
 from rig.hal import ConfigurationError
 from rig.hal.columns import Column
+from rig.hal.files import open_regular
 from rig.runtime.mcap_file import CHANNEL_ID, decode_channel
 from rig.runtime.recorder import CHECKSUM_SIZE, OPCODE_MESSAGE, RECORD_HEAD, RECORD_PREFIX
 
@@ -169,10 +170,9 @@ class LogFile:
 
     def _opened(self) -> BinaryIO:
         try:
-            return self.path.open("rb")
-        except OSError as error:
-            reason = error.strerror or error
-            raise LogError(f"cannot read the log {self.path}: {reason}") from error
+            return open_regular(self.path)
+        except ConfigurationError as error:
+            raise LogError(str(error).replace("read", "read the log", 1)) from error
 
     def _whole(self, rows: "NDArray[np.void]") -> int:
         """Return how many records there are up to the first that is no message."""
@@ -242,7 +242,7 @@ def read_log(path: str | Path) -> Log:
 def is_locked(path: str | Path) -> bool:
     """Return whether a living process holds the file (see `LogRecorder`); False if it is absent."""
     try:
-        fd = os.open(path, os.O_RDONLY)
+        fd = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe must not hold it up
     except OSError:
         return False
     try:

@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from rig.hal.columns import SCHEMA_NAME, Column, schema_text
+from rig.hal.columns import SCHEMA_NAME, Column, check_columns, schema_text
 
 if TYPE_CHECKING:
     from mcap.records import Channel, McapRecord, Schema
@@ -123,6 +123,7 @@ def decode_channel(channel_record: bytes) -> tuple[tuple[Column, ...], bool] | N
         if told is None:
             return None
         columns = tuple(Column(*map(str, column)) for column in json.loads(told))
+        check_columns(columns)
     except (McapError, struct.error, TypeError, RecursionError) as error:
         raise ValueError(str(error)) from error
     return columns, channel.metadata.get(CHECKSUM_KEY) == CHECKSUM

@@ -17,7 +17,7 @@ from rig.config import Profile, load_profile
 from rig.config.names import find_configs
 from rig.experiment.fault_latch import FaultLatch
 from rig.hal import ConfigurationError
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 from rig.scripting.errors import error_of
 from rig.scripting.played import refuse_within_plan
 from rig.scripting.recorded import Run

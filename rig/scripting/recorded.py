@@ -14,7 +14,8 @@ from rig.hal.motion import Segment
 from rig.report.data import RunData, load_run
 from rig.report.figures import known_figures, own_figures
 from rig.report.style import paper_style
-from rig.run_folder import REPORT, Event, Manifest, RunFolder, RunStatus
+from rig.run_facts import REPORT, Event, Manifest, RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.log import Log
 
 if TYPE_CHECKING:

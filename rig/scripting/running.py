@@ -15,7 +15,7 @@ from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
 from rig.hal.fits import shown
-from rig.run_folder import MANIFEST
+from rig.run_facts import MANIFEST
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
 from rig.scripting.errors import MeasureFailed, error_of

@@ -11,7 +11,7 @@ from rig.experiment.metrics import Metric
 from rig.experiment.plan import make_plan
 from rig.experiment.run import Result, run_experiment
 from rig.hal import ConfigurationError, RigError
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import MetricCell, PointFinding, one_line, refusal
 from rig.sweeping.source import PointSource, resolve

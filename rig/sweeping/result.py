@@ -21,6 +21,7 @@ from rig.sweeping.table import (
     TableRow,
     find_columns,
     kind_of,
+    unguarded,
     value_of,
     write_csv,
     write_parquet,
@@ -106,7 +107,10 @@ class Sweep:
         numbers = {**self.columns.settings, **dict.fromkeys(self.columns.metrics, float)}
         with (self.folder / CSV).open(encoding="utf-8", newline="") as stream:
             return [
-                {name: numbers.get(name, str)(text) if text else None for name, text in row.items()}
+                {
+                    name: numbers.get(name, str)(unguarded(text)) if text else None
+                    for name, text in row.items()
+                }
                 for row in csv.DictReader(stream)
             ]
 

@@ -1,8 +1,6 @@
 """The table of a sweep: one row for each point, in the order of the points."""
 
-import contextlib
 import csv
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
@@ -13,6 +11,7 @@ from rig.config.quantities import UnitError, parse_any_quantity
 from rig.hal import ConfigurationError
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
+from rig.whole_file import whole_file
 
 if TYPE_CHECKING:
     from pyarrow import DataType
@@ -21,6 +20,7 @@ CSV, PARQUET = "sweep.csv", "sweep.parquet"
 _BATCH: Final = 1024
 """SweepRows that are written at once."""
 
+_FORMULA: Final = re.compile("'*[-+=@\t\r]")
 _WHOLE: Final = re.compile(r"[-+]?[0-9]{1,18}")
 _NUMBER: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 
@@ -84,6 +84,16 @@ def value_of(text: str) -> Cell:
         return text
 
 
+def guarded(cell: Cell) -> Cell:
+    """Return a cell that no spreadsheet takes for a formula: an apostrophe stands before it."""
+    return f"'{cell}" if isinstance(cell, str) and _FORMULA.match(cell) else cell
+
+
+def unguarded(text: str) -> str:
+    """Return the text of a cell as it was before `guarded`."""
+    return text[1:] if text[:1] == "'" and _FORMULA.match(text[1:]) else text
+
+
 def kind_of(values: Iterable[Cell]) -> type:
     """Return the type that all values of a setting can have."""
     kinds = {type(value) for value in values}
@@ -114,7 +124,7 @@ def write_csv(folder: Path, columns: Columns, rows: Iterable[TableRow]) -> Path:
         with path.open("w", encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(columns.names)
-            writer.writerows(columns.cells(row) for row in rows)
+            writer.writerows(map(guarded, columns.cells(row)) for row in rows)
 
     return _write(folder / CSV, write)
 
@@ -152,13 +162,10 @@ def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> P
 
 
 def _write(path: Path, write: Callable[[Path], None]) -> Path:
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        write(temporary)
-        temporary.replace(path)
+        with whole_file(path) as temporary:
+            write(temporary)
     except OSError as error:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
         raise SweepStopped(
             str(path), f"cannot be written: {error.strerror or error}; what is finished is kept"
         ) from error

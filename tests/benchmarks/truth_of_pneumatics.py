@@ -13,11 +13,12 @@ from rig.assembly import Backend
 from rig.assembly.simulated import make_plant
 from rig.calibration.recording import Recording
 from rig.calibration.session import record
-from rig.experiment.metrics import evaluation_from_json
+from rig.experiment.metrics import Evaluation, evaluation_from_json
 from rig.mechanisms.cylinder.calibration import friction as pair_friction
 from rig.mechanisms.cylinder.calibration.pneumatics import PairPneumatics
 from rig.mechanisms.joint.calibration.pneumatics import JointPneumatics
-from rig.run_folder import EVALUATION, RunFolder
+from rig.run_facts import EVALUATION
+from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 
 # Without a controller in the loop a slower one gives the same answer for less.
@@ -191,7 +192,7 @@ def _noiseless(profile, procedure, folders):
         true = values[:, names.index(f"truth.pressure_{channel}")].copy()
         # A reading is one cycle old when it is used.
         values[1:, names.index(f"reading.pressure_{channel}")] = true[:-1]
-    segments, _ = evaluation_from_json(folder.read_json(EVALUATION))
+    segments, _ = evaluation_from_json(folder.read_json(EVALUATION, Evaluation))
     recording = Recording([(log._replace(values=values), segments)], [Path(folder.log_path)])
     return {
         (finding.target, e.name): e.value

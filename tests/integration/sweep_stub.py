@@ -39,7 +39,7 @@ def fills_the_disk(job):
     """Run a point whose log cannot be written to its end."""
     from rig.experiment.ending import EXIT_FAULT
     from rig.experiment.run import Result
-    from rig.run_folder import RunStatus
+    from rig.run_facts import RunStatus
     from rig.sweeping import point
 
     def cut_off(plan, backend, out, **more):

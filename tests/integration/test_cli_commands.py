@@ -12,7 +12,8 @@ from warm_start import WarmProcess
 
 from rig.cli import invoke
 from rig.hal.columns import Column
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.recorder import LogRecorder
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -102,23 +102,21 @@ def test_an_interface_that_python_can_does_not_know(refused):
 
 
 @pytest.mark.parametrize(
-    ("interface", "complaint", "advice"),
+    ("interface", "maker", "complaint", "advice"),
     [
-        ("gs_usb", "No module named 'usb'", "pip install 'python-can[gs-usb]'"),
-        ("gs_usb", "Access denied (insufficient permissions)", "ip -brief link show type can"),
-        (
-            "udp_multicast",
-            "could not create or configure socket",
-            "ip route add 224.0.0.0/4 dev lo",
-        ),
+        ("gs_usb:0", "can.Bus", "No module named 'usb'", "pip install 'python-can[gs-usb]'"),
+        ("gs_usb:0", "can.Bus", "Access denied (insufficient permissions)",
+         "ip -brief link show type can"),
+        ("udp_multicast:239.74.163.2", "drivers.can.interfaces.MulticastBus", "No such device",
+         "ip route add 224.0.0.0/4 dev lo"),
     ],
-)
-def test_what_else_python_can_may_say(refused, monkeypatch, interface, complaint, advice):
-    def refuse(**options):
+)  # fmt: skip
+def test_what_else_an_interface_may_say(refused, monkeypatch, interface, maker, complaint, advice):
+    def refuse(*_, **options):
         raise OSError(complaint)
 
-    monkeypatch.setattr(can, "Bus", refuse)
-    assert f"{complaint}; " in (said := refused(f"{interface}:239.74.163.2"))
+    monkeypatch.setattr(maker, refuse)
+    assert f"{complaint}; " in (said := refused(interface))
     assert advice in said
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from rig.hal import Column
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.recorder import LogRecorder
 
 

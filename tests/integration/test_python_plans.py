@@ -13,7 +13,7 @@ import pytest
 
 import rig
 from rig.hal import MotionRefused
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 from rig.runtime.log import read_log
 
 FAST = {"approach": 0.3}

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rig.experiment.metrics import facts_from_json
+from rig.experiment.metrics import Evaluation, facts_from_json
 from rig.hal.motion import Fact
 from rig.mechanisms.arm.figures import JOINTS, mark_region
 from rig.report.comparison import Comparison, ComparisonRow
@@ -14,7 +14,7 @@ from rig.report.data import RunData
 from rig.report.envelope import envelope
 from rig.report.figure import TIME_LABEL
 from rig.report.style import PAGE, PALETTE, VERMILION, new_figure
-from rig.run_folder import EVALUATION
+from rig.run_facts import EVALUATION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -133,7 +133,7 @@ def _draw_rates(axes: "Axes", run: RunData) -> None:
 
 
 def _facts(run: RunData) -> dict[str, Fact]:
-    return facts_from_json(run.folder.read_json(EVALUATION))
+    return facts_from_json(run.folder.read_json(EVALUATION, Evaluation))
 
 
 def _value(facts: dict[str, Fact], name: str) -> float | None:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from rig.run_folder import MetricRow
+    from rig.run_facts import MetricRow
 
     Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from rig.calibration.recording import CalibrationRefused, Recording
 from rig.config import find_configs, load_profile
 from rig.hal.columns import Column
 from rig.hal.motion import Segment
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 from rig.runtime.log import Log
 
 TOLERANCE = math.radians(0.1)

@@ -5,9 +5,11 @@ from typing import Annotated, ClassVar, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
 
+import rig.hal
+
 
 @dataclass(frozen=True, slots=True)
-class BusSettings:
+class BusSettings(rig.hal.BusSettings):
     interface: str
     channel: str
     bitrate: Annotated[int, Unit("bit/s"), Interval(ge=10_000, le=1_000_000)] = 1_000_000

@@ -179,6 +179,6 @@ class TestReadSource:
             def refuse(*_):
                 raise PermissionError(13, "Permission denied")
 
-            monkeypatch.setattr(type(path), "open", refuse)
+            monkeypatch.setattr(os, "open", refuse)
         with pytest.raises(ConfigurationError, match="Permission denied"):
             read_source(path)

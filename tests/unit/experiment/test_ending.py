@@ -21,7 +21,7 @@ from rig.hal import (
     LoopStalled,
     RigError,
 )
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 from rig.runtime.recorder import RecorderError
 from rig.runtime.stop import StopRequests
 

@@ -10,7 +10,7 @@ import pytest
 from rig.experiment.ending import EXIT_FAULT, EXIT_INTERRUPTED, EXIT_OK, EXIT_PREFLIGHT, Ending
 from rig.experiment.fault_latch import FaultLatch, FaultLatched
 from rig.hal import DeviceError
-from rig.run_folder import RunStatus
+from rig.run_facts import RunStatus
 
 RUN = Path("runs/one")
 

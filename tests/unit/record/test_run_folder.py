@@ -13,7 +13,8 @@ import pytest
 
 from rig import provenance
 from rig.hal import ConfigurationError
-from rig.run_folder import EVENTS, MANIFEST, RunFolder, RunFolderError, RunStatus
+from rig.run_facts import EVENTS, MANIFEST, RunStatus
+from rig.run_folder import RunFolder, RunFolderError
 
 NOW = datetime(2026, 11, 21, 3, 45, 12, tzinfo=UTC)
 INPUTS = {
@@ -113,7 +114,7 @@ def test_json_is_written_whole_or_not_at_all(
 ) -> None:
     folder = create(tmp_path)
     folder.write_timing({"overruns": 1, "p99": float("nan")})
-    assert folder.read_json("timing.json") == {"overruns": 1, "p99": None}
+    assert folder.read_json("timing.json", dict[str, object]) == {"overruns": 1, "p99": None}
 
     def full(fd: int) -> None:
         raise OSError(28, "No space left on device")
@@ -122,9 +123,9 @@ def test_json_is_written_whole_or_not_at_all(
     with pytest.raises(RunFolderError, match=r"timing\.json: No space left"):
         folder.write_timing({"overruns": 2})
     monkeypatch.undo()
-    assert folder.read_json("timing.json")["overruns"] == 1
+    assert folder.read_json("timing.json", dict[str, object])["overruns"] == 1
     assert not [p for p in folder.path.iterdir() if p.name.startswith(".")]
-    assert folder.read_json("metrics.json") == {}
+    assert folder.read_json("metrics.json", dict[str, object]) == {}
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ from rig.experiment.metrics import RecordedSpec, evaluate, evaluation_as_json
 from rig.hal.columns import Column
 from rig.hal.motion import Segment
 from rig.report.timing import summarise_timing
-from rig.run_folder import EVALUATION, RunFolder, RunStatus
+from rig.run_facts import EVALUATION, RunStatus
+from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
 from rig.runtime.recorder import LogRecorder
 

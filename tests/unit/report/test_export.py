@@ -112,15 +112,18 @@ def test_a_damaged_log_is_not_exported(run: Path) -> None:
     for format in FORMATS:
         with pytest.raises(LogError, match="checksum"):
             export_run(run, format)
-    assert not list(run.glob("log?*.[!m]*")) and not list(run.glob(".log*"))
+    assert not list(run.glob("log?*.[!m]*")) and not list(run.glob(".*log*"))
 
 
 def test_what_an_export_leaves_goes_to_its_own_place(run: Path, tmp_path: Path) -> None:
-    """Not through a link to another file, and never over the log."""
+    """To no link's target, and never over the log."""
     elsewhere = tmp_path / "precious"
     elsewhere.write_text("mine")
     (run / "log.csv").symlink_to(elsewhere)
-    export_run(run, "csv")
+    with pytest.raises(ConfigurationError, match=r"log\.csv: it is a link to .*precious"):
+        export_run(run, "csv")
+    with pytest.raises(ExportError, match=r"it is a link to .*precious"):
+        export_run(run, "csv", run / "log.csv")
     assert elsewhere.read_text() == "mine"
     with pytest.raises(ConfigurationError, match="log itself"):
         export_run(run, "mcap", run / "log.mcap")

@@ -18,7 +18,8 @@ from rig.report.figures import draw_figures
 from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
 from rig.report.timing_figure import TIMING_FIGURES
-from rig.run_folder import RunFolderError, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolderError
 from rig.runtime.recorder import LogRecorder
 
 MakeRun = Callable[..., Path]

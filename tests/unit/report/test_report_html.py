@@ -12,7 +12,8 @@ import pytest
 from rig.hal import ConfigurationError
 from rig.report import style
 from rig.report.regenerate import write_report
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 
 MakeRun = Callable[..., Path]
 

@@ -9,7 +9,8 @@ import numpy as np
 from rig.calibration.arrays import Array
 from rig.config import Profile
 from rig.mechanisms.joint.calibration.board_lens import Board
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 
 VIEWS: Final = "views"
 _COUNT: Final = 14

@@ -24,7 +24,8 @@ from rig.mechanisms.joint.calibration.board_lens import (
     read_views,
 )
 from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
-from rig.run_folder import RunFolder, RunStatus
+from rig.run_facts import RunStatus
+from rig.run_folder import RunFolder
 
 _BOUND: Final = 0.3
 """Rms of a corner, pixels: above, the board is not flat or the images are not sharp."""

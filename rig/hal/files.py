@@ -1,0 +1,56 @@
+"""Files that somebody else may have written, read so that none can hang the program or fill it."""
+
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+from rig.hal.errors import ConfigurationError
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """Open a regular file for reading, and nothing else: no pipe that waits, no endless device.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be opened, or is something else.
+    """
+    try:
+        # Looked at before it is opened: to open a device may already do something.
+        if stat.S_ISREG(path.stat().st_mode):
+            stream = os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb")
+            if stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+                return stream
+            stream.close()
+        what = "a directory" if path.is_dir() else "not a regular file"
+        raise ConfigurationError(f"cannot read {path}: it is {what}")
+    except OSError as error:
+        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
+    except ValueError as error:  # a NUL in the name
+        raise ConfigurationError(f"cannot read {str(path)!r}: {error}") from error
+
+
+def read_regular(path: Path, most: int) -> bytes:
+    """Return the content of a regular file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    most : int
+        Bytes that it may have.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be read, is no regular file, or is longer.
+    """
+    with open_regular(path) as stream:
+        try:
+            content = stream.read(most + 1)
+        except OSError as error:
+            raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
+    if len(content) > most:
+        raise ConfigurationError(f"cannot read {path}: it has more than {most} bytes")
+    return content
