@@ -34,6 +34,7 @@ from rig.hal.driver import BusSettings
 from rig.hal.hazards import Hazard
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
 from rig.hal.plant import PhysicsSettings
+from rig.hal.scene import Scene
 
 Thing = TypeVar("Thing")
 
@@ -151,6 +152,15 @@ class InstalledParts:
             return None
         found: type[TuningBench] = load(path, f"mechanism {mechanism}: ")
         check_offers(f"mechanism {mechanism}: {path}", found, TuningBench)
+        return found
+
+    def scene(self, mechanism: str) -> type[Scene] | None:
+        """Return what `rig watch` draws of a mechanism; None: it gives no picture of itself."""
+        path = self.mechanism(mechanism).scene
+        if path is None:
+            return None
+        found: type[Scene] = load(path, f"mechanism {mechanism}: ")
+        check_class(f"mechanism {mechanism}: {path}", found, Scene)
         return found
 
     # What mechanisms add to the frameworks ----------------------------------------------

@@ -52,6 +52,12 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 )  # fmt: skip
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+@click.option("--watch", is_flag=True, help="Serve a page on which the run can be watched.")
+@click.option("--steer", is_flag=True, help="With --watch: gains may be changed on that page.")
+@click.option(
+    "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
+    help="Times real time that a simulation runs at most; with --watch: 1.",
+)  # fmt: skip
 @yes_option
 def run(
     experiment: str,
@@ -65,6 +71,9 @@ def run(
     frames: str | None,
     no_report: bool,
     as_json: bool,
+    watch: bool,
+    steer: bool,
+    pace: float | None,
     yes: str | None,
 ) -> int:
     """Run EXPERIMENT and leave a run folder with log, metrics, figures and report.
@@ -76,7 +85,7 @@ def run(
     """
     from rig.assembly import Backend, backend_of
     from rig.cli.announce import may_move
-    from rig.cli.progress import ProgressLine
+    from rig.cli.watched_run import WatchedRun
     from rig.config.setting import Setting
     from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
     from rig.experiment.plan import load_plan
@@ -92,7 +101,11 @@ def run(
         options.append(f"rig={rig_name}")
     if not may_move(plan, on, yes):
         return EXIT_USAGE
-    line = ProgressLine(plan.experiment.name, on)
+    simulated = backend_of(on).is_simulated
+    pace = pace or (1.0 if watch else None)
+    line = WatchedRun(
+        plan.experiment.name, on, pace=pace if simulated else None, watch=watch, steer=steer
+    )
     with line:
         result = run_experiment(
             plan,
@@ -111,7 +124,7 @@ def run(
         show(result)
     if (
         result.exit_code == EXIT_PREFLIGHT
-        and not backend_of(on).is_simulated
+        and not simulated
         and _names_a_device(result.message, plan.profile.devices)
     ):
         asking = f"rig check {plan.experiment.rig} --on {on}"

@@ -89,11 +89,14 @@ class MechanismParts(Additions):
         The class that the loop runs, a `rig.hal.Mechanism`.
     bench : Path, optional
         A `rig.hal.bench.TuningBench`, on which `rig tune` tries gains; without it nothing is tuned.
+    scene : Path, optional
+        A `rig.hal.scene.Scene`, which `rig watch` shows; without it the page has its scope alone.
     """
 
     settings: Path
     view: Path
     bench: Path | None = None
+    scene: Path | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

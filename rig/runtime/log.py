@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 _MAGIC = b"\x89MCAP0\r\n"
 _OPCODE_CHANNEL = 0x04
-_OPCODE_DATA_END = 0x0F
+OPCODE_DATA_END = 0x0F
 _DATA_END_SIZE = RECORD_PREFIX + 4
 _FOOTER = struct.Struct("<BQQQI")
 _AT_ONCE = 4 << 20
@@ -32,6 +32,10 @@ _LONGEST_PREAMBLE = 64 << 20
 
 class LogError(ConfigurationError):
     """A file is not a log of this program, or is damaged."""
+
+
+class UnfinishedLog(LogError):
+    """A file ends before its columns are described: somebody may still be writing that."""
 
 
 class Log(NamedTuple):
@@ -97,6 +101,10 @@ class LogFile:
     ----------
     columns : tuple of Column
         What a row's values are.
+    start : int
+        Where in the file the first row stands, bytes.
+    record : dtype
+        A row as it stands in the file.
     room : int
         No more rows than these are in the file.
     complete : bool
@@ -112,7 +120,7 @@ class LogFile:
         self.path = Path(path)
         self.complete = False
         with self._opened() as stream:
-            self.columns, self._start, self._begun = _read_preamble(self.path, stream)
+            self.columns, self.start, self._begun = _read_preamble(self.path, stream)
             self._size = os.fstat(stream.fileno()).st_size
         head = struct.calcsize(RECORD_HEAD)
         fields = {
@@ -132,7 +140,7 @@ class LogFile:
                 "itemsize": end,
             }
         )
-        self.room = max(self._size - self._start, 0) // end
+        self.room = max(self._size - self.start, 0) // end
 
     def pieces(self) -> "Iterator[NDArray[np.void]]":
         """Yield the rows, some thousand at a time, with the fields of `record`.
@@ -146,18 +154,35 @@ class LogFile:
         most = max(_AT_ONCE // size, 1) * size
         count = 0
         with self._opened() as stream:
-            stream.seek(self._start)
+            stream.seek(self.start)
             # No further than the file went when it was opened: a run may be adding to it.
             while content := stream.read(max(min(most, self._size - stream.tell()), 0)):
-                rows = np.frombuffer(content, self.record, len(content) // size)
-                whole = self._whole(rows)
-                if whole:
-                    self._check(content, rows[:whole], count)
-                    yield rows[:whole]
-                count += whole
-                if whole < len(rows) or len(content) % size:
+                if len(rows := self.rows_in(content, count)):
+                    yield rows
+                count += len(rows)
+                if len(rows) * size < len(content):
                     break
-            self._check_end(stream, self._start + count * size, count)
+            self._check_end(stream, self.start + count * size, count)
+
+    def rows_in(self, content: bytes, before: int) -> "NDArray[np.void]":
+        """Return the whole rows that some bytes of the file begin with.
+
+        Parameters
+        ----------
+        content : bytes
+            From the end of a row on.
+        before : int
+            How many rows stand before them.
+
+        Raises
+        ------
+        LogError
+            A row is damaged, or another one than it should be.
+        """
+        rows = np.frombuffer(content, self.record, len(content) // self.record.itemsize)
+        rows = rows[: self._whole(rows)] if len(rows) else rows
+        self._check(content, rows, before)
+        return rows
 
     def raw_messages(self) -> Iterator[tuple[int, int, bytes]]:
         """Yield the log time (ns), the sequence number and the bytes of every message."""
@@ -203,7 +228,7 @@ class LogFile:
         stream.seek(start)
         tail = stream.read(max(self._size - start, 0))
         self.complete = tail.endswith(_MAGIC)
-        if rest[:1] == bytes([_OPCODE_DATA_END]):
+        if rest[:1] == bytes([OPCODE_DATA_END]):
             if self.complete and len(tail) >= _FOOTER.size + len(_MAGIC):
                 summary = _FOOTER.unpack_from(tail[-_FOOTER.size - len(_MAGIC) :])[2]
                 if summary != end + _DATA_END_SIZE:
@@ -258,8 +283,10 @@ def is_locked(path: str | Path) -> bool:
 
 def _read_preamble(path: Path, stream: BinaryIO) -> tuple[tuple[Column, ...], int, int | None]:
     """Return the columns, the offset of the first row, and what each checksum begins with."""
-    if stream.read(len(_MAGIC)) != _MAGIC:
-        raise LogError(f"{path} is not an MCAP file")
+    magic = stream.read(len(_MAGIC))
+    if magic != _MAGIC:
+        kind = UnfinishedLog if _MAGIC.startswith(magic) else LogError
+        raise kind(f"{path} is not an MCAP file")
     offset = len(_MAGIC)
     while len(head := stream.read(RECORD_PREFIX)) == RECORD_PREFIX:
         opcode, length = struct.unpack("<BQ", head)
@@ -280,4 +307,4 @@ def _read_preamble(path: Path, stream: BinaryIO) -> tuple[tuple[Column, ...], in
             stream.seek(0)
             begun = zlib.crc32(stream.read(offset)) if has_checksum else None
             return columns, offset, begun
-    raise LogError(f"{path} ends before its columns are described")
+    raise UnfinishedLog(f"{path} ends before its columns are described")

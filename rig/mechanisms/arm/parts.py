@@ -9,6 +9,7 @@ PARTS = MechanismParts(
     mechanism="arm",
     settings=f"{_HERE}.settings:ArmSettings",
     view=f"{_HERE}.mechanism:Arm",
+    scene=f"{_HERE}.scene:ArmScene",
     controllers={
         "inverse": f"{_LAWS}.plain:Inverse",
         "dls": f"{_LAWS}.plain:DampedLeastSquares",

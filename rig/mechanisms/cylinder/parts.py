@@ -10,6 +10,7 @@ PARTS = MechanismParts(
     mechanism="cylinder",
     settings=f"{_HERE}.settings:CylinderSettings",
     view=f"{_HERE}.mechanism:AntagonisticPair",
+    scene=f"{_HERE}.scene:PairScene",
     bench=f"{_HERE}.bench:PairBench",
     controllers={
         "pid": f"{_LAWS}.pid:Pid",

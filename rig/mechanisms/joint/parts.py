@@ -11,6 +11,7 @@ PARTS = MechanismParts(
     mechanism="joint",
     settings=f"{_HERE}.settings:JointSettings",
     view=f"{_HERE}.mechanism:SphericalJoint",
+    scene=f"{_HERE}.scene:JointScene",
     controllers={
         "pid": f"{_LAWS}:JointPid",
         "pid-friction": f"{_LAWS}:JointPidFriction",

@@ -9,6 +9,7 @@ PARTS = MechanismParts(
     mechanism="legs",
     settings=f"{_HERE}.settings:LegsSettings",
     view=f"{_HERE}.mechanism:Legs",
+    scene=f"{_HERE}.scene:LegsScene",
     controllers={
         "inverse": f"{_LAWS}.laws:InverseLaw",
         "sc": f"{_LAWS}.laws:LimitedNormLaw",

@@ -1,0 +1,1 @@
+"""Watch and steer a run in a browser: another process, which reads the run's folder."""
