@@ -8,7 +8,8 @@ from pathlib import Path
 from time import sleep
 
 from rig.hal import RigError
-from rig.run_folder import EVENTS, RunFolder
+from rig.run_facts import EVENTS
+from rig.run_folder import RunFolder
 
 _LOCKS = Path("/proc/locks")
 _MODE, _PROCESS, _FILE = 3, 4, 5

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from rig.config import Profile
 
 
-class Stage(NamedTuple):
-    """One stage on the way to a rig that tracks.
+class Milestone(NamedTuple):
+    """One milestone on the way to a rig that tracks.
 
     Parameters
     ----------
@@ -74,16 +74,16 @@ def status(
     return 0
 
 
-def _latch(profile: Profile) -> Stage:
+def _latch(profile: Profile) -> Milestone:
     from rig.experiment.fault_latch import FaultLatch
 
     reason = FaultLatch(profile.name).reason()
     if reason is None:
-        return Stage("last fault", "none is latched")
-    return Stage("last fault", f"latched: {reason}", f"rig reset {profile.name}")
+        return Milestone("last fault", "none is latched")
+    return Milestone("last fault", f"latched: {reason}", f"rig reset {profile.name}")
 
 
-def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Stage]:
+def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
     """Return what each procedure has found, with its age, and whether hardware takes it."""
     from rig.calibration import store
     from rig.calibration.catalogue import procedures
@@ -98,7 +98,7 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Stage]:
             found.append([entry for entry in entries if entry["procedure"] == name])
         remedy = f"rig calibrate {profile.name} {name} --on hardware --yes {profile.name}"
         if not all(found):
-            stages.append(Stage(f"calibrated: {name}", f"no ({procedure.title})", remedy))
+            stages.append(Milestone(f"calibrated: {name}", f"no ({procedure.title})", remedy))
             continue
         entries = [entry for of_target in found for entry in of_target]
         date = min(str(entry["date"])[:10] for entry in entries)
@@ -106,16 +106,18 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Stage]:
         where = sorted({str(entry.get("backend", "nobody says where")) for entry in entries})
         state = f"{date}, on {', '.join(where)}, until {until}"
         if until < today.isoformat():
-            stages.append(Stage(f"calibrated: {name}", f"expired: {state}", f"{remedy} --replace"))
+            stages.append(
+                Milestone(f"calibrated: {name}", f"expired: {state}", f"{remedy} --replace")
+            )
         elif where != ["hardware"]:
             state += ": hardware does not take it"
-            stages.append(Stage(f"calibrated: {name}", state, f"{remedy} --replace"))
+            stages.append(Milestone(f"calibrated: {name}", state, f"{remedy} --replace"))
         else:
-            stages.append(Stage(f"calibrated: {name}", state))
+            stages.append(Milestone(f"calibrated: {name}", state))
     return stages
 
 
-def _tuned(profile: Profile) -> list[Stage]:
+def _tuned(profile: Profile) -> list[Milestone]:
     from rig.assembly import REGISTRY
     from rig.config.profile import TUNED
 
@@ -128,19 +130,19 @@ def _tuned(profile: Profile) -> list[Stage]:
     }
     if not found:
         state = "no: the profile's own gains are in force"
-        return [Stage("tuned", state, f"rig tune {profile.name}")]
+        return [Milestone("tuned", state, f"rig tune {profile.name}")]
     return [
-        Stage(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
+        Milestone(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
         for law, calibration in found.items()
     ]
 
 
-def _margins(profile: Profile) -> list[Stage]:
+def _margins(profile: Profile) -> list[Milestone]:
     from rig.cli.loops import loops_of
 
     tables, _ = loops_of(profile)
     return [
-        Stage(f"loop of {name}",
+        Milestone(f"loop of {name}",
               f"stable: {stable}, crossover {crossover}, phase {phase}, more dead time: {delay}, "
               f"sensitivity {sensitivity}")
         for table in tables
@@ -148,7 +150,7 @@ def _margins(profile: Profile) -> list[Stage]:
     ]  # fmt: skip
 
 
-def _last_runs(profile: Profile, out: Path) -> list[Stage]:
+def _last_runs(profile: Profile, out: Path) -> list[Milestone]:
     """Return how the last runs of the rig ended, on hardware and in simulation."""
     from rig.cli.listing import describe_run
     from rig.cli.names import list_runs
@@ -158,10 +160,12 @@ def _last_runs(profile: Profile, out: Path) -> list[Stage]:
     for what, is_wanted in (("hardware", True), ("simulation", False)):
         of = [run for run in runs if (run.backend == "hardware") is is_wanted]
         if not of:
-            stages.append(Stage(f"last run on {what}" if is_wanted else "last simulated run", "-"))
+            stages.append(
+                Milestone(f"last run on {what}" if is_wanted else "last simulated run", "-")
+            )
             continue
         last = max(of, key=lambda run: run.started or "")
         when = (last.started or "-")[:19].replace("T", " ")
         title = f"last run on {what}" if is_wanted else "last simulated run"
-        stages.append(Stage(title, f"{last.status}, {last.experiment}, {when}, {last.path}"))
+        stages.append(Milestone(title, f"{last.status}, {last.experiment}, {when}, {last.path}"))
     return stages

@@ -23,7 +23,8 @@ def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -
 
     This is not the emergency stop. It asks a program, which must be able to hear it.
     """
-    from rig.run_folder import RunFolder, RunStatus
+    from rig.run_facts import RunStatus
+    from rig.run_folder import RunFolder
     from rig.stopping import CannotStop, request_stop, wait_for_end
 
     if run is not None and every:
@@ -56,7 +57,7 @@ def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -
 
 def live_runs(runs: Path) -> list[Path]:
     """Return the folders of the runs that go on, newest first."""
-    from rig.run_folder import EVENTS
+    from rig.run_facts import EVENTS
     from rig.runtime.log import is_locked
 
     return [path for path in list_runs(runs) if is_locked(path / EVENTS)]
