@@ -114,7 +114,7 @@ def test_a_latched_fault_comes_before_everything(configs):
 def test_the_last_run_of_each_kind_is_shown(configs):
     for name, backend, started, ending in (
         ("early", "sim", "2026-01-01T00:00:00", "ok"),
-        ("later", "virtual", "2026-01-02T00:00:00", "fault"),
+        ("later", "virtual", "2026-01-02T00:00:00", "faulted"),
         ("real", "hardware", "2026-01-01T12:00:00", "aborted"),
     ):
         folder = configs.parent / name
@@ -125,5 +125,5 @@ def test_the_last_run_of_each_kind_is_shown(configs):
         }  # fmt: skip
         (folder / "manifest.json").write_text(json.dumps(manifest))
     found, _ = stages(configs)
-    assert found["last simulated run"].startswith("fault, cylinder-sine, 2026-01-02 00:00:00, ")
+    assert found["last simulated run"].startswith("faulted, cylinder-sine, 2026-01-02 00:00:00, ")
     assert found["last run on hardware"].startswith("aborted, cylinder-sine, 2026-01-01 12:00:00")
