@@ -113,9 +113,9 @@ def test_a_latched_fault_comes_before_everything(configs):
 
 def test_the_last_run_of_each_kind_is_shown(configs):
     for name, backend, started, ending in (
-        ("early", "sim", "2026-01-01T00:00:00", "ok"),
-        ("later", "virtual", "2026-01-02T00:00:00", "faulted"),
-        ("real", "hardware", "2026-01-01T12:00:00", "aborted"),
+        ("early", "sim", "2026-01-01T00:00:00+00:00", "ok"),
+        ("later", "virtual", "2026-01-02T00:00:00+00:00", "faulted"),
+        ("real", "hardware", "2026-01-01T12:00:00+00:00", "aborted"),
     ):
         folder = configs.parent / name
         folder.mkdir()
