@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
@@ -95,6 +95,12 @@ class WalkSettings(GaitRequest):
         rates permit.
     bob : BobSettings, optional
         None: constant height, as in the paper.
+    first : str
+        The foot that swings first.
+    ahead : float
+        How far the waist is ahead of the ankle that it is over, m; negative behind it.
+    hip : float, optional
+        The hips' height above the ankles, m, instead of what follows from `knee_min`.
 
     References
     ----------
@@ -102,7 +108,7 @@ class WalkSettings(GaitRequest):
     """
 
     landings: Annotated[int, Interval(ge=1, le=50)] = 3
-    step: Annotated[float, Unit("m"), Gt(0), Le(0.1)] = 0.040
+    step: Annotated[float, Unit("m"), Gt(0), Le(1.0)] = 0.040
     lift: Annotated[float, Unit("m"), Gt(0), Le(0.1)] = 0.020
     sway: Annotated[float, Interval(ge=0.0, le=2.0)] = 1.0
     knee_min: Knee = _NEARLY_STRAIGHT
@@ -112,10 +118,13 @@ class WalkSettings(GaitRequest):
     speed: Annotated[float, Gt(0), Le(100)] = 1.0
     fastest: bool = False
     bob: BobSettings | None = None
+    first: Literal["right", "left"] = "right"
+    ahead: Annotated[float, Unit("m"), Ge(-0.2), Le(0.2)] = 0.0
+    hip: Annotated[float, Unit("m"), Gt(0)] | None = None
 
     @property
     def distance(self) -> float:
-        """How far the waist goes, m."""
+        """How far the feet go, m."""
         return self.landings * self.step
 
     def hip_height(self, geometry: LegGeometry) -> float:
@@ -126,8 +135,11 @@ class WalkSettings(GaitRequest):
         InfeasibleMotion
             The step is longer than the leg permits.
         """
+        if self.hip is not None:
+            return self.hip
         aside = self.sway * geometry.hip_half_spacing
-        square = geometry.distance(self.knee_min) ** 2 - self.step**2 - aside**2
+        farthest = self.step + abs(self.ahead)
+        square = geometry.distance(self.knee_min) ** 2 - farthest**2 - aside**2
         if square <= 0.0:
             raise InfeasibleMotion(
                 f"a step of {self.step * 1e3:g} mm with {aside * 1e3:g} mm of sway is out of the "
@@ -147,7 +159,7 @@ class WalkSettings(GaitRequest):
         bob, share = 0.0, 0.15
         if self.bob is not None:
             reach = geometry.distance(self.bob.support_knee)
-            out = aside  # of the standing leg's hip from its ankle
+            out = math.hypot(aside, self.ahead)  # of the standing leg's hip from its ankle
             bob, share = math.sqrt(reach**2 - out**2) - hip, self.bob.share
             if bob <= 0.0:
                 raise InfeasibleMotion(
@@ -155,12 +167,13 @@ class WalkSettings(GaitRequest):
                     f"lower the waist by {-bob * 1e3:.3g} mm; it is straighter without."
                 )
         feet = [(0.0, -spacing, 0.0), (0.0, spacing, 0.0)]
-        waist = (0.0, 0.0, height)
+        waist = (self.ahead, 0.0, height)
         phases = []
+        other = LEGS.index(self.first) == 0
         for number in range(self.landings + 1):
-            support = 1 - number % 2
+            support = (number + other) % 2
             x, y, _ = feet[support]
-            target = (x, math.copysign(aside, y), height)
+            target = (x + self.ahead, math.copysign(aside, y), height)
             travel = (target[0] - waist[0], target[1] - waist[1], 0.0)
             time = self.shift_time if number else self.first_shift_time
             both = (feet[0], feet[1])

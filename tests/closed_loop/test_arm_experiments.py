@@ -80,6 +80,12 @@ REFUSED = [
         "arm.geometry.position_min=[-3 rad, -3 rad, -0.5 rad, -6 rad, -2.5 rad, -6 rad]",
         ("after 5.995 s q3 would be at -0.5012 rad", "-0.5000 to 2.8000 rad"),
     ),
+    (
+        "circle",
+        "reference.rate=3 rad/s",
+        ("q3 would need 2.76", "limit of 1 rad/s", "round the circle it would fit"),
+    ),
+    ("dwell", "reference.depth=0.79 m", ("0.79 m", "no less than 0.78 m", "folded")),
 ]
 
 

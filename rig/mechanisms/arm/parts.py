@@ -23,6 +23,7 @@ PARTS = MechanismParts(
         "arm-dwell": f"{_HERE}.references:DwellLine",
         "arm-circle": f"{_HERE}.references:Circle",
         "arm-line": f"{_HERE}.references:Line",
+        "arm-straight": f"{_HERE}.references:StraightPath",
         "arm-path": f"{_HERE}.references:PosePath",
     },
     plants={

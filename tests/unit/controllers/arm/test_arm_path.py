@@ -14,6 +14,7 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
 from controllers.arm.optimum import least_time
 from controllers.arm.pose_path import PosePath
+from controllers.arm.straight_path import StraightPath
 from controllers.motion import InfeasibleMotion
 
 GEOMETRY = ArmGeometry(**WIDE)
@@ -145,3 +146,19 @@ def test_other_arms_do_it_too(name):
 def test_a_law_that_plans_lines_says_which_ones_follow_it():
     with pytest.raises(InfeasibleMotion, match="look-ahead"):
         Esc(EscSettings(), GEOMETRY, PERIOD).prepare(drawn(0))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_line_is_given_by_its_start_and_its_length(seed):
+    rng = np.random.default_rng((62, seed))
+    start = tuple(rng.uniform((-1, 0.2, 1.2, -1, 0.4, -1), (1, 0.5, 1.8, 1, 1.2, 1)).tolist())
+    direction, length = rng.normal(size=3), float(rng.uniform(0.02, 0.1))
+    path = StraightPath(start, tuple(direction.tolist()), length)
+    for kind, settings in ((Esc, EscSettings()), (LookAhead, LookAheadSettings())):
+        made = kind(settings, GEOMETRY, PERIOD).prepare(path)
+        np.testing.assert_allclose(made.positions[0], start, atol=1e-12)
+        first, _ = hand_of(GEOMETRY, start)
+        last, _ = hand_of(GEOMETRY, made.positions[-1])
+        way = length * direction / np.linalg.norm(direction)
+        np.testing.assert_allclose(last - first, way, atol=1e-9)
+        assert faults_of(GEOMETRY, path, made, EVERY, ()) == []
