@@ -385,3 +385,17 @@ def test_what_controls_reads_no_clock_that_somebody_may_set():
         if asked.search(line)
     ]
     assert not broken, "\n".join(broken)
+
+
+KINDS = {".css", ".eds", ".html", ".ipynb", ".js", ".md", ".py", ".svg", ".typed", ".yaml"}
+
+
+def test_packages_hold_text_that_somebody_wrote():
+    """A wheel once lay among the sources, where a download had left it."""
+    strange = [
+        str(path.relative_to(ROOT))
+        for folder in (*CODE, "configs")
+        for path in (ROOT / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix not in KINDS
+    ]
+    assert not strange, "\n".join(strange)
