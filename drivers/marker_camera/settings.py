@@ -167,7 +167,7 @@ class MarkerCameraSettings(DriverSettings):
     max_age: Annotated[float, Unit("s"), Gt(0)] = 0.15
     max_absence: Annotated[float, Unit("s"), Gt(0)] = 0.25
     max_identical: Annotated[int, Ge(2)] = 5
-    connect_timeout: Annotated[float, Unit("s"), Gt(0)] = 5.0
+    connect_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 5.0
 
     def __post_init__(self) -> None:
         if self.exposure > 1.0 / self.frame_rate:

@@ -36,6 +36,7 @@ from typing_extensions import TypedDict
 from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
 from rig.config.located import Node
+from rig.config.magnitudes import bounded
 from rig.config.pydantic_errors import report
 from rig.config.quantities import UnitError, parse_quantity, usual_units
 from rig.config.type_hints import hints, is_union, members, split_annotated
@@ -100,9 +101,10 @@ def annotation(hint: object, base: object = None) -> object:
         return _annotated(GenericAlias(container, tuple(map(annotation, members(hint)))), others)
     if bare not in (float, int, bool, str):
         return _annotated(bare, metadata)
-    finite = [pydantic.Field(allow_inf_nan=False)] if bare is float else []
-    scalar = _annotated(bare, [Strict(), *finite, *others])
     unit = next((item.unit for item in metadata if isinstance(item, Unit)), None)
+    if bare is float:
+        others = [pydantic.Field(allow_inf_nan=False), *bounded(others, unit)]
+    scalar = _annotated(bare, [Strict(), *others])
     return scalar if unit is None else _quantity(scalar, unit)
 
 
