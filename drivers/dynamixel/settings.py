@@ -64,7 +64,7 @@ class SerialBusSettings(BusSettings):
     baudrate: Annotated[int, Unit("bit/s"), Interval(ge=9_600, le=4_500_000)] = 1_000_000
     fast_sync: bool = True
     low_latency: bool = True
-    max_latency: Annotated[float, Unit("s"), Gt(0)] = 4e-3
+    max_latency: Annotated[float, Unit("s"), Interval(ge=1e-4, le=0.1)] = 4e-3
     reply_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] = 0.02
     attempts: Annotated[int, Interval(ge=1, le=10)] = 3
     turnaround: Annotated[float, Unit("s"), Interval(ge=0, le=5e-3)] = 100e-6

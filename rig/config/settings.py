@@ -45,7 +45,10 @@ T = TypeVar("T")
 Entries: TypeAlias = Mapping[str, object]
 """The keys of a mapping with their pydantic annotations."""
 
-_NUMBER_AND_UNIT = r"^\s*[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\s*\S.*$"
+NUMBER_AND_UNIT = (
+    r"^\s*[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"
+    r"\s*(1/)?([A-DF-Za-df-z°%µμΩ(]|[eE][A-Za-z]).*$"
+)
 
 
 def build(
@@ -170,7 +173,7 @@ def _annotated(bare: object, metadata: Iterable[object]) -> object:
 def _quantity(number: object, unit: str) -> object:
     """Return the annotation of a number that may also be a text with a unit."""
     described = f"a quantity in {', '.join(usual_units(unit))}"
-    text = Annotated[str, pydantic.Field(pattern=_NUMBER_AND_UNIT, description=described)]
+    text = Annotated[str, pydantic.Field(pattern=NUMBER_AND_UNIT, description=described)]
     parse = BeforeValidator(partial(_parse, unit), json_schema_input_type=or_(number, text))
     return Annotated[number, parse]
 
