@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from annotated_types import Ge, Gt, Unit
+from annotated_types import Ge, Gt, Le, Unit
 
 JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll")
 """Joints of one leg, from the waist to the foot."""
@@ -88,8 +88,8 @@ class LegMasses:
     ankle: Mass = 0.171
     foot: Mass = 0.157
     upper_body: Mass = 3.470
-    thigh_centre: Annotated[float, Ge(0)] = 0.665
-    shank_centre: Annotated[float, Ge(0)] = 0.455
+    thigh_centre: Annotated[float, Ge(0), Le(1)] = 0.665
+    shank_centre: Annotated[float, Ge(0), Le(1)] = 0.455
     foot_depth: Annotated[float, Unit("m"), Ge(0)] = 0.027
     upper_body_forward: Annotated[float, Unit("m")] = 0.004
     upper_body_height: Annotated[float, Unit("m")] = 0.100

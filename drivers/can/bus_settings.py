@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Interval, MinLen, Unit
 
 from drivers.can.interface_names import interface_trouble
 from rig.hal import BusSettings, Endpoint
@@ -39,10 +39,10 @@ class CanInterfaceSettings(BusSettings):
     channel: Annotated[str, MinLen(1)]
     bitrate: Annotated[int, Unit("bit/s"), Interval(ge=10_000, le=1_000_000)] = 1_000_000
     options: dict[str, str | int | float | bool] = field(default_factory=dict)
-    boot_timeout: Annotated[float, Unit("s"), Gt(0)] = 2.0
+    boot_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 2.0
     max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
-    receive_limit: Annotated[int, Ge(1)] = 256
-    max_refused: Annotated[int, Ge(0)] = 3
+    receive_limit: Annotated[int, Interval(ge=1, le=10_000)] = 256
+    max_refused: Annotated[int, Interval(ge=0, le=100)] = 3
 
     def endpoint(self) -> Endpoint:
         """Return the interface."""

@@ -31,7 +31,7 @@ class NodeSettings(CanopenDeviceSettings):
     eds: str | None = None
     remap: bool = True
     hold_after: Annotated[int, Ge(1)] = 2
-    fault_after: Annotated[int, Ge(1)] = 5
+    fault_after: Annotated[int, Interval(ge=1, le=100)] = 5
 
     def __post_init__(self) -> None:
         if self.fault_after < self.hold_after:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Gt, Interval, Unit
+from annotated_types import Interval, Unit
 
 from drivers.can.bus_settings import CanInterfaceSettings
 
@@ -30,7 +30,7 @@ class CanBusSettings(CanInterfaceSettings):
     master_id: Annotated[int, Interval(ge=1, le=127)] = 127
     heartbeat: Annotated[float, Unit("s"), Interval(ge=1e-3, le=10.0)] = 0.05
     heartbeat_timeout: Annotated[float, Unit("s"), Interval(ge=2e-3, le=60.0)] = 0.15
-    sdo_timeout: Annotated[float, Unit("s"), Gt(0)] = 0.3
+    sdo_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=10.0)] = 0.3
     sync: bool = True
 
     def __post_init__(self) -> None:

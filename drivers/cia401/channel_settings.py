@@ -11,6 +11,9 @@ _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
 
+_LEAST: Final = {"raw": 16.0, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
+"""How far the ends of a line are apart, counts and SI: less is a number without its unit."""
+
 DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
 DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
 
@@ -51,8 +54,16 @@ class AnalogueSignal:
             ("current" if self.voltage is None else "voltage", self.signal),
             ("pressure", self.pressure),
         ):
-            if low == high:
-                raise ValueError(f"{name}: both ends are {low:g}; a line needs two points.")
+            if not low < high:
+                raise ValueError(
+                    f"{name}: {low:g} … {high:g} does not rise; give the lower end of the line "
+                    "first, and the upper end of everything second."
+                )
+            if high - low < _LEAST[name]:
+                raise ValueError(
+                    f"{name}: {low:g} … {high:g} is no line; its ends are at least "
+                    f"{_LEAST[name]:g} apart."
+                )
         if self.type in RANGES:
             low, high = RANGES[self.type]
             if not (low <= min(self.raw) and max(self.raw) <= high):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Annotated, Final, Literal
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Gt, Interval, MinLen, Unit
 
 from drivers.canopen.described import DescribedNode
 from drivers.canopen.mapping import Entry, Layout, pack
@@ -34,8 +34,8 @@ class FollowingSettings:
     """
 
     deviation: Annotated[float, Unit("Pa"), Gt(0)] = 50e3
-    time: Annotated[float, Unit("s"), Gt(0)] = 0.5
-    response: Annotated[float, Unit("s"), Ge(0)] = 0.1
+    time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.5
+    response: Annotated[float, Unit("s"), Interval(ge=0, le=10.0)] = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Cia401Settings(NodeSettings):
     supply_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
     stop_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
     stop_active_low: bool = True
-    vented: Annotated[float, Unit("Pa")] = 0.0
+    vented: Annotated[float, Unit("Pa"), Interval(ge=0, le=50e3)] = 0.0
     error_mode: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6443
     error_value: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] | None = 0x6444
     error_mode_type: Literal["u8", "u16"] = "u8"
@@ -122,6 +122,11 @@ class Cia401Settings(NodeSettings):
         low, high = self.pressure_range
         if not low < high:
             raise ValueError("channels: their setpoints have no pressure range in common.")
+        if not self.following.deviation < high - low:
+            raise ValueError(
+                f"following.deviation ({self.following.deviation:g} Pa) is not below the range of "
+                f"the setpoints ({high - low:g} Pa): the alarm could never trip."
+            )
         NodeSettings.__post_init__(self)
         pack(self.receive_entries)
         pack(self.transmit_entries)

@@ -128,7 +128,7 @@ class Cia402Settings(NodeSettings):
     feedback: tuple[Feedback, ...] = ("velocity", "torque", "error_code")
     position_gain: Annotated[float, Unit("1/s"), Gt(0)] = 10.0
     after_stop: Literal["hold", "release"] = "hold"
-    enable_time: Annotated[float, Unit("s"), Gt(0)] = 1.0
+    enable_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 1.0
     absent: tuple[int, ...] = ()
     stop_contact: ContactSettings | None = None
 

@@ -100,12 +100,17 @@ class Cia406Settings(NodeSettings):
     scale: Annotated[float, Unit("1"), Interval(ge=0.5, le=2.0)] = 1.0
     offset: Annotated[float, Unit("m")] = 0.0
     overtravel: Annotated[float, Unit("m"), Ge(0)] = 2e-3
-    max_speed: Annotated[float, Unit("m/s"), Gt(0)] = 2.0
-    frozen_timeout: Annotated[float, Unit("s"), Gt(0)] | None = None
+    max_speed: Annotated[float, Unit("m/s"), Interval(ge=1e-3, le=20.0)] = 2.0
+    frozen_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] | None = None
     preset_offset: int | None = None
 
     def __post_init__(self) -> None:
         NodeSettings.__post_init__(self)
+        if not self.overtravel < self.stroke:
+            raise ValueError(
+                f"overtravel ({self.overtravel:g} m) is not below stroke ({self.stroke:g} m): a "
+                "reading outside would never be a fault."
+            )
         if len(pack(self.transmit_entries)) > 1:
             raise ValueError(
                 "position, speed and alarms are more than the 8 bytes of one PDO; "

@@ -64,13 +64,13 @@ class SerialBusSettings(BusSettings):
     baudrate: Annotated[int, Unit("bit/s"), Interval(ge=9_600, le=4_500_000)] = 1_000_000
     fast_sync: bool = True
     low_latency: bool = True
-    max_latency: Annotated[float, Unit("s"), Gt(0)] = 4e-3
+    max_latency: Annotated[float, Unit("s"), Interval(ge=1e-4, le=0.1)] = 4e-3
     reply_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] = 0.02
     attempts: Annotated[int, Interval(ge=1, le=10)] = 3
     turnaround: Annotated[float, Unit("s"), Interval(ge=0, le=5e-3)] = 100e-6
     max_load: Annotated[float, Unit("1"), Interval(gt=0, le=1)] = 0.7
     fault_after: Annotated[int, Interval(ge=1, le=10)] = 2
-    max_refused: Annotated[int, Ge(0)] = 2
+    max_refused: Annotated[int, Interval(ge=0, le=100)] = 2
 
     def endpoint(self) -> Endpoint:
         """Return the port."""
@@ -204,7 +204,7 @@ class DynamixelSettings(DriverSettings):
         16.0,
     )
     following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.35
-    following_time: Annotated[float, Unit("s"), Gt(0)] = 0.5
+    following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.5
 
     def __post_init__(self) -> None:
         ids: dict[int, str] = {}

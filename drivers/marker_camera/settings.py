@@ -61,8 +61,8 @@ class IntrinsicsSettings:
 
     fx: Annotated[float, Gt(0)] = 3333.0
     fy: Annotated[float, Gt(0)] = 3333.0
-    cx: float = 639.5
-    cy: float = 511.5
+    cx: Annotated[float, Interval(ge=-1e5, le=1e5)] = 639.5
+    cy: Annotated[float, Interval(ge=-1e5, le=1e5)] = 511.5
     k1: Annotated[float, Interval(ge=-2, le=2)] = 0.0
     k2: Annotated[float, Interval(ge=-10, le=10)] = 0.0
     p1: Annotated[float, Interval(ge=-0.1, le=0.1)] = 0.0
@@ -166,8 +166,8 @@ class MarkerCameraSettings(DriverSettings):
     dark_level: Annotated[float, Interval(ge=0, le=255)] = 8.0
     max_age: Annotated[float, Unit("s"), Gt(0)] = 0.15
     max_absence: Annotated[float, Unit("s"), Gt(0)] = 0.25
-    max_identical: Annotated[int, Ge(2)] = 5
-    connect_timeout: Annotated[float, Unit("s"), Gt(0)] = 5.0
+    max_identical: Annotated[int, Interval(ge=2, le=1000)] = 5
+    connect_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 5.0
 
     def __post_init__(self) -> None:
         if self.exposure > 1.0 / self.frame_rate:

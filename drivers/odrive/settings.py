@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal
 
-from annotated_types import Ge, Gt, Interval, MinLen, Unit
+from annotated_types import Gt, Interval, MinLen, Unit
 
 from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
@@ -26,7 +26,7 @@ class OdriveBusSettings(CanInterfaceSettings):
         How long the master waits for an answer while it configures, s.
     """
 
-    reply_timeout: Annotated[float, Unit("s"), Gt(0)] = 0.1
+    reply_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=10.0)] = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,8 +133,8 @@ class OdriveSettings(CanDeviceSettings):
     heartbeat: Annotated[float, Unit("s"), Interval(ge=1e-3, le=1.0)] = 0.02
     encoder_period: Annotated[float, Unit("s"), Interval(ge=1e-3, le=0.1)] = 0.005
     endpoints: OdriveEndpoints | None = None
-    enable_time: Annotated[float, Unit("s"), Gt(0)] = 2.0
-    fault_after: Annotated[int, Ge(2)] = 5
+    enable_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 2.0
+    fault_after: Annotated[int, Interval(ge=2, le=100)] = 5
 
     def __post_init__(self) -> None:
         owner: dict[int, str] = {}

@@ -35,9 +35,9 @@ class AxisSettings:
         fault, and the drive is told to go no faster than 15 % more.
     """
 
-    gear: Annotated[float, Unit("1"), Gt(0)] = 1.0
+    gear: Annotated[float, Unit("1"), Interval(ge=1e-3, le=1e5)] = 1.0
     reversed: bool = False
-    offset: Annotated[float, Unit("rad")] = 0.0
+    offset: Annotated[float, Unit("rad"), Interval(ge=-1e3, le=1e3)] = 0.0
     limits: Annotated[tuple[float, float], Unit("rad")] = (-pi, pi)
     max_speed: Annotated[float, Unit("rad/s"), Gt(0)] = 2.0
 
@@ -71,7 +71,7 @@ class FollowingAxisSettings(AxisSettings):
     """
 
     deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
-    following_window: Annotated[float, Unit("rad"), Gt(0)] = 0.1
+    following_window: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=pi)] = 0.1
     following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
 
 

@@ -135,6 +135,11 @@ class InstalledParts:
         rows = (row for row in _additions() if row.mechanism == mechanism)
         return tuple(name for row in rows for name in row.plants)
 
+    def references(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of the references that a mechanism follows."""
+        rows = (row for row in _additions() if row.mechanism == mechanism)
+        return tuple(name for row in rows for name in row.references)
+
     def is_restorable(self, plant: str) -> bool:
         """Return whether a plant can be taken back to where it was."""
         rows = [row.plants[plant] for row in _additions() if plant in row.plants]

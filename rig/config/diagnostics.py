@@ -63,6 +63,11 @@ class Problems:
     def __bool__(self) -> bool:
         return bool(self._found)
 
+    @property
+    def are_many(self) -> bool:
+        """Whether no more of them will be written out, nor what would help with one."""
+        return len(self._found) > _SHOWN
+
     def add(self, mark: Mark, message: str, hint: str | None = None) -> None:
         """Note an error, unless the value there is known to be unreadable."""
         if mark not in self._broken:

@@ -24,6 +24,9 @@ class Registry(Protocol):
             There is no such name.
         """
 
+    def references(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of the references that a mechanism follows."""
+
 
 def controller_key(registry: Registry, mechanism: str, name: str) -> str:
     """Return the registry's name of a controller that a mechanism's profile calls `name`.

@@ -40,7 +40,8 @@ def report(
         valid = [f.name for f in fields(owner)] if is_dataclass(owner) else []
         if len(path) == 1:
             valid.extend(also)
-        problems.add(place.heading, f"unknown key {path[-1]!r}", nearest(str(path[-1]), valid))
+        hint = None if problems.are_many else nearest(str(path[-1]), valid)
+        problems.add(place.heading, f"unknown key {str(path[-1])[:80]!r}", hint)
     elif kind in ("value_error", "assertion_error"):
         problems.add(place.heading, str(context.get("error", details["msg"])))
     elif kind == "quantity":

@@ -11,10 +11,12 @@ from rig.config.experiment import ExperimentHead
 from rig.config.models import MetricSpec
 from rig.config.named_settings import Kind, Registry, controller_names
 from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead, ProfileHead
-from rig.config.settings import Entries, annotation, closed_mapping, entries_of
+from rig.config.settings import NUMBER_AND_UNIT, Entries, annotation, closed_mapping, entries_of
 
 _DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _PARTIAL: Final = "Partial"
+_LAW: Final = ("controller", "law")
+"""What an experiment may call its controller."""
 
 Schema: TypeAlias = dict[str, object]
 
@@ -57,7 +59,7 @@ def profile_schema(registry: Registry) -> Schema:
     }
     for name in mechanisms:
         entries[name] = NotRequired[annotation(registry.settings("mechanism", name))]
-    return _finished("Profile", entries)
+    return _finished("Profile", entries, {}, [_own_parts(registry, name) for name in mechanisms])
 
 
 def experiment_schema(registry: Registry) -> Schema:
@@ -73,16 +75,54 @@ def experiment_schema(registry: Registry) -> Schema:
     dict
         JSON Schema, draft 2020-12. Where a file extends another, no key is required.
     """
-    bound = NotRequired[float | str | None]
+    quantity = Annotated[str, Field(pattern=NUMBER_AND_UNIT)]
+    bound = NotRequired[float | quantity | None]
     metric = closed_mapping("Metric", {**entries_of(MetricSpec), "max": bound, "min": bound})
     entries: dict[str, object] = {
         "extends": NotRequired[_Extends],
-        **entries_of(ExperimentHead),
-        "controller": Required[_one_of(controller_names(registry))],
+        **{key: made for key, made in entries_of(ExperimentHead).items() if key not in _LAW},
+        **{key: NotRequired[_one_of(controller_names(registry))] for key in _LAW},
         "reference": Required[_alternatives(registry, "reference", "kind", {})],
         "metrics": NotRequired[_named(metric)],
     }
-    return _finished("Experiment", entries)
+    whole: Schema = {"oneOf": [{"required": [key]} for key in _LAW]}
+    rules = [{"not": {"required": list(_LAW)}}, *_laws_of_references(registry)]
+    return _finished("Experiment", entries, whole, rules)
+
+
+def _own_parts(registry: Registry, mechanism: str) -> Schema:
+    """Return what a profile of a mechanism has: its own section, and laws of its own only."""
+    laws = controller_names(registry, mechanism)
+    others = [name for name in registry.names("mechanism") if name != mechanism]
+    return {
+        "if": {"properties": {"mechanism": {"const": mechanism}}, "required": ["mechanism"]},
+        "then": {
+            "properties": {
+                "controllers": {"propertyNames": {"enum": list(laws)}},
+                **dict.fromkeys(others, False),
+            }
+        },
+    }
+
+
+def _laws_of_references(registry: Registry) -> list[Schema]:
+    """Return which laws follow each reference: those of the mechanisms that have it."""
+    laws: dict[str, set[str]] = {}
+    for mechanism in registry.names("mechanism"):
+        for reference in registry.references(mechanism):
+            laws.setdefault(reference, set()).update(controller_names(registry, mechanism))
+    return [
+        {
+            "if": {
+                "properties": {
+                    "reference": {"properties": {"kind": {"const": name}}, "required": ["kind"]}
+                },
+                "required": ["reference"],
+            },
+            "then": {"properties": {key: {"enum": sorted(known)} for key in _LAW}},
+        }
+        for name, known in sorted(laws.items())
+    ]
 
 
 def _named(below: object) -> object:
@@ -115,7 +155,20 @@ def _alternatives(registry: Registry, kind: Kind, key: str, common: Entries) -> 
     return reduce(or_, made) if made else dict[str, object]
 
 
-def _finished(title: str, entries: Entries) -> Schema:
+def _finished(title: str, entries: Entries, whole: Schema, rules: list[Schema]) -> Schema:
+    """Return the schema of a kind of file.
+
+    Parameters
+    ----------
+    title : str
+        What it is called.
+    entries : mapping
+        Its keys.
+    whole : dict
+        What holds for a file that extends no other, beside its keys.
+    rules : list of dict
+        What holds for every file, beside its keys.
+    """
     full = TypeAdapter(closed_mapping(title, entries)).json_schema()
     definitions = full.pop("$defs", {})
     partial = _without_required(full)
@@ -126,7 +179,8 @@ def _finished(title: str, entries: Entries) -> Schema:
         "title": title,
         "if": {"required": ["extends"]},
         "then": {"$ref": f"#/$defs/{title}{_PARTIAL}"},
-        "else": {"$ref": f"#/$defs/{title}"},
+        "else": {"$ref": f"#/$defs/{title}", **whole},
+        "allOf": rules,
         "$defs": definitions,
     }
 

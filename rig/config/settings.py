@@ -36,6 +36,7 @@ from typing_extensions import TypedDict
 from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
 from rig.config.located import Node
+from rig.config.magnitudes import bounded
 from rig.config.pydantic_errors import report
 from rig.config.quantities import UnitError, parse_quantity, usual_units
 from rig.config.type_hints import hints, is_union, members, split_annotated
@@ -44,7 +45,10 @@ T = TypeVar("T")
 Entries: TypeAlias = Mapping[str, object]
 """The keys of a mapping with their pydantic annotations."""
 
-_NUMBER_AND_UNIT = r"^\s*[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?\s*\S.*$"
+NUMBER_AND_UNIT = (
+    r"^\s*[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"
+    r"\s*(1/)?([A-DF-Za-df-z°%µμΩ(]|[eE][A-Za-z]).*$"
+)
 
 
 def build(
@@ -100,9 +104,10 @@ def annotation(hint: object, base: object = None) -> object:
         return _annotated(GenericAlias(container, tuple(map(annotation, members(hint)))), others)
     if bare not in (float, int, bool, str):
         return _annotated(bare, metadata)
-    finite = [pydantic.Field(allow_inf_nan=False)] if bare is float else []
-    scalar = _annotated(bare, [Strict(), *finite, *others])
     unit = next((item.unit for item in metadata if isinstance(item, Unit)), None)
+    if bare is float:
+        others = [pydantic.Field(allow_inf_nan=False), *bounded(others, unit)]
+    scalar = _annotated(bare, [Strict(), *others])
     return scalar if unit is None else _quantity(scalar, unit)
 
 
@@ -168,7 +173,7 @@ def _annotated(bare: object, metadata: Iterable[object]) -> object:
 def _quantity(number: object, unit: str) -> object:
     """Return the annotation of a number that may also be a text with a unit."""
     described = f"a quantity in {', '.join(usual_units(unit))}"
-    text = Annotated[str, pydantic.Field(pattern=_NUMBER_AND_UNIT, description=described)]
+    text = Annotated[str, pydantic.Field(pattern=NUMBER_AND_UNIT, description=described)]
     parse = BeforeValidator(partial(_parse, unit), json_schema_input_type=or_(number, text))
     return Annotated[number, parse]
 

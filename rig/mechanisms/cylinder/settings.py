@@ -15,6 +15,7 @@ from rig.mechanisms.pneumatic.settings import (
     PneumaticLimits,
     PneumaticSettings,
     SealFriction,
+    check_can_trip,
     check_order,
 )
 
@@ -127,6 +128,14 @@ class CylinderSettings(PneumaticSettings):
                 f"limits.position {lower:g} … {upper:g} m exceeds what the stroke leaves "
                 f"around home, ±{reach:g} m."
             )
+        for name, limit in (
+            ("limits.mismatch", self.limits.mismatch),
+            ("alarms.rods.change", self.most_disagreement),
+            ("alarms.frozen.distance", self.alarms.frozen.distance),
+            ("alarms.swapped.distance", self.alarms.swapped.distance),
+            ("alarms.oscillation.amplitude", self.alarms.oscillation.amplitude),
+        ):
+            check_can_trip(name, limit, self.stroke, "m", "is the stroke")
 
     @property
     def most_disagreement(self) -> float:

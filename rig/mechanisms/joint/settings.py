@@ -13,6 +13,7 @@ from rig.mechanisms.pneumatic.settings import (
     PneumaticLimits,
     PneumaticSettings,
     SealFriction,
+    check_can_trip,
     check_order,
 )
 
@@ -62,12 +63,12 @@ class JointLimits(PneumaticLimits):
 
     tilt: Annotated[float, Unit("rad"), Gt(0), Le(math.pi / 2)]
     tension: tuple[Annotated[float, Unit("N"), Ge(0)], Annotated[float, Unit("N"), Gt(0)]]
-    tilt_excess: Annotated[float, Unit("rad"), Ge(0)] = math.radians(5.0)
+    tilt_excess: Annotated[float, Unit("rad"), Interval(ge=0, le=math.pi / 2)] = math.radians(5.0)
     seat_margin: Annotated[float, Unit("rad"), Interval(ge=-math.pi, le=math.pi / 2)] = 0.0
     free_wires: bool = True
     residual: Annotated[float, Unit("m"), Gt(0)] = 1.0e-3
     disagreement: Annotated[float, Unit("m"), Gt(0)] = 3.0e-3
-    grace: Annotated[float, Unit("s"), Ge(0)] = 0.05
+    grace: Annotated[float, Unit("s"), Interval(ge=0, le=10.0)] = 0.05
 
     def __post_init__(self) -> None:
         PneumaticLimits.__post_init__(self)
@@ -114,6 +115,11 @@ class JointSettings(PneumaticSettings):
         PneumaticSettings.__post_init__(self)
         if len(set(self.encoders)) != len(self.encoders):
             raise ValueError("encoders: one device is named for two channels.")
+        for name, limit in (
+            ("limits.residual", self.limits.residual),
+            ("limits.disagreement", self.limits.disagreement),
+        ):
+            check_can_trip(name, limit, self.stroke, "m", "is the stroke")
 
     @property
     def greatest_pressure(self) -> float:

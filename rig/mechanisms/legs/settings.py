@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from annotated_types import Gt, Interval, MinLen, Unit
+from annotated_types import Gt, Interval, Le, MinLen, Unit
 
 from controllers.gait.geometry import Angle, LegGeometry
 from controllers.gait.types import BalanceSettings
@@ -38,7 +38,7 @@ class JigSettings:
     """
 
     poses: Annotated[dict[str, SixAngles], MinLen(2)] = field(default_factory=_jig_poses)
-    tolerance: Annotated[float, Unit("rad"), Gt(0)] = math.radians(0.1)
+    tolerance: Annotated[float, Unit("rad"), Gt(0), Le(0.2)] = math.radians(0.1)
     dwell: Annotated[float, Unit("s"), Interval(ge=0.3, le=60)] = 1.0
 
 

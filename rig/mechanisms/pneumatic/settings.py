@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Le, Lt, Unit
+from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
@@ -51,8 +51,8 @@ class RegulatorModel:
         not wait. By the regulators' data sheet; 0: it waits for all.
     """
 
-    bandwidth: Annotated[float, Unit("rad/s"), Gt(0)] = 40.0
-    damping: Annotated[float, Gt(0)] = 1.0
+    bandwidth: Annotated[float, Unit("rad/s"), Interval(ge=0.1, le=1e4)] = 40.0
+    damping: Annotated[float, Interval(ge=0.05, le=20)] = 1.0
     dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 5e-3
     spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     monitor_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 0.0
@@ -90,7 +90,7 @@ class PneumaticLimits:
     speed: Annotated[float, Unit("m/s"), Gt(0)]
     pressure: tuple[Pressure, Pressure]
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
-    reading_age: Annotated[float, Unit("s"), Gt(0)]
+    reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)]
     following: Annotated[float, Unit("m"), Gt(0)] = 3e-3
     stop_energy: Annotated[float, Unit("J"), Gt(0)] | None = None
 
@@ -130,11 +130,11 @@ class PneumaticSettings:
     """
 
     regulators: str
-    bore: Annotated[float, Unit("m"), Gt(0)]
+    bore: Annotated[float, Unit("m"), Gt(0), Le(0.5)]
     rod: Annotated[float, Unit("m"), Gt(0)]
-    stroke: Annotated[float, Unit("m"), Gt(0)]
+    stroke: Annotated[float, Unit("m"), Gt(0), Le(5.0)]
     home: Annotated[float, Unit("m"), Gt(0)]
-    moving_mass: Annotated[float, Unit("kg"), Gt(0)]
+    moving_mass: Annotated[float, Unit("kg"), Interval(ge=1e-4, le=1e3)]
     base_pressure: Pressure
     friction: SealFriction
     limits: PneumaticLimits
@@ -154,6 +154,16 @@ class PneumaticSettings:
                 f"base_pressure ({self.base_pressure:g} Pa) is outside limits.pressure "
                 f"{low:g} … {high:g} Pa."
             )
+
+        self._check_alarms()
+
+    def _check_alarms(self) -> None:
+        """Refuse an alarm that nothing could trip: it is switched off by a slip of the pen."""
+        # What full pressure in one chamber makes of the mass within the stroke; friction is less.
+        work = self.greatest_pressure * self.area * self.stroke
+        fastest = math.sqrt(2.0 * work / self.moving_mass)
+        check_can_trip("limits.speed", self.limits.speed, fastest, "m/s", "is ever reached")
+        check_can_trip("limits.following", self.limits.following, self.stroke, "m", "is the stroke")
 
     @property
     def area(self) -> float:
@@ -206,3 +216,18 @@ def check_order(name: str, bounds: tuple[float, float]) -> None:
     lower, upper = bounds
     if not lower < upper:
         raise ValueError(f"{name}: the lower limit {lower:g} is not below {upper:g}.")
+
+
+def check_can_trip(name: str, limit: float, most: float, unit: str, why: str) -> None:
+    """Refuse an alarm whose limit is no less than what there can be.
+
+    Raises
+    ------
+    ValueError
+        It could never trip.
+    """
+    if not limit < most:
+        raise ValueError(
+            f"{name} ({limit:g} {unit}): the alarm could never trip, as no more than {most:.3g} "
+            f"{unit} {why}."
+        )

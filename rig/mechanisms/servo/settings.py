@@ -1,9 +1,10 @@
 """What a profile says of joints on servo drives, whatever they move."""
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Gt, MinLen, Unit
+from annotated_types import Gt, Interval, MinLen, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,8 +21,8 @@ class ServoLimits:
         With which a joint is slowed down when the rig stops in mid-motion, rad/s².
     """
 
-    following: Annotated[float, Unit("rad"), Gt(0)] = 0.15
-    reading_age: Annotated[float, Unit("s"), Gt(0)] = 0.03
+    following: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=math.pi)] = 0.15
+    reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)] = 0.03
     acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
 
 

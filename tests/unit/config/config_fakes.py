@@ -131,6 +131,9 @@ class FakeRegistry:
     def settings(self, kind, name):
         return self.TABLE[kind][name]
 
+    def references(self, mechanism):
+        return self.names("reference") if mechanism == "cylinder" else ()
+
 
 PROFILE = """\
 # One antagonistic pair on a bench.

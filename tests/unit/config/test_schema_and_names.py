@@ -42,7 +42,7 @@ class TestSchema:
     def test_a_number_with_a_unit_may_be_text(self, configs):
         definitions = profile_schema(configs.registry)["$defs"]
         number, text = definitions["ChannelSettings"]["properties"]["full_scale"]["anyOf"]
-        assert number == {"exclusiveMinimum": 0, "type": "number"}
+        assert number == {"minimum": 1e-3, "maximum": 1e7, "type": "number"}
         assert text["type"] == "string"
         assert "kPa" in text["description"]
         assert definitions["ChannelSettings"]["properties"]["number"]["type"] == "integer"

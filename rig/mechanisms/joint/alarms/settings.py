@@ -27,7 +27,7 @@ class TwistAlarm:
     """
 
     limit: Annotated[float, Unit("rad"), Gt(0), Le(math.pi)] = math.radians(10.0)
-    time: Annotated[float, Unit("s"), Ge(0)] = 0.1
+    time: Annotated[float, Unit("s"), Ge(0), Le(10)] = 0.1
 
 
 @dataclass(frozen=True, slots=True)

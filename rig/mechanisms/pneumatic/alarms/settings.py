@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Le, Unit
+from annotated_types import Ge, Gt, Interval, Le, Unit
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,9 @@ class PressureAlarm:
     """
 
     deviation: Annotated[float, Unit("Pa"), Gt(0)] | None = None
-    time: Annotated[float, Unit("s"), Gt(0)] | None = None
+    time: Annotated[float, Unit("s"), Gt(0), Le(60)] | None = None
     offset: Annotated[float, Unit("Pa"), Gt(0)] | None = None
-    slow: Annotated[float, Unit("1"), Gt(0)] | None = None
+    slow: Annotated[float, Unit("1"), Gt(0), Le(100)] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class FrozenAlarm:
     """
 
     distance: Annotated[float, Unit("m"), Gt(0)] = 0.4e-3
-    time: Annotated[float, Unit("s"), Gt(0)] = 0.05
+    time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=10.0)] = 0.05
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,5 +100,5 @@ class OscillationAlarm:
 
     amplitude: Annotated[float, Unit("m"), Gt(0)] = 3e-3
     swings: Annotated[int, Ge(3), Le(100)] = 6
-    slowest: Annotated[float, Unit("s"), Gt(0)] = 1.0
-    lost: Annotated[float, Unit("s"), Gt(0)] = 0.3
+    slowest: Annotated[float, Unit("s"), Interval(ge=0.01, le=60.0)] = 1.0
+    lost: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.3

@@ -1,0 +1,135 @@
+"""Every number of every shipped profile, absurd: refused, or listed with why it harms nobody."""
+
+import math
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import rig
+from rig.assembly import REGISTRY, check_profile
+from rig.config import load_profile
+from rig.config.dump import dump_resolved, plain_of
+from rig.hal import ConfigurationError, RigError
+
+CONFIGS = Path(rig.__file__).parents[1] / "configs"
+PROFILES = sorted(path.stem for path in (CONFIGS / "rigs").glob("*.yaml"))
+FIRST = ("cylinder", "joint", "arm", "arm-odrive", "legs", "legs-can")
+
+_NOTHING = {"0", "1e-12"}
+HARMLESS = [
+    (r"(plant|simulation)\..*", {"0", "-v", "1e-12", "1e6 v"},
+     "of the simulated world, which hurts nobody; each keeps within its own bounds"),
+    (r"controllers\..*", {"0", "-v", "1e-12", "1e6 v"},
+     "a law's commands are clipped and its motion watched by limits that are bounded"),
+    (r"loop\.priority", {"0"}, "no real-time priority, which the loop says"),
+    (r"loop\.safe_within", _NOTHING, "a rig that takes any time to be safe is told to have failed"),
+    (r"buses\..*\.max_refused", {"0"}, "the first refused frame is a fault"),
+    (r"buses\..*\.turnaround", _NOTHING, "a load that is counted a little too small"),
+    (r"devices\..*\.(voltage\.0|profile_acceleration)", _NOTHING, "the drive's own bound holds"),
+    (r"devices\..*\.(sub|node|axis|index|id)", {"0", "-v"}, "it does not answer"),
+    (r"devices\..*\.monitor\.(raw|voltage|current|pressure)\.0", _NOTHING | {"-v"},
+     "another scale, which calibration finds; the line still rises"),
+    (r"devices\..*\.setpoint\.(raw|voltage|current|pressure)\.0", _NOTHING | {"-v"},
+     "another scale, which calibration finds; the line still rises"),
+    (r"devices\..*\.(wire_break|overtravel|response|vented|turnaround)", _NOTHING,
+     "the narrowest that an alarm can be, or none is needed"),
+    (r"devices\..*\.(offset|zero|x|y|z|translation|rotation|position|orientation)(\.\d+)*",
+     _NOTHING | {"-v"}, "another zero, which calibration finds"),
+    (r"devices\..*\.limits\.\d", _NOTHING | {"-v"}, "less room to move"),
+    (r"devices\..*\.(intrinsics\.\w+|latency|dark_level|position_\w+\.\d|rotation_\w+\.\d)",
+     _NOTHING | {"-v"}, "another camera: it disagrees with the encoders, which is a fault"),
+    (r"devices\..*\.stop_contact\.bit", {"0"}, "another input of the drive"),
+    (r"(arm|joint|legs)\.(geometry|metrology|wire_offsets|jig)\..*", _NOTHING | {"-v"},
+     "another drawing of the mechanism, of lengths that are bounded"),
+    (r".*\.(tilt_excess|seat_margin|grace|time)", _NOTHING, "the narrowest that an alarm can be"),
+    (r".*\.(base_pressure|coulomb|viscous|breakaway|dead_volume|dead_time|spread|ball|ring|wire)",
+     _NOTHING, "a model without it: alarms become narrower"),
+    (r".*\.(pressure|position|tension|position_min|position_max)\.\d", _NOTHING, "less room"),
+]  # fmt: skip
+
+
+def leaves(value, path=()):
+    """Yield the path and value of every number."""
+    if isinstance(value, dict | list):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            if key not in ("provenance", "replaced"):
+                yield from leaves(item, (*path, str(key)))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path, value
+
+
+def absurd(value):
+    """Yield what a number is set to, and what that is called."""
+    whole = isinstance(value, int)
+    for name, other in (("0", 0), ("-v", -value), ("1e-12", 1e-12), ("1e6 v", 1_000_000 * value),
+                        ("1e12", 1e12), ("1e300", 1e300), ("inf", math.inf)):  # fmt: skip
+        if other != value:
+            text = ".inf" if other == math.inf else repr(other)
+            yield name, str(int(other)) if whole and name in ("0", "-v", "1e6 v") else text
+
+
+@cache
+def search():
+    return (CONFIGS,)
+
+
+def is_listed(name, how):
+    return any(re.fullmatch(pattern, name) and how in hows for pattern, hows, _ in HARMLESS)
+
+
+def accepted(profile, folder):
+    """Return the settings that are accepted though they are not listed."""
+    loaded = load_profile(profile, REGISTRY, (), search())
+    file = folder / "resolved.yaml"
+    file.write_text(dump_resolved(loaded))
+    found = []
+    for path, value in leaves(plain_of(loaded)):
+        for how, text in absurd(value):
+            name = ".".join(path)
+            try:
+                check_profile(load_profile(file, REGISTRY, (f"{name}={text}",), search()))
+            except RigError as error:
+                assert isinstance(error, ConfigurationError) and str(error)
+            else:
+                if not is_listed(name, how):
+                    found.append(f"{name} = {text} ({how} of {value})")
+    return found
+
+
+@pytest.mark.parametrize("profile", FIRST[:1])
+def test_an_absurd_number_of_the_smallest_rig_is_refused(profile, tmp_path):
+    assert accepted(profile, tmp_path) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("profile", PROFILES)
+def test_an_absurd_number_of_any_shipped_rig_is_refused(profile, tmp_path):
+    assert accepted(profile, tmp_path) == []
+
+
+def test_every_reason_is_one():
+    assert all(len(why) > 8 for _, _, why in HARMLESS)
+    assert not any("1e12" in hows or "1e300" in hows or "inf" in hows for _, hows, _ in HARMLESS)
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [("limits.speed=9 m/s", "limits.speed.*could never trip, as no more than"),
+     ("limits.following=60 mm", "limits.following.*could never trip"),
+     ("limits.mismatch=7 cm", "limits.mismatch.*could never trip"),
+     ("alarms.frozen.distance=60 mm", "alarms.frozen.distance.*could never trip"),
+     ("bore=16", "bore is 16, expected at most 500 mm"),
+     ("limits.reading_age=2 s", "reading_age is '2 s', expected at most 1 s")],
+)  # fmt: skip
+def test_an_alarm_that_could_never_trip_is_told(setting, words):
+    with pytest.raises(ConfigurationError, match=words):
+        load_profile("cylinder", REGISTRY, (f"cylinder.{setting}",), search())
+
+
+@pytest.mark.parametrize("gear", ["5e-324", "1e-300", "1e300"])
+def test_a_gear_that_is_none_is_refused(gear):
+    setting = f"devices.drives.joints.q1.gear={gear}"
+    with pytest.raises(ConfigurationError, match=r"gear is .*, expected at (least|most)"):
+        load_profile("arm-odrive", REGISTRY, (setting,), search())
