@@ -9,6 +9,7 @@ COMMANDS = {
     "status": ("rig.cli.status:status", "Show how far a rig has come, and what comes next."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "tune": ("rig.cli.tune:tune", "Find gains that a rig and its uncertainty bear."),
+    "watch": ("rig.cli.watch:watch", "Show a run in a browser, also while it goes on."),
     "stop": ("rig.cli.stop:stop", "Stop a run that goes on, from another terminal."),
     "reset": ("rig.cli.reset:reset", "Reset a rig's latched fault."),
     "simulate": ("rig.cli.simulate:simulate", "Put a rig's emulated devices on a real bus."),

@@ -34,6 +34,8 @@ class Shape(NamedTuple):
         How many.
     width : float
         Of a line, or diameter of a dot, pixels.
+    radius : float
+        Of a dot that is a ball, m; 0: `width` says how large it is.
     trail : float
         For how long the way of its points stays drawn, s.
     tone : str
@@ -47,6 +49,7 @@ class Shape(NamedTuple):
     role: Role
     points: int
     width: float = 2.0
+    radius: float = 0.0
     trail: float = 0.0
     tone: str = ""
     tone_range: tuple[float, float] = (0.0, 1.0)

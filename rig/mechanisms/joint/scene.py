@@ -32,7 +32,7 @@ class JointScene(Scene):
         self._below = -1.4 * its.adjust_depth
         pressure = tuple(f"reading.pressure_{name}" for name in CHANNELS)
         self.shapes = (
-            *(Shape("ball", "loop", "body", _ROUND, 1.0) for _ in range(3)),
+            Shape("ball", "dot", "body", 1, radius=its.ball_radius),
             Shape("greatest tilt", "loop", "limit", _ROUND, 1.5),
             Shape("ring", "loop", "part", _ROUND, 4.0),
             *(
@@ -70,7 +70,7 @@ class JointScene(Scene):
         rows = len(marker)
         axis = marker[:, 0] / np.linalg.norm(marker[:, 0], axis=1, keepdims=True).clip(1e-9)
         turn = _from_vertical(axis)
-        ball = [fixed(circle(its.ball_radius, _ROUND, k), rows) for k in range(3)]
+        ball = fixed(np.zeros((1, 3)), rows)
         lean = its.marker_height * np.array([math.sin(self._tilt), math.cos(self._tilt)])
         edge = fixed(circle(lean[0], _ROUND) + np.array([0.0, 0.0, lean[1]]), rows)
         ring = (circle(its.ring_radius, _ROUND) + np.array([0.0, 0.0, its.ring_height])) @ turn
@@ -80,7 +80,7 @@ class JointScene(Scene):
         ]
         seat = axis[:, None] * its.ball_radius
         stem = np.concatenate([seat, axis[:, None] * its.marker_height], axis=1)
-        return [*ball, edge, ring, *wires, stem, wanted, marker]
+        return [ball, edge, ring, *wires, stem, wanted, marker]
 
     def _wire(self, anchor: "Points", adjust: "Points") -> "Points":
         """Return a wire: on the ball as far as it lies on it, then straight to where it leaves.

@@ -1,0 +1,55 @@
+"""`rig watch`: a page on which a run is seen, also while it goes on."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+import click
+
+from rig.cli.names import LATEST, complete_run, find_run, runs_option
+
+
+@click.command()
+@click.argument("run", required=False, shell_complete=complete_run)
+@click.option("--port", type=click.IntRange(0, 65535), default=8765, show_default=True,
+              help="On loopback; another one if it is taken.")  # fmt: skip
+@click.option("--steer", is_flag=True, help="Print a second address, from which gains change.")
+@click.option("--open", "opens", is_flag=True, help="Open the page in this machine's browser.")
+@click.option("--until-left", is_flag=True, hidden=True)
+@runs_option
+def watch(
+    run: str | None, port: int, steer: bool, opens: bool, until_left: bool, runs: Path
+) -> int:
+    """Serve a page that shows RUN; without it the one that goes on, or the latest.
+
+    It listens on this machine alone. From another one: ssh -L 8765:127.0.0.1:8765 HOST, and the
+    address as it is printed.
+    """
+    from rig.cli.stop import live_runs
+    from rig.hal import ConfigurationError
+
+    try:
+        from rig.watching.server import serve_run
+    except ModuleNotFoundError as error:
+        if error.name != "aiohttp":
+            raise
+        raise ConfigurationError(
+            "the page needs aiohttp: pip install 'rig-controller[watch]'"
+        ) from error
+
+    going_on = live_runs(runs) if run is None else []
+    path = going_on[0] if going_on else find_run(run or LATEST, runs)
+
+    def tell(look: str, steering: str | None) -> None:
+        click.echo(f"watch {path.name}: {look}", err=True)
+        if steering is not None:
+            click.echo(f"steer it: {steering}", err=True)
+        if opens:
+            import webbrowser
+
+            webbrowser.open(steering or look)
+
+    with contextlib.suppress(KeyboardInterrupt):
+        serve_run(path, port, tell, steer=steer, leaves=until_left)
+    return 0

@@ -1,0 +1,86 @@
+// Gains that may be changed while the run goes on; the controller has the last word on each.
+
+import { number } from "./units.js";
+
+export class Gains {
+  constructor(link, hardware) {
+    this.link = link;
+    this.hardware = hardware;
+    this.card = document.getElementById("gains-card");
+    this.list = document.getElementById("gains");
+    this.said = document.getElementById("gain-said");
+    this.hold = document.getElementById("hold");
+    this.listen();
+  }
+
+  describe(gains, steers, hardware) {
+    this.card.hidden = !(steers && gains.length);
+    this.hold.hidden = !hardware;
+    this.hardware = hardware;
+    this.rows = new Map();
+    this.list.replaceChildren(...gains.map((gain) => this.row(gain)));
+  }
+
+  row(gain) {
+    const row = document.createElement("div");
+    const name = document.createElement("span");
+    name.textContent = gain.key;
+    name.title = `${number(gain.low)} … ${number(gain.high)}; now ${number(gain.value)}`;
+    const value = document.createElement("input");
+    value.type = "number";
+    value.step = "any";
+    value.value = gain.value;
+    value.name = gain.key;
+    const set = document.createElement("button");
+    const undo = document.createElement("button");
+    [set.type, undo.type] = ["button", "button"];
+    [set.textContent, undo.textContent] = ["set", "undo"];
+    const past = [gain.value];
+    const send = (wanted) => this.send(gain.key, wanted);
+    set.addEventListener("click", () => {
+      past.push(Number(value.value));
+      send(Number(value.value));
+    });
+    undo.addEventListener("click", () => {
+      if (past.length > 1) past.pop();
+      value.value = past[past.length - 1];
+      send(past[past.length - 1]);
+    });
+    row.append(name, value, set, undo);
+    return row;
+  }
+
+  send(key, value, sure = false) {
+    this.asked = [key, value];
+    this.link.say({ type: "gain", key, value, ramp: 1.0, sure });
+  }
+
+  // What needs to be asked again is asked in the page, not by a dialogue that would cover the stop.
+  answer(message) {
+    this.said.textContent = message.message;
+    if (!message.message.endsWith("?")) return;
+    const sure = document.createElement("button");
+    sure.type = "button";
+    sure.textContent = "yes";
+    sure.addEventListener("click", () => this.send(...this.asked, true));
+    this.said.append(" ", sure);
+  }
+
+  listen() {
+    let beat = null;
+    const release = () => {
+      clearInterval(beat);
+      beat = null;
+      this.hold.classList.remove("on");
+    };
+    this.hold.addEventListener("pointerdown", () => {
+      this.hold.classList.add("on");
+      this.link.say({ type: "hold" });
+      beat ??= setInterval(() => this.link.say({ type: "hold" }), 100);
+    });
+    for (const end of ["pointerup", "pointerleave", "pointercancel"]) {
+      this.hold.addEventListener(end, release);
+    }
+    window.addEventListener("blur", release);
+  }
+}

@@ -1,0 +1,495 @@
+// The page as a whole: what is shown of which moment, and who is told of it.
+
+import { Gains } from "./gains.js";
+import { Link } from "./link.js";
+import { forget } from "./look.js";
+import { Scene } from "./scene.js";
+import { Pane } from "./scope.js";
+import { Table } from "./table.js";
+import { number, seconds, shown } from "./units.js";
+
+const PHASES = { "-1": "–", 0: "approach", 1: "run", 2: "stop" };
+const OLD = 1.0; // s; older data are marked
+const KEEP = 60; // s of rows that a live page asks for at first
+const FRAME_TIME = 1000 / 30;
+const element = (id) => document.getElementById(id);
+
+class Board {
+  constructor() {
+    this.columns = [];
+    this.bounds = new Map();
+    this.events = [];
+    this.panes = [];
+    this.mark = "";
+    this.cursor = null;
+    this.isLive = false;
+    this.isPlaying = false;
+    this.head = 0;
+    this.span = 10;
+    this.still = null; // the window while it does not move: [from, to]
+    this.live = new Table([]);
+    this.fixed = new Table([]);
+    this.status = null;
+    this.statusAt = performance.now();
+    this.scene = new Scene(element("scene"), element("legend"));
+    this.framesOf = null; // the time that frames were asked for
+    const [token, ...rest] = location.hash.slice(1).split("&");
+    this.asked = new URLSearchParams(rest.join("&"));
+    this.token = token;
+    this.listen();
+    if (!token) return;
+    this.link = new Link(token, {
+      hello: (message) => this.hello(message),
+      status: (message) => this.tell(message),
+      events: (message) => this.tellEvents(message),
+      steered: (message) => this.gains.answer(message),
+      refused: (message) => { element("gain-said").textContent = message.message; },
+      rows: (block) => this.rows(block),
+      frames: (block) => this.frames(block),
+      lost: (code) => this.lost(code),
+    });
+    this.gains = new Gains(this.link);
+    requestAnimationFrame((now) => this.frame(now));
+  }
+
+  // What the server says -------------------------------------------------------------
+
+  hello(message) {
+    this.described = message;
+    this.columns = message.columns;
+    this.bounds = new Map((message.scene.bounds ?? []).map(([k, low, high]) => [k, [low, high]]));
+    this.mark = message.simulated ? "SIMULATED" : "HARDWARE";
+    document.documentElement.classList.toggle("hardware", !message.simulated);
+    forget();
+    document.title = `${this.mark} · ${message.experiment} · rig`;
+    element("kind").textContent = this.mark;
+    element("title").textContent = message.experiment;
+    const seed = message.seed === null ? "" : `, seed ${message.seed}`;
+    element("subtitle").textContent =
+      `${message.rig} · ${message.law} · ${message.backend}${seed} · ${message.run}`;
+    this.scene.mark = this.mark;
+    if (message.scene.shapes) this.scene.describe(message.scene);
+    element("stage").hidden = this.columns.length > 0 && !message.scene.shapes?.length;
+    element("scene-note").textContent = message.scene.trouble ?? "";
+    this.gains.describe(message.gains, message.steers, !message.simulated);
+    if (this.columns.length) this.lay(this.layout());
+  }
+
+  tell(message) {
+    const first = this.status === null;
+    this.status = message;
+    this.statusAt = performance.now();
+    this.age = message.live ? message.age : 0;
+    element("phase").textContent = message.live ? PHASES[message.phase] ?? "–" : message.state;
+    element("phase").title = message.message ?? "";
+    element("time").textContent = message.count ? seconds(message.t) : "–";
+    if (first && (!message.live || this.asked.has("t"))) this.hold(0, message.t);
+    else if (first) this.follow();
+    if (first && this.asked.has("t")) this.goTo(this.asked);
+    if (message.trouble) element("scene-note").textContent = message.trouble;
+    this.tellCycle(message);
+    this.tellMargins(message);
+    element("live").hidden = !message.live;
+    element("slider").max = message.t || 1;
+    this.markEvents();
+  }
+
+  goTo(asked) {
+    const [t, w] = [Number(asked.get("t")), Number(asked.get("w") || 10)];
+    if (!Number.isFinite(t) || !(w > 0)) return;
+    this.hold(t - w / 2, t + w / 2);
+    this.head = t;
+  }
+
+  tellEvents(message) {
+    const list = element("events");
+    for (const event of message.events) {
+      this.events.push(event);
+      const entry = document.createElement("li");
+      entry.className = event.kind;
+      const time = document.createElement("time");
+      time.textContent = event.t === null ? "–" : `${number(event.t, 4)} s`;
+      const text = document.createElement("span");
+      text.textContent = event.kind === "state" ? event.message.replace("->", "→") : event.message;
+      entry.append(time, text);
+      entry.addEventListener("click", () => event.t !== null && this.jump(event.t));
+      list.prepend(entry);
+      if (event.kind === "fault" && event.t !== null && this.isLive) this.jump(event.t);
+    }
+    if (this.events.length > 2000) this.events.splice(0, this.events.length - 2000);
+    this.markEvents();
+  }
+
+  rows(block) {
+    if (block.id === this.following) this.live.add(block);
+    if (block.id === this.viewing) {
+      this.fixed = new Table(this.shownColumns);
+      this.fixed.add(block);
+    }
+  }
+
+  frames(block) {
+    if (block.id === 0) {
+      if (this.isLive) this.scene.take(block, true);
+    } else if (block.id === this.framing) {
+      this.scene.take(block, false);
+    }
+  }
+
+  lost(code) {
+    element("age").textContent = code === 4401 ? "refused" : "no server";
+    element("age").className = "old";
+    if (code === 4401) {
+      element("subtitle").textContent = "The token of this address is not the server's. Stop works.";
+    }
+    this.status = null;
+    this.events = [];
+    element("events").replaceChildren();
+  }
+
+  // Which panes there are ------------------------------------------------------------
+
+  get key() {
+    return `rig-layout:${this.described.rig}`;
+  }
+
+  layout() {
+    const names = new Map(this.columns.map((column, k) => [column[0], k]));
+    try {
+      const kept = JSON.parse(localStorage.getItem(this.key));
+      if (Array.isArray(kept)) {
+        return kept.map((pane) => ({
+          title: String(pane.title),
+          xy: pane.xy === true,
+          columns: pane.names.filter((name) => names.has(name)).map((name) => names.get(name)),
+        }));
+      }
+    } catch { /* whatever was kept is of another version: the rig's own panes will do */ }
+    const brought = (this.described.scene.panes ?? []).filter((pane) => pane.columns.length);
+    if (brought.length) return brought.slice(0, innerWidth < 900 ? 3 : 4);
+    return this.guess(names);
+  }
+
+  // Of a mechanism that says nothing: readings that have a reference, or the first readings.
+  guess(names) {
+    const found = [];
+    for (const [name, k] of names) {
+      const wanted = names.get(name.replace(/^reading\./, "reference."));
+      if (name.startsWith("reading.") && wanted !== undefined) {
+        found.push({ title: name.slice(8), columns: [k, wanted] });
+      }
+    }
+    const first = [...names].filter(([name]) => name.startsWith("reading."));
+    const rest = first.map(([name, k]) => ({ title: name.slice(8), columns: [k] }));
+    return (found.length ? found : rest).slice(0, 4);
+  }
+
+  lay(panes) {
+    this.panes = panes.map((pane) => new Pane(this, pane));
+    element("panes").replaceChildren(...this.panes.map((pane) => pane.element));
+    this.subscribe();
+  }
+
+  subscribe() {
+    this.shownColumns = [...new Set(this.panes.flatMap((pane) => pane.columns))].slice(0, 256);
+    this.live = new Table(this.shownColumns);
+    if (this.status?.live) {
+      this.following = this.link.ask({ type: "follow", columns: this.shownColumns, seconds: KEEP });
+    }
+    if (!this.isLive) this.view();
+  }
+
+  close(pane) {
+    this.panes = this.panes.filter((other) => other !== pane);
+    pane.element.remove();
+    this.subscribe();
+  }
+
+  pick(pane) {
+    const list = element("found");
+    const show = () => {
+      const wanted = element("search").value.toLowerCase();
+      list.replaceChildren(...this.columns.map((column, k) => [column, k])
+        .filter(([column]) => `${column[0]} ${column[2]}`.toLowerCase().includes(wanted))
+        .map(([column, k]) => this.choice(pane, column, k)));
+    };
+    element("picker-title").textContent = `Channels of ${pane.title}`;
+    element("search").oninput = show;
+    element("search").value = "";
+    show();
+    element("picker").show(); // not modal: a modal one would lie over the stop
+  }
+
+  choice(pane, column, k) {
+    const entry = document.createElement("li");
+    const label = document.createElement("label");
+    const box = document.createElement("input");
+    box.type = "checkbox";
+    box.checked = pane.columns.includes(k);
+    box.name = column[0];
+    box.addEventListener("change", () => {
+      pane.columns = box.checked ? [...pane.columns, k] : pane.columns.filter((one) => one !== k);
+      pane.list();
+      this.subscribe();
+    });
+    const text = document.createElement("small");
+    text.textContent = `${column[2]}${column[1] ? ` [${column[1]}]` : ""}`;
+    label.append(box, column[0], text);
+    entry.append(label);
+    return entry;
+  }
+
+  // Which moment is shown ------------------------------------------------------------
+
+  follow() {
+    this.isLive = true;
+    this.isPlaying = false;
+    this.still = null;
+    this.framesOf = null;
+    this.scene.frames = [];
+    this.head = this.status?.t ?? 0;
+    if (this.panes.length) this.subscribe();
+    element("live").classList.add("on");
+  }
+
+  hold(from, to) {
+    this.isLive = false;
+    this.still = [from, Math.max(to, from + 1e-3)];
+    this.head = Math.min(Math.max(this.head, from), to);
+    element("live").classList.remove("on");
+    this.view();
+  }
+
+  jump(t) {
+    const span = this.still && this.still[1] - this.still[0] < 1e3 ? this.still[1] - this.still[0] : 10;
+    if (this.isLive || t < this.window()[0] || t > this.window()[1]) {
+      const width = this.isLive ? Math.max(this.span, 10) : span;
+      this.hold(t - width, t + 0.1 * width); // what came before it is what one wants to see
+    }
+    this.head = t;
+  }
+
+  pan(by) {
+    if (this.isLive) this.hold(...this.window());
+    this.hold(this.still[0] + by, this.still[1] + by);
+  }
+
+  zoom(factor, about) {
+    const [from, to] = this.window();
+    if (this.isLive) {
+      this.span = Math.min(Math.max(this.span * factor, 0.05), KEEP);
+      return;
+    }
+    this.hold(about - (about - from) * factor, about + (to - about) * factor);
+  }
+
+  window() {
+    if (this.still) return this.still;
+    return [this.head - this.span, this.head];
+  }
+
+  playhead() {
+    return this.head;
+  }
+
+  table() {
+    return this.isLive ? this.live : this.fixed;
+  }
+
+  view() {
+    clearTimeout(this.viewSoon);
+    this.viewSoon = setTimeout(() => {
+      if (!this.still || !this.shownColumns?.length) return;
+      const [from, to] = this.still;
+      const most = Math.min(4 * innerWidth, 6000);
+      const message = { type: "view", columns: this.shownColumns, from, to, most };
+      this.viewing = this.link.ask(message);
+    }, 60);
+  }
+
+  askFrames() {
+    if (!this.scene.shapes.length || !this.status?.count) return;
+    const back = this.scene.longest + 1;
+    const [from, to] = [Math.max(this.head - back - 4, 0), this.head + 10];
+    const held = this.framesOf;
+    const covers = held && this.head - back >= held[0] - 1e-9 - (held[0] <= 0 ? back : 0)
+      && (this.head + 3 <= held[1] || held[1] >= this.status.t);
+    if (covers) return;
+    this.framesOf = [from, to];
+    this.framing = this.link.ask({ type: "frames", from, to, most: 600 });
+  }
+
+  // Drawing --------------------------------------------------------------------------
+
+  frame(now) {
+    requestAnimationFrame((next) => this.frame(next));
+    const passed = now - (this.drawnAt ?? 0);
+    if (passed < FRAME_TIME - 4) return;
+    this.drawnAt = now;
+    this.tellAge(now);
+    if (!this.columns.length || !this.status) return;
+    this.advance(Math.min(passed / 1000, 0.5));
+    if (!this.isLive) this.askFrames();
+    this.scene.draw(this.head);
+    for (const pane of this.panes) pane.draw();
+    this.tellMoment();
+  }
+
+  advance(passed) {
+    if (this.isLive) {
+      const last = Math.max(this.live.last, this.status.t ?? 0);
+      const behind = last - this.head;
+      this.head += behind > 2 ? behind : behind * (1 - Math.exp(-passed / 0.15));
+      return;
+    }
+    if (!this.isPlaying) return;
+    this.head += passed * Number(element("speed").value);
+    if (this.head >= this.status.t) {
+      this.head = this.status.t;
+      this.isPlaying = this.status.live;
+    }
+    const [from, to] = this.still;
+    if (this.head > to) this.hold(this.head - 0.1 * (to - from), this.head + 0.9 * (to - from));
+  }
+
+  tellAge(now) {
+    if (!this.status) return;
+    const age = (this.age ?? 0) + (this.status.live ? (now - this.statusAt) / 1000 : 0);
+    element("age").textContent = this.status.live ? `${age.toFixed(1)} s old` : "complete";
+    element("age").className = age > OLD ? "old" : "";
+  }
+
+  tellMoment() {
+    if (document.activeElement !== element("slider") || this.isPlaying || this.isLive) {
+      element("slider").value = this.head;
+    }
+    element("moment").textContent = seconds(this.head);
+    element("play").textContent = this.isPlaying || this.isLive ? "❚❚" : "▶";
+  }
+
+  tellCycle(status) {
+    const ms = (value) => `${number(value * 1e3, 3)} ms`;
+    const facts = {
+      rate: `${number(status.rate, 4)} Hz`, cycles: String(status.count),
+      missed: String(status.missed), "late (p99)": ms(status.late), "least slack": ms(status.slack),
+    };
+    element("cycle").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => {
+      const [term, told] = [document.createElement("dt"), document.createElement("dd")];
+      [term.textContent, told.textContent] = [name, value];
+      return [term, told];
+    }));
+  }
+
+  tellMargins(status) {
+    if (!status.margins.length) return;
+    element("margins").replaceChildren(...status.margins.map(([k, share]) => {
+      const row = document.createElement("div");
+      const [name, left] = [document.createElement("span"), document.createElement("span")];
+      name.textContent = this.columns[k]?.[0] ?? "";
+      left.textContent = `${Math.round(100 * share)} % left`;
+      const meter = document.createElement("meter");
+      Object.assign(meter, { min: 0, max: 1, low: 0.75, high: 0.9, optimum: 0 });
+      meter.value = 1 - Math.max(share, 0);
+      row.append(name, left, meter);
+      return row;
+    }));
+  }
+
+  markEvents() {
+    const last = this.status?.t;
+    if (!last) return;
+    element("marks").replaceChildren(...this.events.filter((event) => event.t !== null)
+      .map((event) => {
+        const mark = document.createElement("i");
+        mark.className = event.kind;
+        mark.style.left = `${100 * event.t / last}%`;
+        return mark;
+      }));
+  }
+
+  // What a person does ---------------------------------------------------------------
+
+  save(pane) {
+    const [from, to] = this.window();
+    const table = this.table();
+    const head = ["t [s]", ...pane.columns.map((k) => `${this.columns[k][0]} [${this.columns[k][1]}]`)];
+    const lines = [head.map((name) => `"${name.replaceAll('"', '""')}"`).join(",")];
+    for (let row = table.rowAt(from); row < table.rowAt(to); row += 1) {
+      const values = pane.columns.map((k) => table.values[table.place.get(k)][row]);
+      lines.push([table.t[row], ...values].join(","));
+    }
+    const address = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));
+    const anchor = document.createElement("a");
+    anchor.href = address;
+    anchor.download = `${this.described.run}-${pane.title}.csv`;
+    anchor.click();
+    setTimeout(() => URL.revokeObjectURL(address), 1000);
+  }
+
+  step(forwards) {
+    const times = this.events.map((event) => event.t).filter((t) => t !== null).sort((a, b) => a - b);
+    const next = forwards ? times.find((t) => t > this.head + 1e-6)
+      : times.findLast((t) => t < this.head - 1e-6);
+    if (next !== undefined) this.jump(next);
+  }
+
+  listen() {
+    element("live").addEventListener("click", () => this.follow());
+    element("play").addEventListener("click", () => {
+      if (this.isLive) {
+        this.hold(...this.window());
+        return;
+      }
+      this.isPlaying = !this.isPlaying;
+      if (this.isPlaying && this.head >= this.status.t) this.head = Math.max(this.still[0], 0);
+    });
+    element("slider").addEventListener("input", () => {
+      if (this.isLive) this.hold(0, this.status.t);
+      this.head = Number(element("slider").value);
+      const [from, to] = this.still;
+      if (this.head < from || this.head > to) {
+        this.hold(this.head - 0.5 * (to - from), this.head + 0.5 * (to - from));
+      }
+    });
+    element("window").addEventListener("change", () => {
+      const span = Number(element("window").value);
+      if (this.isLive && span) this.span = span;
+      else if (!span) this.hold(0, this.status.t);
+      else this.hold(this.head - 0.7 * span, this.head + 0.3 * span);
+    });
+    element("earlier").addEventListener("click", () => this.step(false));
+    element("later").addEventListener("click", () => this.step(true));
+    element("add").addEventListener("click", () => {
+      const pane = new Pane(this, { title: `pane ${this.panes.length + 1}`, columns: [] });
+      this.panes.push(pane);
+      element("panes").append(pane.element);
+      this.pick(pane);
+    });
+    element("save").addEventListener("click", () => {
+      const kept = this.panes.map((pane) => ({
+        title: pane.title, xy: pane.isXY, names: pane.columns.map((k) => this.columns[k][0]),
+      }));
+      localStorage.setItem(this.key, JSON.stringify(kept));
+    });
+    element("reset").addEventListener("click", () => {
+      localStorage.removeItem(this.key);
+      this.lay(this.layout());
+    });
+    element("link").addEventListener("click", () => {
+      const [from, to] = this.window();
+      const moment = `&t=${this.head.toFixed(4)}&w=${(to - from).toFixed(4)}`;
+      const address = `${location.origin}/#${this.token}${moment}`;
+      navigator.clipboard?.writeText(address);
+      history.replaceState(null, "", address);
+    });
+    document.addEventListener("keydown", (event) => {
+      if (event.key === " " && event.target === document.body) {
+        event.preventDefault();
+        element("play").click();
+      }
+    });
+  }
+}
+
+const board = new Board();
+window.board = board; // for whoever looks at the page from a console, and for its tests
