@@ -86,7 +86,7 @@ def experiment_schema(registry: Registry) -> Schema:
         "metrics": NotRequired[_named(metric)],
     }
     whole: Schema = {"oneOf": [{"required": [key]} for key in _LAW]}
-    rules = [{"not": {"required": list(_LAW)}}, *_laws_of_references(registry)]
+    rules: list[Schema] = [{"not": {"required": list(_LAW)}}, *_laws_of_references(registry)]
     return _finished("Experiment", entries, whole, rules)
 
 

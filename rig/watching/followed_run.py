@@ -10,7 +10,8 @@ import numpy as np
 
 from rig.hal import RigError
 from rig.hal.columns import Column
-from rig.run_folder import EVENTS, Event, RunFolder
+from rig.run_facts import EVENTS, Event
+from rig.run_folder import RunFolder
 from rig.runtime.log_tail import LogTail
 from rig.watching.extremes import Extremes, thin_out
 
