@@ -54,12 +54,12 @@ class AnalogueSignal:
             ("current" if self.voltage is None else "voltage", self.signal),
             ("pressure", self.pressure),
         ):
-            if not low < high:
+            # The pressure may fall: a valve that is open without a signal.
+            if low > high and name != "pressure":
                 raise ValueError(
-                    f"{name}: {low:g} … {high:g} does not rise; give the lower end of the line "
-                    "first, and the upper end of everything second."
+                    f"{name}: {low:g} … {high:g} does not rise; give the line's lower end first."
                 )
-            if high - low < _LEAST[name]:
+            if abs(high - low) < _LEAST[name]:
                 raise ValueError(
                     f"{name}: {low:g} … {high:g} is no line; its ends are at least "
                     f"{_LEAST[name]:g} apart."

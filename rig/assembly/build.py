@@ -13,7 +13,16 @@ from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
 from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
-from rig.hal import Column, ConfigurationError, Device, DeviceError, Mechanism, MonotonicClock
+from rig.config.located import places_named
+from rig.hal import (
+    Column,
+    ConfigurationError,
+    Device,
+    DeviceError,
+    DriverSettings,
+    Mechanism,
+    MonotonicClock,
+)
 from rig.hal.clock import SPIN
 
 
@@ -31,12 +40,32 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
         Roles without devices, limits beyond a device's range, a bus that is too full, two
         devices with one node number.
     """
-    _check_plant(profile)
-    check_answers(profile)
-    bus_loads(profile)
-    mechanism, devices = make_unconnected(profile)
+    try:
+        _check_plant(profile)
+        check_answers(profile)
+        _check_nodes(profile)
+        bus_loads(profile)
+        mechanism, devices = make_unconnected(profile)
+    except ConfigurationError as error:
+        if type(error) is not ConfigurationError:
+            raise
+        raise ConfigurationError(places_named(str(error), profile.places)) from error
     measured = [column for device in devices.values() for column in device.log_columns]
     return (*mechanism.columns, *measured)
+
+
+def _check_nodes(profile: Profile) -> None:
+    """Refuse two devices with one number on one bus."""
+    owners: dict[tuple[str | None, int], str] = {}
+    for name, entry in profile.devices.items():
+        settings: DriverSettings = entry.settings
+        for address in settings.addresses(name, entry.serial):
+            owner = owners.setdefault((entry.bus, address.number), name)
+            if owner != name:
+                raise ConfigurationError(
+                    f"devices.{owner} and devices.{name} both have number 0x{address.number:02X} "
+                    f"on the bus {entry.bus}"
+                )
 
 
 def _check_plant(profile: Profile) -> None:

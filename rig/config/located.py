@@ -1,7 +1,7 @@
 """Values with the place where they were written: sources, marks and nodes."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, NamedTuple, TypeAlias
@@ -9,6 +9,8 @@ from typing import Final, NamedTuple, TypeAlias
 Path: TypeAlias = tuple[str | int, ...]
 """Keys and list positions from the root of a document to a value."""
 
+_DOTTED: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
+_MOST_PLACES: Final = 6
 _LINE_BREAK: Final = re.compile("\r\n|[\n\r\x85\u2028\u2029]")  # what YAML 1.1 calls one
 
 
@@ -131,3 +133,32 @@ class Node:
     def with_items(self, items: "dict[str, Node]") -> "Node":
         """Return the same place with other content."""
         return replace(self, value=items)
+
+
+def places_of(node: Node, name: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the dotted name of every key below a node, and where it stands."""
+    if isinstance(node.value, dict):
+        for key, below in node.value.items():
+            dotted = f"{name}.{key}" if name else key
+            yield dotted, str(below.heading)
+            yield from places_of(below, dotted)
+
+
+def places_named(message: str, places: Mapping[str, str]) -> str:
+    """Return a message with the place of each setting and each device that it names.
+
+    Parameters
+    ----------
+    message : str
+        Of a rule that holds one part of a file against another.
+    places : mapping of str to str
+        Where each key stands, by its dotted name.
+    """
+    words = {word.strip(".") for word in _DOTTED.findall(message)}
+    named = {
+        f"    {key}: {place}"
+        for key, place in places.items()
+        for word in words
+        if (key == word or key.endswith(f".{word}")) and ("." in word or key.count(".") == 1)
+    }
+    return "\n".join([message, *sorted(named)[:_MOST_PLACES]])

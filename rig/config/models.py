@@ -214,6 +214,8 @@ class Profile:
         The mechanism's settings without it.
     tunings : dict
         What `rig tune` has laid over controllers' settings, by name; no part of its value.
+    places : dict
+        Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
     """
 
     name: str
@@ -230,6 +232,7 @@ class Profile:
     calibration: Calibration | None = None
     uncalibrated: object = None
     tunings: dict[str, Calibration] = field(default_factory=dict, compare=False)
+    places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def nominal_settings(self) -> Settings:

@@ -21,7 +21,7 @@ from rig.config.device_file import DeviceDescription
 from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import Override, apply_overrides, load_document, parse_overrides
 from rig.config.dump import as_plain
-from rig.config.located import BROKEN, Node
+from rig.config.located import BROKEN, Node, places_of
 from rig.config.models import (
     BusEntry,
     Calibration,
@@ -257,6 +257,7 @@ class _Reader(Sections):
             files=files,
             calibration=calibration,
             uncalibrated=uncalibrated,
+            places=dict(places_of(self.root)),
             tunings={
                 name.removeprefix(TUNED): calibration
                 for name, calibration in self._calibrations.items()

@@ -1,5 +1,6 @@
 """Translate errors of pydantic into the words, units and places of the file."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 
@@ -43,13 +44,26 @@ def report(
         hint = None if problems.are_many else nearest(str(path[-1]), valid)
         problems.add(place.heading, f"unknown key {str(path[-1])[:80]!r}", hint)
     elif kind in ("value_error", "assertion_error"):
-        problems.add(place.heading, str(context.get("error", details["msg"])))
+        message = str(context.get("error", details["msg"]))
+        problems.add(place.heading, message, _others(place, message))
     elif kind == "quantity":
         problems.add(place.mark, f"{name}: {details['msg']}")
     else:
         expected = _expected(kind, context, hint_at(settings, path))
         message = f"{name} is {shown(place.plain())}, expected {expected}"
         problems.add(place.mark, message, _choice(place, context, kind))
+
+
+def _others(place: Node, message: str) -> str | None:
+    """Say where the keys stand that a rule names: a base may have given one of them."""
+    items = place.value if isinstance(place.value, dict) else {}
+    named = {
+        key: node for key, node in items.items() if re.search(rf"\b{re.escape(key)}\b", message)
+    }
+    if len(named) < 2:
+        return None
+    told = ", ".join(f"{key} in {node.heading}" for key, node in named.items())
+    return f"{told}; null takes back what a base gives"
 
 
 def _wanted(settings: type, path: tuple[str | int, ...], key: str) -> str | None:
