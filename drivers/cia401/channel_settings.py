@@ -11,7 +11,7 @@ _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
 
-_LEAST: Final = {"raw": 16.0, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
+_LEAST: Final = {"raw": 16.0, "float": 1e-6, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
 """How far the ends of a line are apart, counts and SI: less is a number without its unit."""
 
 DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
@@ -59,10 +59,11 @@ class AnalogueSignal:
                 raise ValueError(
                     f"{name}: {low:g} … {high:g} does not rise; give the line's lower end first."
                 )
-            if abs(high - low) < _LEAST[name]:
+            # A floating-point object has no counts: volts, amperes or whatever its maker likes.
+            least = _LEAST["float" if name == "raw" and self.type not in RANGES else name]
+            if abs(high - low) < least:
                 raise ValueError(
-                    f"{name}: {low:g} … {high:g} is no line; its ends are at least "
-                    f"{_LEAST[name]:g} apart."
+                    f"{name}: {low:g} … {high:g} is no line; its ends are at least {least:g} apart."
                 )
         if self.type in RANGES:
             low, high = RANGES[self.type]

@@ -21,7 +21,7 @@ class ServoLimits:
         With which a joint is slowed down when the rig stops in mid-motion, rad/s².
     """
 
-    following: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=math.pi)] = 0.15
+    following: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=4.0 * math.pi)] = 0.15
     reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)] = 0.03
     acceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
 

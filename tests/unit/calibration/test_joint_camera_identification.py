@@ -205,4 +205,4 @@ def test_what_is_recorded_is_not_recorded_again(profile):
     assert camera.excite(profile, names).motion.segments == ()
     again = camera.excite(profile, names[:5])
     assert [s.name for s in again.motion.segments if s.name != "all"] == names
-    assert any("limits.disagreement is 60 mm" in note for note in again.notes)
+    assert any("limits.disagreement is 59.4 mm" in note for note in again.notes)

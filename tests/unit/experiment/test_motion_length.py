@@ -16,8 +16,8 @@ from rig.hal import MotionRefused
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 RNG = np.random.default_rng(20)
-LONG = 10 ** RNG.uniform(6, 300, 9)
-"""Seconds, drawn; each asks for about so long a motion."""
+LONG = 10 ** RNG.uniform(4.6, 4.9, 9)
+"""Seconds, drawn, below the day that a setting may be; each asks for so long a motion."""
 
 ASKED = [
     ("cylinder-sine", "reference.tones=[{{frequency: {0!r} Hz}}]", -1),

@@ -24,15 +24,15 @@ from rig.mechanisms.pneumatic.alarms.settings import FrozenAlarm, SwappedAlarm
 
 NAMES = "encoder-agonist", "encoder-antagonist"
 CHANGE = 2.0**-12
-WIDE = 2.0**-4
+WIDE = 2.0**-5
 """A mismatch that no test here reaches."""
-NEVER = FrozenAlarm(1.0, 1e6)
+NEVER = FrozenAlarm(WIDE, 1e6)
 
 
 class Rods:
     """The watch of a pair of which a test says where each rod is, from home, m."""
 
-    def __init__(self, change=WIDE, mismatch=WIDE, frozen=NEVER, swapped=1.0, **settings):
+    def __init__(self, change=WIDE, mismatch=WIDE, frozen=NEVER, swapped=WIDE, **settings):
         alarms = PairAlarmSettings(
             frozen=frozen, rods=RodsAlarm(change), swapped=SwappedAlarm(distance=swapped)
         )

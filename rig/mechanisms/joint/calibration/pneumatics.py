@@ -46,6 +46,9 @@ _DISAGREEMENT: Final = 60e-3
 At half a metre 2 degrees about every axis of the camera make 25 mm, and 2 % of all lengths as much
 again."""
 
+_WITHIN: Final = 0.99
+"""Share of the stroke, beyond which no disagreement is: a limit there is refused."""
+
 _ABSENCE: Final = 30.0
 _AREA: Final = 0.9
 """For how long the rays of a camera with a wrong pose may pass by the marker's sphere, s, and by
@@ -137,16 +140,20 @@ class JointPneumatics(Pneumatics[JointReference, JointCommand]):
 
     def with_wider_limits(self, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
         """See `Pneumatics.with_wider_limits`; rods and camera agree only once calibrated."""
-        return self._with_wider({"residual": _RESIDUAL, "disagreement": _DISAGREEMENT}, _ABSENCE)
+        return self._with_wider({"residual": _RESIDUAL, "disagreement": self._apart()}, _ABSENCE)
 
     def with_limits_for_sightings(self) -> tuple[Profile, tuple[str, ...]]:
         """Return the profile with limits for a wrong camera and geometry, and notes on them."""
         profile, notes = self._with_wider(
-            {"disagreement": _DISAGREEMENT, "residual": _FEW_RESIDUAL}, _FEW_SIGHTINGS
+            {"disagreement": self._apart(), "residual": _FEW_RESIDUAL}, _FEW_SIGHTINGS
         )
         # A wrong geometry turns the work of a pair round as swapped encoders do, by less.
         profile = profile_with(profile, {f"{profile.mechanism}.alarms.swapped.share": 1.0})
         return profile, (*notes, "alarms.swapped.share is 1")
+
+    def _apart(self) -> float:
+        """Return how far camera and rods may be apart before either is calibrated, m."""
+        return min(_DISAGREEMENT, _WITHIN * self.settings.stroke)
 
     def _with_wider(
         self, least: Mapping[str, float], absence: float
