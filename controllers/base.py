@@ -19,14 +19,14 @@ Model = TypeVar("Model")
 
 
 class Tunable(NamedTuple):
-    """A number among a law's settings that a search may change.
+    """A number among a law's settings that a search may change, or a person while it runs.
 
     Parameters
     ----------
     key : str
         Its name in the settings, ``"feedforward.gain"``.
     low, high : float
-        Bounds of the search, in the unit of the setting. It goes in equal ratios.
+        Bounds, in the unit of the setting. A search goes in equal ratios.
     """
 
     key: str
@@ -55,12 +55,15 @@ class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
         Dataclass of the law's entries in a profile.
     tunables : tuple of Tunable
         What `rig tune` may change of the settings; empty: nothing.
+    online : tuple of Tunable
+        What `retune` may change while the law runs; empty: nothing.
     settings, model, period
         As given.
     """
 
     Settings: ClassVar[type]
     tunables: ClassVar[tuple[Tunable, ...]] = ()
+    online: ClassVar[tuple[Tunable, ...]] = ()
 
     def __init__(self, settings: Chosen, model: Model, period: float) -> None:
         self.settings = settings
@@ -69,6 +72,10 @@ class Law(ABC, Generic[Chosen, Model, Reference, State, Command]):
 
     def compile(self) -> None:
         """Compile what is slow in Python; called once, by who puts the law into a loop."""
+
+    def retune(self, settings: Chosen) -> None:
+        """Go on with settings that differ in `online` gains alone; what is remembered stays."""
+        raise ValueError(f"{type(self).__name__} has no gains that change while it runs")
 
     @abstractmethod
     def reset(self, state: State) -> None:

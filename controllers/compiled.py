@@ -70,6 +70,16 @@ class KernelMemory(Generic[Numbers]):
         """Copy the numbers of an object of the same kind anew."""
         self.bytes[:] = _bytes_of(numbers, self.kind)
 
+    def change(self, before: Numbers, after: Numbers) -> None:
+        """Change what two objects differ in that are both as they were made.
+
+        What kernels remember is the same in both, and stays. What differs are constants, which no
+        kernel changes: the memory has those of `before`, and has those of `after` from now on.
+        """
+        old, new = _bytes_of(before, self.kind), _bytes_of(after, self.kind)
+        differs = old != new
+        self.bytes[differs] = new[differs]
+
     def bind(
         self, function: Callable[Concatenate[Numbers, Arguments], Result]
     ) -> Callable[Arguments, Result]:
@@ -100,6 +110,16 @@ def record_type(numbers: PlainNumbers) -> "np.dtype[np.void]":
         else:
             raise TypeError(f"{type(numbers).__name__}.{name} is {value!r}, which is no number")
     return np.dtype(fields, align=True)
+
+
+def change_constants(numbers: PlainNumbers, before: PlainNumbers, after: PlainNumbers) -> None:
+    """Do to an object what `KernelMemory.change` does to a memory of its kind."""
+    for name, old in vars(before).items():
+        new = getattr(after, name)
+        if isinstance(old, PlainNumbers):
+            change_constants(getattr(numbers, name), old, new)
+        elif old != new:
+            setattr(numbers, name, new)
 
 
 def _bytes_of(numbers: PlainNumbers, kind: "np.dtype[np.void]") -> "NDArray[np.uint8]":

@@ -33,3 +33,12 @@ class Cascade(NumericPairLaw[CascadeSettings]):
         Tunable("feedforward.learning_rate", 0.05, 10.0),
         Tunable("feedforward.error_rate", 0.05, 50.0),
     )
+    online = (
+        Tunable("position_rate", 2.0, 250.0),
+        Tunable("velocity_rate", 5.0, 1000.0),
+        Tunable("integral", 0.0, 4e5),
+        Tunable("hold_integral", 0.0, 1e6),
+        Tunable("disturbance_gain", 0.0, 1.0),
+        Tunable("disturbance_bandwidth", 3.0, 200.0),
+        Tunable("feedforward.gain", 0.0, 1.3),
+    )

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from typing import Any, ClassVar
 
 from controllers.base import Chosen
-from controllers.compiled import KernelMemory, PlainNumbers
+from controllers.compiled import KernelMemory, PlainNumbers, change_constants
 from controllers.cylinder.law import Output, PairLaw
 from controllers.cylinder.types import PairModel
 
@@ -71,6 +71,15 @@ class NumericPairLaw(PairLaw[Chosen]):
         self._step = self._memory.bind(self.Numbers.step)
         self._step(*_REST)  # the first call is what compiles
         self._memory.lay(self.numbers)
+
+    def retune(self, settings: Chosen) -> None:
+        """See `Law.retune`."""
+        before = self.Numbers(self.settings, self.model, self.period)
+        after = self.Numbers(settings, self.model, self.period)
+        change_constants(self.numbers, before, after)
+        if self._memory is not None:
+            self._memory.change(before, after)
+        self.settings = settings
 
     def _begin(self, position: float, difference: float) -> None:
         self.numbers.reset(position, difference)

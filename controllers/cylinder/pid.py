@@ -130,3 +130,8 @@ class Pid(NumericPairLaw[PidSettings]):
         Tunable("derivative", 1e3, 5e7),
         Tunable("derivative_time", 1e-4, 2e-2),
     )
+    online = (
+        Tunable("proportional", 1e5, 5e8),
+        Tunable("integral", 0.0, 5e9),
+        Tunable("derivative", 0.0, 5e7),
+    )

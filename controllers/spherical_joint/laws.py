@@ -114,6 +114,13 @@ class JointCascade(PoseController[JointCascadeSettings]):
     """Pose control over cascades with observers on the pressures: ``joint-cascade``."""
 
     Settings = JointCascadeSettings
+    online = tuple(gain._replace(key=f"pair.{gain.key}") for gain in Cascade.online)
+
+    def retune(self, settings: JointCascadeSettings) -> None:
+        """See `Law.retune`."""
+        for law in self._laws:
+            law.retune(settings.pair)
+        self.settings = settings
 
     def _pair_law(self, pair: PairModel) -> Cascade:
         return Cascade(self.settings.pair, pair, self.period)

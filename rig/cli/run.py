@@ -104,7 +104,12 @@ def run(
     simulated = backend_of(on).is_simulated
     pace = pace or (1.0 if watch else None)
     line = WatchedRun(
-        plan.experiment.name, on, pace=pace if simulated else None, watch=watch, steer=steer
+        plan,
+        on,
+        needs_hold=backend_of(on) is Backend.HARDWARE,
+        pace=pace if simulated else None,
+        watch=watch,
+        steer=steer,
     )
     with line:
         result = run_experiment(
@@ -118,6 +123,7 @@ def run(
             frames=frames,
             is_permitted=True,
         )
+        line.keep_gains()
     if as_json:
         print_data(json.dumps(as_data(result), indent=2))
     else:

@@ -154,6 +154,7 @@ def run_experiment(
             if frame_log is not None:
                 frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
             watcher.started(folder.path)
+            watcher.recording(_Events(folder))
             for sentence in doubts:
                 watcher.said(sentence)
                 _Events(folder)(None, "calibration", sentence, {})

@@ -6,6 +6,7 @@ from typing import Any
 from rig.assembly import Rig
 from rig.hal import Controller
 from rig.runtime.loop import Progress
+from rig.runtime.phases import Events
 from rig.runtime.states import RigState
 
 
@@ -35,6 +36,9 @@ class Watcher:
 
     def started(self, path: Path) -> None:
         """Take note that the run folder exists."""
+
+    def recording(self, events: Events) -> None:
+        """Take note of what writes into the run's events."""
 
     def said(self, sentence: str) -> None:
         """Pass one sentence to the operator."""

@@ -76,6 +76,10 @@ def open_recorded(path: Path, overrides: Sequence[str] = ()) -> RecordedRun:
         The log is none, or is damaged.
     """
     folder = RunFolder.open(path)
+    if any(event.get("kind") == "tuning" for event in folder.events()):
+        raise ConfigurationError(
+            f"{path}: its gains were changed while it ran, which a replay does not do"
+        )
     plan = plan_of(folder, overrides)
     log = read_log(folder.log_path)
     torn = folder.missing_end(complete=log.complete)

@@ -144,7 +144,7 @@ class Viewer:
             case "gain" | "hold":
                 if not self._steers:
                     raise BadMessage("this page may look, and not steer")
-                answer = self._studio.steer(request)
+                answer = await asyncio.to_thread(self._studio.steer, request)
                 if answer is not None:
                     await self._say({"type": "steered", "message": answer})
             case _:

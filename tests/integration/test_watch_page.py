@@ -1,0 +1,203 @@
+"""The page in a real browser: what it shows is the log, and what it asks for happens."""
+
+import json
+import shutil
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from watched import served_folder, watched_run
+
+from rig.run_folder import RunFolder, RunStatus
+from rig.runtime.log import read_log
+
+CHROMIUM = shutil.which("chromium")
+if CHROMIUM is None:
+    pytest.skip("there is no chromium: apt-get install chromium", allow_module_level=True)
+sync_api = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+
+PLOTTED = "reading.position"
+
+
+def until(page, expression, timeout=20.0):
+    """Wait until something is so: `wait_for_function` needs what the page's policy forbids."""
+    end = time.monotonic() + timeout
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, expression
+        time.sleep(0.05)
+
+
+@contextmanager
+def browser():
+    with sync_api.sync_playwright() as driver:
+        opened = driver.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"]
+        )
+        try:
+            yield opened
+        finally:
+            opened.close()
+
+
+@contextmanager
+def page_of(opened, address, **options):
+    context = opened.new_context(viewport={"width": 1600, "height": 900}, **options)
+    page = context.new_page()
+    page.troubles = []
+    page.on("pageerror", lambda error: page.troubles.append(str(error)))
+    page.on("console", lambda said: page.troubles.append(said.text))
+    page.goto(address)
+    until(page, "board.columns.length > 0 && board.table().count > 0")
+    yield page
+    assert page.troubles == []
+    context.close()
+
+
+def at_cursor(page):
+    """Hover over the middle of the first pane; return the time and the value that it tells."""
+    box = page.locator(".pane canvas").first.bounding_box()
+    page.mouse.move(box["x"] + 0.55 * box["width"], box["y"] + 0.5 * box["height"])
+    time.sleep(0.3)
+    value = page.locator(f'.pane [data-column="{PLOTTED}"] b').first
+    return float(value.get_attribute("data-t")), float(value.get_attribute("data-value"))
+
+
+def logged_at(folder, t, column=PLOTTED):
+    log = read_log(folder / "log.mcap")
+    row = int(np.argmin(np.abs(log.t - t)))
+    assert abs(log.t[row] - t) < 2e-5  # times are told in single precision from the first one
+    return log.column(column)[row]
+
+
+def pixels(page):
+    """Return what the scene's canvas shows."""
+    return page.evaluate("document.getElementById('scene').toDataURL()")
+
+
+def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
+    with (
+        browser() as opened,
+        watched_run(tmp_path, "cylinder-sine", "--on", "sim") as run,
+        page_of(opened, run.steer) as page,
+    ):
+        assert page.locator("#kind").inner_text() == "SIMULATED"
+        assert "cylinder-sine" in page.title()
+        first = pixels(page)
+        time.sleep(1.0)
+        assert pixels(page) != first  # it moves
+        assert page.locator("#age").inner_text() < "1.0 s old"
+
+        # A channel in a pane, and its value at a cursor, are those of the log.
+        page.locator("#play").click()  # hold still
+        page.evaluate("board.hold(board.head - 1, board.head)")
+        time.sleep(0.8)
+        t, live = at_cursor(page)
+        assert live == pytest.approx(logged_at(run.folder, t), rel=1e-6)
+        page.locator("#live").click()
+
+        # A gain: one is refused by the page's server, one is changed, and the log says so.
+        gain = page.locator('#gains input[name="position_rate"]')
+        row = gain.locator("xpath=..")
+        gain.fill("100000")
+        row.get_by_text("set").click()
+        until(page, "document.getElementById('gain-said').textContent.includes('has to')")
+        gain.fill("90")
+        row.get_by_text("set").click()
+        sure = page.locator("#gain-said button")
+        sync_api.expect(sure.or_(page.get_by_text("asked for"))).to_be_visible(timeout=20_000)
+        if sure.count():
+            sure.click()
+        until(page, "board.events.some((event) => event.kind === 'tuning')")
+        time.sleep(1.6)
+
+        page.get_by_role("button", name="STOP").click()
+        assert run.process.wait(20) == 130
+        until(page, "board.status && !board.status.live")
+        assert "asked to stop" in page.frame(name="stopped").content()
+
+    folder = RunFolder.open(run.folder)
+    assert folder.status is RunStatus.ABORTED
+    assert "stopped by the operator" in str(folder.manifest["message"])
+    assert read_log(folder.log_path).complete
+    changes = [event for event in folder.events() if event["kind"] == "tuning"]
+    (change,) = changes
+    assert change["data"]["key"] == "position_rate"
+    assert change["data"]["new"] == 90.0
+    assert change["data"]["who"]
+    assert "position_rate: 90.0" in (folder.path / "gains.yaml").read_text()
+
+    # Played again, it says what was seen live.
+    with (
+        browser() as opened,
+        served_folder(run.folder) as address,
+        page_of(opened, address) as page,
+    ):
+        page.evaluate(f"board.hold({t} - 0.55, {t} + 0.45); board.cursor = {t}")
+        time.sleep(0.8)
+        page.evaluate(f"board.cursor = {t}")
+        time.sleep(0.3)
+        told = page.locator(f'.pane [data-column="{PLOTTED}"] b').first
+        assert float(told.get_attribute("data-value")) == live
+        before = pixels(page)
+        page.evaluate("board.head = 3.0")
+        time.sleep(0.5)
+        assert pixels(page) != before
+        page.locator("#earlier").click()
+        page.locator("#later").click()
+        assert page.evaluate("board.events.some((event) => event.t === board.head)")
+
+
+def test_stop_works_while_everything_else_on_the_page_does_not(tmp_path):
+    """Without its program, without a token: the form alone, and it lies over all."""
+    with (
+        browser() as opened,
+        watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run,
+    ):
+        for width, height in ((1600, 900), (390, 844)):
+            context = opened.new_context(
+                viewport={"width": width, "height": height}, java_script_enabled=False
+            )
+            page = context.new_page()
+            page.goto(run.look.partition("#")[0])
+            box = page.locator("#orderly").bounding_box()
+            assert box["x"] >= 0 and box["x"] + box["width"] <= width
+            assert box["y"] >= 0 and box["y"] + box["height"] <= 200
+        page.locator("#at-once").click()
+        assert run.process.wait(20) == 130
+        context.close()
+    assert "at once" in str(RunFolder.open(run.folder).manifest["message"])
+
+
+def test_names_that_want_to_be_more_than_names_stay_text(tmp_path):
+    """Of a folder that somebody sent: its events, its manifest, its profile."""
+    folder = RunFolder.create(tmp_path, "page", "hardware", inputs={"profile.yaml": "mechanism: ["})
+    evil = "<img src=x onerror=\"window.broken='yes'\"><script>window.broken=1</script>"
+    folder.record_event(0.5, evil, evil, data=evil)
+    from rig.hal import Column
+    from rig.runtime.recorder import LogRecorder
+
+    columns = [Column("reading.x", evil, evil), Column("reading.y", "m", evil)]
+    with LogRecorder(folder.log_path, columns) as recorder:
+        for k in range(500):
+            recorder.write(k, k * 1e-2, (1.0 * k, -1.0 * k))
+    folder.manifest["experiment"] = folder.manifest["rig"] = folder.manifest["law"] = evil
+    folder.finish(RunStatus.OK, 0, evil)
+    with (
+        browser() as opened,
+        served_folder(folder.path) as address,
+        page_of(opened, address) as page,
+    ):
+        page.locator(".pane .tools button").first.click()
+        time.sleep(0.5)
+        assert page.evaluate("window.broken") is None
+        assert page.locator("img").count() == 0
+        assert page.locator("#title").inner_text() == evil
+        assert page.locator("#kind").inner_text() == "HARDWARE"
+        assert evil in page.locator("#events").inner_text()
+        assert page.locator(".pane").count() >= 1
+        # Nor does the page load or send anything that is not its own.
+        refused = page.evaluate("fetch('http://127.0.0.1:1/').then(() => 'sent', () => 'refused')")
+        assert refused == "refused"
+        page.troubles = [said for said in page.troubles if "127.0.0.1:1" not in said]
+    assert json.loads((folder.path / "manifest.json").read_text())["experiment"] == evil
