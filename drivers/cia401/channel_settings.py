@@ -11,7 +11,7 @@ _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
 
-_LEAST: Final = {"raw": 16.0, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
+_LEAST: Final = {"raw": 0.1, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
 """How far the ends of a line are apart, counts and SI: less is a number without its unit."""
 
 DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
