@@ -140,7 +140,7 @@ class MulticastBus(FastCanBus):
             return None
         return decode_frame(content) if isinstance(content, dict) else None
 
-    def _comes_from_here(self, sender: tuple[Any, ...]) -> bool:
+    def _comes_from_here(self, sender: tuple[object, ...]) -> bool:
         """Return whether an address is one of this host's: only then can it be bound to."""
         host = str(sender[0])
         if host not in self._is_local:
