@@ -109,18 +109,21 @@ class Picture:
         tones = [column(shape.tone)[:, None] for shape in scene.shapes if shape.tone]
         return np.concatenate([*points, *tones], axis=1).astype(np.float32)
 
-    def margins(self, row: "NDArray[np.float64]", most: int = 3) -> list[tuple[int, float]]:
-        """Return the columns that are nearest to their limits, and how far: 1 far, 0 on it."""
+    def margins(self, values: "NDArray[np.float64]", most: int = 3) -> list[tuple[int, float]]:
+        """Return the columns that are nearest to their limits in some rows, shape (n, k).
+
+        Beside each: how far it is at least, 1 in the middle or at nothing, 0 on the limit.
+        """
         found = []
         for k, low, high in self.bounds:
-            value = float(row[k])
+            column = values[:, k]
             if np.isfinite(low) and np.isfinite(high):
-                share = min(value - low, high - value) / max(0.5 * (high - low), 1e-300)
+                far = np.minimum(column - low, high - column) / max(0.5 * (high - low), 1e-300)
             elif np.isfinite(high) and high > 0.0:
-                share = 1.0 - value / high
+                far = 1.0 - column / high
             else:
                 continue
-            found.append((k, min(share, 1.0)))
+            found.append((k, min(float(np.nanmin(far, initial=1.0)), 1.0)))
         return sorted(found, key=lambda margin: margin[1])[:most]
 
     def _described_pane(self, pane: Pane) -> Plain:

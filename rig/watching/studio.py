@@ -12,6 +12,8 @@ from rig.watching.messages import FRAMES, Request, pack
 from rig.watching.picture import Picture, Plain
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from rig.watching.steering import Steering
 
 TICK = 0.1
@@ -20,6 +22,10 @@ _LOOK_EVERY = 5
 """Of so many ticks one looks at manifest and events."""
 _FRAME_RATE = 30.0
 """Of the scene, 1/s of the rig's time."""
+_RUN = 1.0
+"""What the column ``phase`` says while the reference is followed."""
+_LOOKS = 2000
+"""Rows of a run that has ended in which its margins are looked at."""
 _MOST_FRAMES = 6
 """New ones in one tick: a simulation may be faster than any eye."""
 
@@ -58,6 +64,8 @@ class Studio:
         self._row = np.empty(0)
         self._status: Plain = {}
         self._framed_at = -np.inf
+        self._margins: list[tuple[int, float]] = []
+        self._worst_of = -1
 
     async def work(self, is_over: Callable[[], bool]) -> None:
         """Read on until `is_over` says so."""
@@ -108,9 +116,10 @@ class Studio:
         if not self._status:
             run, manifest = self.run, self.run.folder.manifest
             facts = run.facts()
-            margins: list[tuple[int, float]] = []
-            if self.picture is not None and run.count:
-                margins = self.picture.margins(run.samples(np.array([run.count - 1]))[1][0])
+            if not self._live and self._worst_of != run.count:
+                self._worst_of, self._margins = run.count, self._least_margins()
+            elif self._live and facts.phase == _RUN:
+                self._margins = self._margins_in(np.array([run.count - 1]))
             self._status = {
                 "type": "status",
                 "live": self._live,
@@ -118,10 +127,25 @@ class Studio:
                 "message": manifest.get("message"),
                 "count": run.count,
                 "trouble": run.trouble,
-                "margins": [[k, round(share, 4)] for k, share in margins],
+                "margins": [[k, round(share, 4)] for k, share in self._margins],
                 **{name: _finite(value) for name, value in facts._asdict().items()},
             }
         return self._status | {"age": monotonic() - self.run.grew_at}
+
+    def _margins_in(self, rows: "NDArray[np.intp]") -> list[tuple[int, float]]:
+        """Return the columns that were nearest to their limits in some rows."""
+        if self.picture is None or not len(rows):
+            return []
+        return self.picture.margins(self.run.samples(rows)[1])
+
+    def _least_margins(self) -> list[tuple[int, float]]:
+        """Return those of a run that has ended, while it followed its reference."""
+        phase = [k for k, column in enumerate(self.run.columns) if column.name == "phase"]
+        if not (phase and self.run.count):
+            return []
+        rows = np.linspace(0, self.run.count - 1, min(self.run.count, _LOOKS)).astype(np.intp)
+        values = self.run.samples(rows)[1]
+        return self._margins_in(rows[values[:, phase[0]] == _RUN])
 
     def steer(self, request: Request) -> str | None:
         """Hand a change of a gain on; return what is to be said of it."""

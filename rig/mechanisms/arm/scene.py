@@ -7,7 +7,6 @@ import numpy as np
 from controllers.arm.geometry import AXIS_NAMES
 from controllers.arm.kinematics import dimensions_of, forward, link_points
 from rig.hal.scene import Pane, Scene, Shape
-from rig.mechanisms.arm.facts import INDICES
 from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.outlines import circle, fixed, track
 
@@ -45,7 +44,15 @@ class ArmScene(Scene):
             Shape("hand: reading", "dot", "reading", 1, 9.0, trail=_TRAIL),
         )
         self.panes = (
-            Pane("Wrist, elbow, shoulder", tuple(f"reading.index_{name}" for name, _ in INDICES)),
+            Pane(
+                "Singular at 0: elbow, wrist",
+                (
+                    "reading.index_elbow",
+                    "plan.index_elbow",
+                    "reading.index_wrist",
+                    "plan.index_wrist",
+                ),
+            ),
             Pane("Joints", tuple(f"reading.position_{name}" for name in AXIS_NAMES)),
             Pane("Joint velocities", tuple(f"reading.velocity_{name}" for name in AXIS_NAMES)),
             Pane("Hand", tuple(f"reading.hand_{axis}" for axis in "xyz")),

@@ -14,11 +14,16 @@ export class Gains {
   }
 
   describe(gains, steers, hardware) {
-    this.card.hidden = !(steers && gains.length);
+    this.permitted = steers && gains.length > 0;
     this.hold.hidden = !hardware;
     this.hardware = hardware;
     this.rows = new Map();
     this.list.replaceChildren(...gains.map((gain) => this.row(gain)));
+  }
+
+  // Of a run that has ended there is nothing to be changed.
+  show(live) {
+    this.card.hidden = !(live && this.permitted);
   }
 
   row(gain) {

@@ -90,6 +90,7 @@ class Board {
     this.tellCycle(message);
     this.tellMargins(message);
     element("live").hidden = !message.live;
+    this.gains.show(message.live);
     element("slider").max = message.t || 1;
     this.markEvents();
   }
@@ -382,6 +383,7 @@ class Board {
 
   tellMargins(status) {
     if (!status.margins.length) return;
+    element("margins-title").textContent = status.live ? "Nearest limits" : "Nearest limits of the run";
     element("margins").replaceChildren(...status.margins.map(([k, share]) => {
       const row = document.createElement("div");
       const [name, left] = [document.createElement("span"), document.createElement("span")];

@@ -3,13 +3,14 @@
 import { color, prepare, watermark } from "./look.js";
 import { number, shown, tick, ticks } from "./units.js";
 
-const LEFT = 58;
+const LEFT = 50;
 const RIGHT = 12;
 const TOP = 6;
 const BOTTOM = 20;
 const INKS = 8;
 const MOST_BOUNDS = 4;
 const PLANNED = /^(reference|plan|applied|command)\./;
+const SHORT = { reference: " ref", plan: "", applied: " sent", command: " asked" };
 
 // Names as short as they can be told apart: without the group, and without what all begin with.
 function brief(columns) {
@@ -23,7 +24,7 @@ function brief(columns) {
   return new Map(bare.map(([k, name, words]) => {
     const group = PLANNED.exec(name);
     const text = words.slice(same).join(" ");
-    return [k, group && group[1] !== "plan" ? `${text} ${group[1].slice(0, 7)}` : text];
+    return [k, group ? `${text}${SHORT[group[1]]}` : text];
   }));
 }
 
@@ -43,7 +44,7 @@ export class Pane {
     this.element.className = "pane";
     const header = document.createElement("header");
     const title = document.createElement("h3");
-    title.textContent = this.title;
+    this.heading = title;
     this.traces = document.createElement("div");
     this.traces.className = "traces";
     const tools = document.createElement("div");
@@ -112,7 +113,8 @@ export class Pane {
       const base = name.replace(/^(reference|reading|estimate|plan)\./, "").replace(/^pressure_/, "");
       const plain = base.replace(/^applied\.|^command\./, "");
       if (!bases.includes(plain)) bases.push(plain);
-      this.inks.set(k, `trace-${bases.indexOf(plain) % INKS}`);
+      const alone = PLANNED.test(name) && this.columns.length <= 2;
+      this.inks.set(k, `trace-${alone ? 1 : bases.indexOf(plain) % INKS}`);
       const entry = document.createElement("button");
       entry.type = "button";
       entry.className = PLANNED.test(name) ? "trace planned" : "trace";
@@ -130,7 +132,10 @@ export class Pane {
       return entry;
     }));
     const units = new Set(this.columns.map((k) => shown(this.board.columns[k])[1]));
-    this.unit = units.size === 1 ? [...units][0] : "";
+    const [unit] = units.size === 1 ? units : [""];
+    const told = document.createElement("small");
+    told.textContent = unit;
+    this.heading.replaceChildren(this.title, " ", told);
   }
 
   get seen() {
@@ -227,9 +232,6 @@ export class Pane {
     }
     context.textAlign = "right";
     context.fillText(unit, area.x + area.w, area.y + area.h + 4);
-    context.textAlign = "left";
-    context.textBaseline = "top";
-    context.fillText(this.unit, 6, area.y);
   }
 
   drawBounds(context, area, range, y) {
@@ -292,8 +294,8 @@ export class Pane {
     const [scale] = shown(this.board.columns[k]);
     const planned = PLANNED.test(this.board.columns[k][0]);
     context.strokeStyle = color(this.inks.get(k));
-    context.lineWidth = planned ? 1.3 : 1.7;
-    context.setLineDash(planned ? [6, 3] : []);
+    context.lineWidth = planned ? 1.5 : 1.7;
+    context.setLineDash(planned ? [7, 5] : []);
     context.lineJoin = "round";
     context.beginPath();
     let [pixel, low, high, open] = [null, 0, 0, false];
