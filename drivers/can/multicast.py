@@ -12,7 +12,7 @@ python-can, ``can.interfaces.udp_multicast``: a frame is a msgpack map.
 import socket
 from collections import deque
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from drivers.can.frame import EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDARD_MASK
 from rig.hal import FastCanBus
