@@ -29,7 +29,7 @@ SIMULATED = ("sim", "virtual", "vcan")
 
 
 class CycleFacts(NamedTuple):
-    """What the last second of cycles was like.
+    """The last second of cycles.
 
     Parameters
     ----------
