@@ -54,6 +54,22 @@ ALLOWED = [
     ("drivers", ("drivers", "rig.hal")),
     ("rig.runtime", ("rig.runtime", "rig.hal")),
     ("rig.config", ("rig.config", "rig.hal")),
+    ("rig.steering", ("rig.steering", "rig.tuning.gains", "rig.hal", "controllers.base")),
+    (
+        "rig.watching",
+        (
+            "rig.watching",
+            "rig.steering.mailbox",
+            "rig.tuning.gains",
+            "rig.stopping",
+            "rig.run_folder",
+            "rig.runtime.log_tail",
+            "rig.assembly",
+            "rig.config",
+            "rig.hal",
+            "controllers.base",
+        ),
+    ),
     *(
         (
             framework,
@@ -97,6 +113,18 @@ def test_simulation_is_known_only_to_itself_and_two_modules():
         if not belongs(module, "drivers.sim") and module not in roof
         for target, line, _ in imports(path, module)
         if belongs(target, "drivers.sim")
+    ]
+    assert not broken, "\n".join(broken)
+
+
+def test_a_run_knows_nothing_of_who_watches_it():
+    """The page is another process, which reads the run's folder; it is started, not imported."""
+    broken = [
+        f"{path.relative_to(ROOT)}:{line} imports {target}"
+        for module, path in MODULES.items()
+        if not belongs(module, "rig.watching") and module != "rig.cli.watch"
+        for target, line, _ in imports(path, module)
+        if belongs(target, "rig.watching")
     ]
     assert not broken, "\n".join(broken)
 

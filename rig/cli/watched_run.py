@@ -6,14 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rig.cli.progress import ProgressLine
 from rig.runtime.loop import Progress
 
 if TYPE_CHECKING:
     from rig.experiment.plan import Plan
-    from rig.hal import Controller
+    from rig.hal.controller import AnyController
     from rig.runtime.phases import Events
     from rig.steering.mailbox import Mailbox
     from rig.steering.online_gains import OnlineGains
@@ -80,7 +80,7 @@ class WatchedRun(ProgressLine):
         """Remember what changes of gains are written to."""
         self._events = events
 
-    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
+    def employed(self, controller: AnyController) -> AnyController:
         """Return the controller, with the mailbox in front of it if gains may be changed."""
         from controllers.base import Law
 

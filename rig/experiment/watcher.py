@@ -1,10 +1,9 @@
 """Who watches a run: told of everything that happens, while it happens."""
 
 from pathlib import Path
-from typing import Any
 
 from rig.assembly import Rig
-from rig.hal import Controller
+from rig.hal.controller import AnyController
 from rig.runtime.loop import Progress
 from rig.runtime.phases import Events
 from rig.runtime.states import RigState
@@ -30,7 +29,7 @@ class Watcher:
             When the loop began the cycle that led to it, s; None before there is a loop.
         """
 
-    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
+    def employed(self, controller: AnyController) -> AnyController:
         """Return the controller that the loop is to run: this one."""
         return controller
 

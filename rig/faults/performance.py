@@ -20,6 +20,7 @@ from rig.faults.stage import PausableClock, Program, RehearsalStage, Stage, Trut
 from rig.faults.subject import Subject
 from rig.faults.verdict import CaseEnding, Verdict, give_verdict
 from rig.hal import Column, Controller
+from rig.hal.controller import AnyController
 from rig.hal.hazards import ENERGY_LEFT
 from rig.run_facts import EVENTS, LOG
 from rig.runtime.phases import Timings
@@ -128,7 +129,7 @@ class Performance(Watcher):
             if case.moment is Moment.CONNECT:
                 self._stage.cue(case.after, partial(self._come, case))
 
-    def employed(self, controller: Controller[Any, Any, Any]) -> Controller[Any, Any, Any]:
+    def employed(self, controller: AnyController) -> AnyController:
         """Have the loop run a controller that can be spoilt."""
         return _Spoilt(controller, self._program, self._feel)
 

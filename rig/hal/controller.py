@@ -1,7 +1,7 @@
 """What the loop needs of a controller: a pure function of its state, reference and own memory."""
 
 from abc import abstractmethod
-from typing import ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 State = TypeVar("State", contravariant=True)
 Reference = TypeVar("Reference", contravariant=True)
@@ -28,6 +28,10 @@ class Controller(Protocol[Reference, State, Command]):
         ValueError
             It cannot go on: the loop makes the rig safe.
         """
+
+
+AnyController = Controller[Any, Any, Any]
+"""A controller of any mechanism."""
 
 
 class Law(Controller[Reference, State, Command], Protocol[Reference, State, Command]):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from controllers.base import AnyLaw, Tunable
 from rig.steering.mailbox import Mailbox, Wish
@@ -70,7 +70,7 @@ class OnlineGains:
     def __init__(self, law: AnyLaw, box: Mailbox, *, needs_hold: bool) -> None:
         self.said: list[Said] = []
         self.cycle = 0
-        self.reset: Callable[[Any], None] = law.reset
+        self.reset: Callable[[object], None] = law.reset
         self._law, self._box, self._needs_hold = law, box, needs_hold
         self._update = law.update
         self._newest = box.newest
@@ -87,7 +87,7 @@ class OnlineGains:
         now = values_of(self._law.online, self._law.settings)
         return {key: value for key, value in now.items() if value != before[key]}
 
-    def update(self, state: Any, reference: Any) -> Any:
+    def update(self, state: object, reference: object) -> object:
         """Return the law's command, of this cycle's gains; see `Law.update`."""
         if self._needs_hold:
             self._listen_for_beats()

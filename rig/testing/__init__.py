@@ -8,6 +8,6 @@ tests. Then inherit a suite and say what it is about::
     class TestOurRegulators(PressureRegulatorSuite):
         configs, rig, device = CONFIGS, "our-rig", "regulators"
 
-`devices` has a suite for each capability, `laws`, `motions`, `mechanisms` and `plants` one each,
-about what an experiment names. Nothing but this package imports pytest.
+`devices` has a suite for each capability, `laws`, `motions`, `mechanisms`, `plants` and `scenes`
+one each, about what an experiment names. Nothing but this package imports pytest.
 """

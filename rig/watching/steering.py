@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from controllers.base import Law, Tunable
 from rig.assembly import REGISTRY, make_controller
@@ -35,7 +35,7 @@ class Steering:
         self._one_at_a_time = Lock()
         self._profile: Profile = load_profile(run / "profile.yaml", REGISTRY)
         self._law = str(RunFolder.open(run).manifest.get("law"))
-        self._settings: Any = self._profile.controllers.get(self._law)
+        self._settings = self._profile.controllers.get(self._law)
         self._gains: tuple[Tunable, ...] = ()
         try:
             law = make_controller(self._profile, self._law)

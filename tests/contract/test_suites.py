@@ -7,24 +7,25 @@ from rig.testing.laws import LawSuite
 from rig.testing.mechanisms import MechanismSuite
 from rig.testing.motions import MotionSuite
 from rig.testing.plants import PlantSuite
+from rig.testing.scenes import SceneSuite
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
-class TestCylinder(MechanismSuite, MotionSuite, PlantSuite):
+class TestCylinder(MechanismSuite, MotionSuite, PlantSuite, SceneSuite):
     configs, experiment = CONFIGS, "cylinder-sine"
 
 
-class TestJoint(MechanismSuite, MotionSuite, PlantSuite):
+class TestJoint(MechanismSuite, MotionSuite, PlantSuite, SceneSuite):
     configs, experiment = CONFIGS, "joint-poses"
 
 
-class TestArm(MechanismSuite, MotionSuite, PlantSuite):
+class TestArm(MechanismSuite, MotionSuite, PlantSuite, SceneSuite):
     configs, experiment = CONFIGS, "arm-wrist-near-miss"
     rest = 0.3  # the hand's path begins with its speed, as in the paper
 
 
-class TestLegs(MechanismSuite, MotionSuite, PlantSuite):
+class TestLegs(MechanismSuite, MotionSuite, PlantSuite, SceneSuite):
     configs, experiment = CONFIGS, "legs-squat"
 
 

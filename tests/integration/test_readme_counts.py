@@ -33,10 +33,11 @@ def test_a_mechanism():
     from crank_rig.crank.parts import PARTS
 
     assert isinstance(PARTS, MechanismParts)
-    # Settings, view, laws, reference, plant, hazards, measures, figure, comparison, procedure.
+    # Settings, view, laws, reference, plant, hazards, measures, figure, comparison, procedure,
+    # scene.
     offered = {
-        PARTS.settings, PARTS.view, *PARTS.measures, *PARTS.figures, *PARTS.comparisons,
-        *PARTS.procedures, *PARTS.references.values(),
+        PARTS.settings, PARTS.view, PARTS.scene, *PARTS.measures, *PARTS.figures,
+        *PARTS.comparisons, *PARTS.procedures, *PARTS.references.values(),
         *(model.plant for model in PARTS.plants.values()),
         *(model.hazards for model in PARTS.plants.values()),
     }  # fmt: skip

@@ -7,11 +7,16 @@ import random
 import re
 import socket
 import struct
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 from watched import LOCAL, served_folder, server_of, watched_run
+
+from rig.replaying.difference import first_difference
+from rig.run_folder import RunFolder
 
 aiohttp = pytest.importorskip("aiohttp", reason="pip install 'rig-controller[watch]'")
 
@@ -249,6 +254,28 @@ def server_memory(run):
     return 1024 * int(re.search(r"VmRSS:\s+(\d+)", text)[1])
 
 
+def test_who_is_watched_does_the_same(tmp_path):
+    """Every number of the log but those of the wall's clock, whoever looks on."""
+
+    async def look(going):
+        async with aiohttp.ClientSession() as session:
+            page, _ = await opened(session, going, going.token)
+            await page.send_json({"type": "follow", "id": 1, "columns": [1], "seconds": 5.0})
+            while (await page.receive(WAIT)).type is not aiohttp.WSMsgType.BINARY:
+                pass
+            await page.close()
+
+    options = ("cylinder-step", "--on", "sim", "--seed", "7", "--no-report")
+    with watched_run(tmp_path / "watched", *options[:-1], "--pace", "4") as going:
+        asked(look(going))
+        assert going.process.wait(60) == 0
+    command = [sys.executable, "-m", "rig", "run", *options, "--out", str(tmp_path / "alone")]
+    assert subprocess.run(command, capture_output=True, timeout=120, check=False).returncode == 0
+    (alone,) = (tmp_path / "alone").iterdir()
+    assert first_difference(RunFolder.open(alone), RunFolder.open(going.folder)) is None
+
+
+@pytest.mark.slow
 def test_a_page_that_never_reads_is_dropped_and_costs_little(run):
     time.sleep(12.0)  # those of the other tests are gone
     before = server_memory(run)
@@ -290,8 +317,6 @@ def masked(payload: bytes) -> bytes:
 
 
 def test_the_page_of_a_run_that_was_killed_says_so(tmp_path):
-    from rig.run_folder import RunFolder
-
     folder = RunFolder.create(tmp_path, "killed", "sim", inputs={"profile.yaml": "no: profile"})
     os.close(folder._events_fd)  # as a killed process lets go of it
 

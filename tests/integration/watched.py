@@ -96,6 +96,24 @@ def served_folder(folder: Path):
         talk.close()
 
 
+@contextlib.contextmanager
+def paced_run(out: Path, experiment: str = "cylinder-sine"):
+    """Yield the folder of a run that goes on in real time, and that nobody watches."""
+    command = [sys.executable, "-m", "rig", "run", experiment, "--on", "sim", "--pace", "1"]
+    process = subprocess.Popen(
+        [*command, "--no-report", "--out", str(out)], stderr=subprocess.PIPE, text=True
+    )
+    talk = _Talk(process.stderr)
+    try:
+        folder = Path(talk.wait_for(r"recording to (.+)$", process))
+        talk.wait_for(r"^(run …)$", process)
+        yield folder
+    finally:
+        process.terminate()
+        process.wait(30)
+        talk.close()
+
+
 def server_of(folder: Path) -> int:
     for entry in Path("/proc").glob("[0-9]*/cmdline"):
         with contextlib.suppress(OSError):

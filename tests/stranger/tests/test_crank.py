@@ -9,11 +9,12 @@ from rig.testing.laws import LawSuite
 from rig.testing.mechanisms import MechanismSuite
 from rig.testing.motions import MotionSuite
 from rig.testing.plants import PlantSuite
+from rig.testing.scenes import SceneSuite
 
 CONFIGS = Path(crank_rig.__file__).parent / "configs"
 
 
-class TestCrank(MechanismSuite, MotionSuite, PlantSuite):
+class TestCrank(MechanismSuite, MotionSuite, PlantSuite, SceneSuite):
     configs, experiment = CONFIGS, "crank-turns"
 
 

@@ -8,6 +8,7 @@ PARTS = MechanismParts(
     mechanism="crank",
     settings=f"{_HERE}.settings:CrankSettings",
     view=f"{_HERE}.mechanism:Crank",
+    scene=f"{_HERE}.scene:CrankScene",
     controllers={
         "cross-coupled": f"{_HERE}.laws:CrossCoupled",
         "independent": f"{_HERE}.laws:Independent",
