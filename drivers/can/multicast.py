@@ -12,7 +12,7 @@ python-can, ``can.interfaces.udp_multicast``: a frame is a msgpack map.
 import socket
 from collections import deque
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Final
 
 from drivers.can.frame import EXTENDED_FLAG, EXTENDED_MASK, REMOTE_FLAG, STANDARD_MASK
 from rig.hal import FastCanBus
@@ -140,7 +140,7 @@ class MulticastBus(FastCanBus):
             return None
         return decode_frame(content) if isinstance(content, dict) else None
 
-    def _comes_from_here(self, sender: tuple[Any, ...]) -> bool:
+    def _comes_from_here(self, sender: tuple[object, ...]) -> bool:
         """Return whether an address is one of this host's: only then can it be bound to."""
         host = str(sender[0])
         if host not in self._is_local:

@@ -246,3 +246,24 @@ def test_an_unknown_figure_of_a_folder_is_a_sentence(run, capsys):
     (run / "evaluation.json").write_text(json.dumps({**content, "figures": ["../../evil"]}))
     assert invoke(["report", str(run)]) == 2
     assert "there is no figure '../../evil'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["{", "3", '{"t": 1e999}', '{"t": ' + "9" * 400 + "}", '{"kind": []}', '{"data": [1]}',
+     '{"message": "\\ud800"}', "[" * 100_000, '{"t": NaN}', '{"t": true}'],
+    ids=lambda line: line[:24],
+)  # fmt: skip
+def test_a_line_that_is_no_event_is_none_for_who_watches(line):
+    from rig.watching.followed_run import _event_of
+
+    assert _event_of(line.encode()) is None
+
+
+def test_an_event_is_told_to_who_watches_with_bounded_texts():
+    from rig.watching.followed_run import _event_of
+
+    line = json.dumps({"t": 1, "kind": "k" * 500, "message": "m" * 9000, "data": {"a": 1}})
+    event = _event_of(line.encode())
+    assert event["t"] == 1 and len(event["kind"]) == 80 and len(event["message"]) == 2000
+    assert event["data"] == {}
