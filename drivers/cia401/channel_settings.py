@@ -121,6 +121,12 @@ class MonitorSignal(AnalogueSignal):
     index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6401
     wire_break: Annotated[float, Unit("1"), Interval(ge=0, lt=1)] | None = None
 
+    def __post_init__(self) -> None:
+        AnalogueSignal.__post_init__(self)
+        low, high = self.pressure
+        if low > high:
+            raise ValueError(f"pressure: {low:g} … {high:g} Pa falls; a monitor's rises.")
+
     @property
     def broken_below(self) -> float:
         """The signal below which the wire is broken, V or A; 0 without a live zero."""

@@ -2,6 +2,7 @@
 
 import csv
 import difflib
+import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Final
 from rig.calibration.instruments import Instrument, Readings, made_to, parse_reading
 from rig.config.quantities import UnitError
 from rig.hal import ConfigurationError
+from rig.hal.files import open_regular
 
 _HEAD: Final = re.compile(r"(?P<name>.*?)\s*[(\[](?P<unit>[^)\]]+)[)\]]")
 """A column of a table: the quantity, and its unit in brackets."""
@@ -29,7 +31,7 @@ def read_file(instruments: Sequence[Instrument], path: Path) -> Readings:
     """
     readings = made_to(instruments)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
+        with io.TextIOWrapper(open_regular(path), "utf-8-sig", newline="") as stream:
             rows = [
                 (number, row)
                 for number, row in enumerate(csv.reader(stream), 1)

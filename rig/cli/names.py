@@ -136,6 +136,7 @@ def _device_names(ctx: click.Context) -> list[str]:
 
     from rig.config.names import find_configs, find_file
     from rig.hal import ConfigurationError
+    from rig.hal.files import read_regular
 
     # While an option's value is missing, click has not given the arguments to their names yet.
     rig = ctx.params.get("rig") or next(iter(ctx.args), None)
@@ -143,7 +144,7 @@ def _device_names(ctx: click.Context) -> list[str]:
         return []
     try:
         path = find_file(rig, "rigs", find_configs(ctx.params.get("configs")))
-        text = path.read_text(encoding="utf-8", errors="replace")
+        text = read_regular(path, 1 << 20).decode(errors="replace")
     except (ConfigurationError, OSError):  # a shell has no place for an error
         return []
     section = re.search(r"^devices:.*\n((?:[ #].*\n|\n)*)", text, re.MULTILINE)

@@ -21,6 +21,7 @@ from rig.config.located import BROKEN, Mark, Node, Plain, Source
 from rig.config.models import Calibration, Provenance
 from rig.config.settings import build
 from rig.config.yaml_loader import read_source
+from rig.hal import ConfigurationError
 
 COMMON_KEYS: Final = ("driver", "bus", "serial", "calibration")
 """What a device's entry says beside its driver's settings."""
@@ -80,8 +81,8 @@ def _changed_at(source: Source, path: Path, found: re.Match[str]) -> tuple[Mark,
     """Return the first place that differs from the kept copy, and what stood there."""
     for kept in sorted((path.parent / HISTORY / path.stem).glob("*.yaml")):
         try:
-            original = kept.read_text(encoding="utf-8")
-        except (OSError, ValueError):
+            original = read_source(kept).text
+        except ConfigurationError:
             continue
         if original.endswith(found[0].rstrip("\n") + "\n"):
             text = source.text

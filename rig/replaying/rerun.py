@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from rig.assembly import Backend
+from rig.config.yaml_loader import read_source
 from rig.experiment.plan import Plan
 from rig.experiment.run import Result, run_experiment
 from rig.experiment.watcher import Watcher
@@ -33,7 +34,7 @@ class Repeat:
         manifest = self.folder.manifest
         plan = plan_of(self.folder)
         calibrations = {
-            f"{_CALIBRATION}/{file.name}": file.read_text(encoding="utf-8")
+            f"{_CALIBRATION}/{file.name}": read_source(file).text
             for file in sorted((path / _CALIBRATION).glob("*.yaml"))
         }
         self.plan: Plan = plan._replace(sources={**plan.sources, **calibrations})

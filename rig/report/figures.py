@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rig.assembly import REGISTRY
+from rig.hal import ConfigurationError
 from rig.hal.fits import where
 from rig.report.data import load_run, origin_of
 from rig.report.figure import FigureKind
@@ -61,17 +62,16 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
 
     Raises
     ------
-    ValueError
-        A figure is unknown.
-    ConfigurationError, LogError
-        There is no run folder, or no log in it.
+    ConfigurationError
+        A figure is unknown, there is no run folder, or no log in it.
     """
     run = load_run(path)
     known = known_figures(run.mechanism)
     chosen = list(known) if names is None else list(names)
     for name in chosen:
         if name not in known:
-            raise ValueError(f"there is no figure {name!r}; there are {', '.join(known)}")
+            known_names = ", ".join(known)
+            raise ConfigurationError(f"there is no figure {name!r}; there are {known_names}")
     drawn = Drawn([], [])
     if len(run.log.t) < 2:
         return drawn

@@ -1,18 +1,18 @@
 """A run as its page sees it: what its folder says, and its log as far as it goes."""
 
-import json
-import math
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rig.hal import RigError
+from rig.hal import ConfigurationError, RigError
 from rig.hal.columns import Column
+from rig.hal.files import open_regular
 from rig.run_facts import EVENTS, Event
 from rig.run_folder import RunFolder
 from rig.runtime.log_tail import LogTail
+from rig.typed_json import checked, parse
 from rig.watching.extremes import Extremes, thin_out
 
 if TYPE_CHECKING:
@@ -135,10 +135,10 @@ class FollowedRun:
         """Read the manifest again, and the events that were added."""
         self.folder = RunFolder.open(self.folder.path)
         try:
-            with (self.folder.path / EVENTS).open("rb") as stream:
+            with open_regular(self.folder.path / EVENTS) as stream:
                 stream.seek(self._events_read)
                 content = stream.read(1 << 20)
-        except OSError:
+        except (OSError, ConfigurationError):
             return
         whole = content[: content.rfind(b"\n") + 1]
         self._events_read += len(whole)
@@ -229,18 +229,13 @@ class FollowedRun:
 def _event_of(line: bytes) -> Event | None:
     """Return an event in plain types of bounded length; None if it is none."""
     try:
-        told: object = json.loads(line)
-    except (ValueError, RecursionError):
+        told = checked(parse(line.decode(errors="replace")), Event, EVENTS)
+    except (ValueError, RecursionError, ConfigurationError):
         return None
-    if not isinstance(told, dict):
-        return None
-    t: object = told.get("t")
-    data: dict[str, object] = {}
-    if isinstance(told.get("data"), dict) and len(line) < _LONGEST_SENTENCE:
-        data = told["data"]
+    data = told.get("data", {}) if len(line) < _LONGEST_SENTENCE else {}
     return {
-        "t": float(t) if isinstance(t, int | float) and math.isfinite(t) else None,
-        "kind": str(told.get("kind"))[:80],
-        "message": str(told.get("message"))[:_LONGEST_SENTENCE],
+        "t": told.get("t"),
+        "kind": told.get("kind", "")[:80],
+        "message": told.get("message", "")[:_LONGEST_SENTENCE],
         "data": data,
     }

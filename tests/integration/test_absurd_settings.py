@@ -44,7 +44,7 @@ HARMLESS = [
     (r"(arm|joint|legs)\.(geometry|metrology|wire_offsets|jig)\..*", _NOTHING | {"-v"},
      "another drawing of the mechanism, of lengths that are bounded"),
     (r".*\.(tilt_excess|seat_margin|grace|time)", _NOTHING, "the narrowest that an alarm can be"),
-    (r".*\.(base_pressure|coulomb|viscous|breakaway|dead_volume|dead_time|spread|ball|ring|wire)",
+    (r".*\.(base_pressure|coulomb|viscous|breakaway|dead_volume|dead_time|monitor_time|spread|ball|ring|wire)",
      _NOTHING, "a model without it: alarms become narrower"),
     (r".*\.(pressure|position|tension|position_min|position_max)\.\d", _NOTHING, "less room"),
 ]  # fmt: skip

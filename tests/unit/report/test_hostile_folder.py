@@ -15,6 +15,7 @@ from rig.cli import invoke
 from rig.cli.listing import describe_run
 from rig.experiment.metrics import Evaluation, evaluation_from_json
 from rig.hal import RigError
+from rig.report import style
 from rig.report.html import write_html
 from rig.report.markup import element, link, page
 from rig.report.regenerate import measure_run
@@ -215,3 +216,54 @@ def test_one_folder_hides_no_other_in_a_list(run, capsys):
     assert invoke(["list", "runs", "--out", str(run.parent)]) == 0
     out = capsys.readouterr().out
     assert good.name in out and out.count("unreadable") == 5 and out.count("bad-") == 5
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_whole_report_of_a_changed_folder_is_no_traceback(seed, run, monkeypatch, capsys):
+    monkeypatch.setitem(style._RC, "figure.constrained_layout.use", False)
+    monkeypatch.setitem(style._RC, "savefig.dpi", 40)
+    chance = random.Random(seed)
+    for name in (*FILES, "profile.yaml"):
+        if chance.random() < 0.5:
+            continue
+        text = (run / name).read_text()
+        if name == "profile.yaml":
+            (run / name).write_text(chance.choice(["", "mechanism: [a]", "cylinder: 3", "a: &b c"]))
+            continue
+        content = json.loads(text)
+        spot = chance.choice(list(places(content)))
+        content = changed(content, spot, chance.choice(STRANGE), drop=False)
+        (run / name).write_text(json.dumps(content))
+    for words in (["report", str(run)], ["list", "runs", "--out", str(run.parent)],
+                  ["export", str(run), "--format", "csv"], ["diff", str(run), str(run)],
+                  ["rerun", str(run)]):  # fmt: skip
+        assert invoke(words) in (0, 1, 2, 4), words
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_an_unknown_figure_of_a_folder_is_a_sentence(run, capsys):
+    content = json.loads((run / "evaluation.json").read_text())
+    (run / "evaluation.json").write_text(json.dumps({**content, "figures": ["../../evil"]}))
+    assert invoke(["report", str(run)]) == 2
+    assert "there is no figure '../../evil'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["{", "3", '{"t": 1e999}', '{"t": ' + "9" * 400 + "}", '{"kind": []}', '{"data": [1]}',
+     '{"message": "\\ud800"}', "[" * 100_000, '{"t": NaN}', '{"t": true}'],
+    ids=lambda line: line[:24],
+)  # fmt: skip
+def test_a_line_that_is_no_event_is_none_for_who_watches(line):
+    from rig.watching.followed_run import _event_of
+
+    assert _event_of(line.encode()) is None
+
+
+def test_an_event_is_told_to_who_watches_with_bounded_texts():
+    from rig.watching.followed_run import _event_of
+
+    line = json.dumps({"t": 1, "kind": "k" * 500, "message": "m" * 9000, "data": {"a": 1}})
+    event = _event_of(line.encode())
+    assert event["t"] == 1 and len(event["kind"]) == 80 and len(event["message"]) == 2000
+    assert event["data"] == {}

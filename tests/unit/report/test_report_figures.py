@@ -60,7 +60,7 @@ def test_unwritable_folder_is_named(make_run: MakeRun) -> None:
 
 
 def test_unknown_figure_is_named(make_run: MakeRun) -> None:
-    with pytest.raises(ValueError, match=r"'speed'.*tracking"):
+    with pytest.raises(ConfigurationError, match=r"'speed'.*tracking"):
         draw_figures(make_run(duration=2.0), ["speed"])
 
 
