@@ -64,7 +64,7 @@ class Steering:
             return None
         key, value = str(request["key"]), cast("float", request["value"])
         known = [gain.key for gain in self._gains]
-        if key not in known:
+        if self._settings is None or key not in known:
             return f"{key} is no gain that may be changed while the run goes on"
         gain = self._gains[known.index(key)]
         if not gain.low <= value <= gain.high:
