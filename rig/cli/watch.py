@@ -12,6 +12,8 @@ from rig.cli.names import LATEST, complete_run, find_run, runs_option
 
 @click.command()
 @click.argument("run", required=False, shell_complete=complete_run)
+@click.option("--beside", metavar="RUN", shell_complete=complete_run,
+              help="Another run, laid under it in thin lines.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=8765, show_default=True,
               help="On loopback; another one if it is taken.")  # fmt: skip
 @click.option("--steer", is_flag=True, help="Print a second address, from which gains change.")
@@ -19,7 +21,13 @@ from rig.cli.names import LATEST, complete_run, find_run, runs_option
 @click.option("--until-left", is_flag=True, hidden=True)
 @runs_option
 def watch(
-    run: str | None, port: int, steer: bool, opens: bool, until_left: bool, runs: Path
+    run: str | None,
+    beside: str | None,
+    port: int,
+    steer: bool,
+    opens: bool,
+    until_left: bool,
+    runs: Path,
 ) -> int:
     """Serve a page that shows RUN; without it the one that goes on, or the latest.
 
@@ -41,6 +49,8 @@ def watch(
     going_on = live_runs(runs) if run is None else []
     path = going_on[0] if going_on else find_run(run or LATEST, runs)
 
+    other = None if beside is None else find_run(beside, runs)
+
     def tell(look: str, steering: str | None) -> None:
         click.echo(f"watch {path.name}: {look}", err=True)
         if steering is not None:
@@ -51,5 +61,5 @@ def watch(
             webbrowser.open(steering or look)
 
     with contextlib.suppress(KeyboardInterrupt):
-        serve_run(path, port, tell, steer=steer, leaves=until_left)
+        serve_run(path, other, port, tell, steer=steer, leaves=until_left)
     return 0

@@ -11,7 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ROWS, FRAMES = 1, 2
+ROWS, FRAMES, BESIDE = 1, 2, 3
 """Kinds of packed messages."""
 _HEAD = struct.Struct("<IIIId")
 """Kind, number of the request that it answers, rows, values of a row, and the first time, s."""
@@ -103,6 +103,13 @@ _FIELDS: dict[str, dict[str, Check]] = {
     "here": {"heard": _NUMBER},
     "follow": {"id": _NUMBER, "columns": _is_columns, "seconds": _is_number},
     "view": {
+        "id": _NUMBER,
+        "columns": _is_columns,
+        "from": _is_number,
+        "to": _is_number,
+        "most": _is_count(MOST_ROWS),
+    },
+    "beside": {
         "id": _NUMBER,
         "columns": _is_columns,
         "from": _is_number,

@@ -48,17 +48,22 @@ class WatchServer:
     ----------
     run : Path
         Its folder.
+    beside : Path, optional
+        The folder of another run, to be laid under it.
     steer : bool
         Whether gains may be changed, with a token of their own.
     leaves : bool
         End when the run has ended and nobody has looked on for a minute.
     """
 
-    def __init__(self, run: Path, *, steer: bool = False, leaves: bool = False) -> None:
+    def __init__(
+        self, run: Path, beside: Path | None = None, *, steer: bool = False, leaves: bool = False
+    ) -> None:
         self._path = run
         self._leaves = leaves
         self._steering = Steering(run) if steer else None
         self._followed = FollowedRun(run)
+        self._beside = None if beside is None else FollowedRun(beside)
         self.tokens = Tokens.draw(steer=steer)
         self._gate: Gate
         self._studio: Studio
@@ -83,7 +88,7 @@ class WatchServer:
         listener = _listen(port)
         port = listener.getsockname()[1]
         self._gate = Gate(port)
-        self._studio = Studio(self._followed, self._steering)
+        self._studio = Studio(self._followed, self._steering, self._beside)
         app = web.Application(middlewares=[self._guard], client_max_size=LONGEST)
         app.router.add_get("/", self._page)
         app.router.add_get("/page/{name}", self._file)
@@ -98,7 +103,9 @@ class WatchServer:
             await self._studio.work(self._is_left)
         finally:
             await runner.cleanup()
-            self._followed.close()
+            for followed in (self._followed, self._beside):
+                if followed is not None:
+                    followed.close()
 
     def _is_left(self) -> bool:
         if self._studio.viewers or self._followed.is_live:
@@ -221,14 +228,20 @@ def _refusal(status: int, sentence: str) -> web.Response:
 
 
 def serve_run(
-    run: Path, port: int, tell: Callable[[str, str | None], None], *, steer: bool, leaves: bool
+    run: Path,
+    beside: Path | None,
+    port: int,
+    tell: Callable[[str, str | None], None],
+    *,
+    steer: bool,
+    leaves: bool,
 ) -> None:
     """Serve the page of a run until Ctrl-C, or until nobody is left.
 
     Parameters
     ----------
-    run : Path
-        Its folder.
+    run, beside : Path
+        Its folder, and that of another run to be laid under it.
     port : int
         That is wanted.
     tell : callable
@@ -244,7 +257,7 @@ def serve_run(
         It is not a run folder.
     """
     os.nice(5)  # whoever looks on takes nothing from the run
-    server = WatchServer(run, steer=steer, leaves=leaves)
+    server = WatchServer(run, beside, steer=steer, leaves=leaves)
 
     def started(bound: int) -> None:
         address = f"http://{_LOOPBACK}:{bound}/#"

@@ -27,6 +27,11 @@ class Steering:
     ----------
     run : Path
         The run's folder.
+
+    Raises
+    ------
+    ConfigurationError
+        Its profile does not say which gains there are.
     """
 
     def __init__(self, run: Path) -> None:
@@ -35,7 +40,9 @@ class Steering:
         self._one_at_a_time = Lock()
         self._profile: Profile = load_profile(run / "profile.yaml", REGISTRY)
         self._law = str(RunFolder.open(run).manifest.get("law"))
-        self._settings = self._profile.controllers.get(self._law)
+        if self._law not in self._profile.controllers:
+            raise ConfigurationError(f"{run}: its profile has no controller {self._law!r}")
+        self._settings = self._profile.controllers[self._law]
         self._gains: tuple[Tunable, ...] = ()
         try:
             law = make_controller(self._profile, self._law)

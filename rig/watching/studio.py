@@ -39,6 +39,8 @@ class Studio:
         What is watched.
     steering : Steering, optional
         The way to the run's gains.
+    beside : FollowedRun, optional
+        Another run, to be laid under it.
 
     Attributes
     ----------
@@ -52,13 +54,19 @@ class Studio:
         Pages that look on.
     """
 
-    def __init__(self, run: FollowedRun, steering: "Steering | None" = None) -> None:
+    def __init__(
+        self,
+        run: FollowedRun,
+        steering: "Steering | None" = None,
+        beside: FollowedRun | None = None,
+    ) -> None:
         self.run = run
         self.picture: Picture | None = None
         self.new_frames: tuple[bytes, ...] = ()
         self.generation = 1
         self.viewers = 0
         self.steering = steering
+        self.beside = beside
         self._live = run.is_live
         self._ticked = asyncio.Event()
         self._row = np.empty(0)
@@ -76,6 +84,8 @@ class Studio:
                 await asyncio.sleep(0.0)  # a long log is read by pieces: others get their turn
                 if self.run.count - before > 50_000 and self._live:
                     break
+            if self.beside is not None:
+                self.beside.advance()
             if self.picture is None and self.run.columns:
                 self.picture = Picture(self.run.folder.path, self.run.columns)
                 self.generation += 1
@@ -108,6 +118,7 @@ class Studio:
             "simulated": self.run.is_simulated,
             "columns": [list(column) for column in self.run.columns],
             "scene": {} if self.picture is None else self.picture.described(),
+            "beside": None if self.beside is None else self.beside.folder.path.name,
             "gains": [] if steering is None else steering.described(),
         }
 

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from aiohttp import WSMsgType, web
 
-from rig.watching.messages import FRAMES, ROWS, BadMessage, Request, pack, parse
+from rig.watching.messages import BESIDE, FRAMES, ROWS, BadMessage, Request, pack, parse
 from rig.watching.studio import Studio
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from rig.watching.followed_run import FollowedRun, Times, Values
 
 PATIENCE = 10.0
 """A page that has not said for so long what it has heard is dropped, s."""
@@ -139,6 +141,8 @@ class Viewer:
                 await self._follow(request)
             case "view":
                 await self._view(request)
+            case "beside":
+                await self._beside(request)
             case "frames":
                 await self._frames(request)
             case "gain" | "hold":
@@ -165,12 +169,22 @@ class Viewer:
 
     async def _view(self, request: Request) -> None:
         """Send a window of the log."""
-        run = self._studio.run
-        first = max(run.row_at(cast("float", request["from"])) - 1, 0)
-        last = run.row_at(cast("float", request["to"])) + 1
         columns = np.array(request["columns"], np.intp)
-        t, values = run.window(first, last, columns, max(cast("int", request["most"]), 2))
+        t, values = _window(self._studio.run, request, columns)
         await self._send(pack(ROWS, cast("int", request["id"]), t, values))
+
+    async def _beside(self, request: Request) -> None:
+        """Send the same window of the run beside it; columns that it lacks are no numbers."""
+        other = self._studio.beside
+        if other is None:
+            return
+        index = {column.name: k for k, column in enumerate(other.columns)}
+        names = [self._studio.run.columns[k].name for k in cast("list[int]", request["columns"])]
+        known = np.array([name in index for name in names], bool)
+        columns = np.array([index.get(name, 0) for name in names], np.intp)
+        t, values = _window(other, request, columns)
+        values = np.where(known, values, np.float32(np.nan))
+        await self._send(pack(BESIDE, cast("int", request["id"]), t, values))
 
     async def _frames(self, request: Request) -> None:
         """Send the scene at even steps of a window of the log."""
@@ -201,3 +215,12 @@ class Viewer:
     async def _send(self, content: bytes) -> None:
         self._sent += 1
         await asyncio.wait_for(self._socket.send_bytes(content), PATIENCE)
+
+
+def _window(
+    run: "FollowedRun", request: Request, columns: "NDArray[np.intp]"
+) -> "tuple[Times, Values]":
+    """Return the window of a log that a page asks for, and a row more at either end."""
+    first = max(run.row_at(cast("float", request["from"])) - 1, 0)
+    last = run.row_at(cast("float", request["to"])) + 1
+    return run.window(first, last, columns, max(cast("int", request["most"]), 2))

@@ -191,6 +191,15 @@ def test_names_that_want_to_be_more_than_names_stay_text(tmp_path):
     ):
         page.locator(".pane .tools button").first.click()
         time.sleep(0.5)
+        for width, height in ((1600, 900), (390, 844)):  # however long they are, and before all
+            page.set_viewport_size({"width": width, "height": height})
+            box = page.locator("#orderly").bounding_box()
+            assert 0 <= box["x"] and box["x"] + box["width"] <= width
+            on_top = page.evaluate(
+                "([x, y]) => document.elementFromPoint(x, y).id",
+                [box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]],
+            )
+            assert on_top == "orderly"
         assert page.evaluate("window.broken") is None
         assert page.locator("img").count() == 0
         assert page.locator("#title").inner_text() == evil

@@ -29,7 +29,7 @@ class PairScene(Scene):
         limits = settings.limits
         self._limits = limits.position
         low, high = limits.pressure
-        self.size = 0.92 * (self._half + self._home + settings.stroke)
+        self.size = 1.06 * (self._half + self._home + settings.stroke)
         self.shapes = (
             Shape("position limits", "line", "limit", 2, 2.0),
             Shape("position limits", "line", "limit", 2, 2.0),

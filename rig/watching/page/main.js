@@ -29,6 +29,7 @@ class Board {
     this.still = null; // the window while it does not move: [from, to]
     this.live = new Table([]);
     this.fixed = new Table([]);
+    this.other = new Table([]); // the run beside this one
     this.status = null;
     this.statusAt = performance.now();
     this.scene = new Scene(element("scene"), element("legend"));
@@ -46,6 +47,7 @@ class Board {
       refused: (message) => { element("gain-said").textContent = message.message; },
       rows: (block) => this.rows(block),
       frames: (block) => this.frames(block),
+      beside: (block) => this.layBeside(block),
       lost: (code) => this.lost(code),
     });
     this.gains = new Gains(this.link);
@@ -65,8 +67,9 @@ class Board {
     element("kind").textContent = this.mark;
     element("title").textContent = message.experiment;
     const seed = message.seed === null ? "" : `, seed ${message.seed}`;
+    const beside = message.beside ? ` · beside ${message.beside}` : "";
     element("subtitle").textContent =
-      `${message.rig} · ${message.law} · ${message.backend}${seed} · ${message.run}`;
+      `${message.rig} · ${message.law} · ${message.backend}${seed} · ${message.run}${beside}`;
     this.scene.mark = this.mark;
     if (message.scene.shapes) this.scene.describe(message.scene);
     element("stage").hidden = this.columns.length > 0 && !message.scene.shapes?.length;
@@ -122,11 +125,39 @@ class Board {
   }
 
   rows(block) {
-    if (block.id === this.following) this.live.add(block);
+    if (block.id === this.following) {
+      const before = this.live.count;
+      this.live.add(block);
+      if (this.isLive && before) this.watchTriggers(block.count);
+    }
     if (block.id === this.viewing) {
       this.fixed = new Table(this.shownColumns);
       this.fixed.add(block);
     }
+  }
+
+  // The page holds still where a pane's first channel crosses its level: what was before it counts.
+  watchTriggers(fresh) {
+    const table = this.live;
+    for (const pane of this.panes) {
+      const column = table.values[table.place.get(pane.seen[0])];
+      if (pane.trigger === null || !column) continue;
+      const [scale] = shown(this.columns[pane.seen[0]]);
+      for (let row = Math.max(table.count - fresh, 1); row < table.count; row += 1) {
+        const [a, b] = [column[row - 1] * scale - pane.trigger, column[row] * scale - pane.trigger];
+        if (a < 0 !== b < 0) {
+          pane.trigger = null;
+          this.jump(table.t[row]);
+          return;
+        }
+      }
+    }
+  }
+
+  layBeside(block) {
+    if (block.id !== this.besideOf) return;
+    this.other = new Table(this.shownColumns);
+    this.other.add(block);
   }
 
   frames(block) {
@@ -305,7 +336,15 @@ class Board {
       const most = Math.min(4 * innerWidth, 6000);
       const message = { type: "view", columns: this.shownColumns, from, to, most };
       this.viewing = this.link.ask(message);
+      this.askBeside(from, to);
     }, 60);
+  }
+
+  askBeside(from, to) {
+    if (!this.described.beside || !this.shownColumns?.length) return;
+    const message = { type: "beside", columns: this.shownColumns, from, to, most: 2 * innerWidth };
+    this.besideOf = this.link.ask(message);
+    this.besideAt = performance.now();
   }
 
   askFrames() {
@@ -331,6 +370,7 @@ class Board {
     if (!this.columns.length || !this.status) return;
     this.advance(Math.min(passed / 1000, 0.5));
     if (!this.isLive) this.askFrames();
+    else if (now - (this.besideAt ?? 0) > 1000) this.askBeside(this.head - this.span, this.head + 2);
     this.scene.draw(this.head);
     for (const pane of this.panes) pane.draw();
     this.tellMoment();

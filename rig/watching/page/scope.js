@@ -36,6 +36,7 @@ export class Pane {
     this.columns = described.columns.slice();
     this.hidden = new Set();
     this.isXY = described.xy ?? false;
+    this.trigger = null; // a level of the first channel, as it is shown
     this.build();
   }
 
@@ -82,7 +83,8 @@ export class Pane {
       this.board.cursor = this.isXY ? null : at(event);
     });
     this.canvas.addEventListener("pointerdown", (event) => {
-      if (event.pointerType === "touch") this.board.cursor = at(event);
+      if (event.shiftKey) this.setTrigger(event.clientY);
+      else if (event.pointerType === "touch") this.board.cursor = at(event);
       else this.drag = at(event);
     });
     for (const end of ["pointerup", "pointercancel"]) {
@@ -94,6 +96,16 @@ export class Pane {
       this.board.zoom(Math.exp(event.deltaY * 0.0015), at(event));
     }, { passive: false });
     this.canvas.addEventListener("dblclick", (event) => this.board.jump(at(event)));
+  }
+
+  setTrigger(clientY) {
+    if (!this.upwards || this.trigger !== null) {
+      this.trigger = null;
+      return;
+    }
+    const y = clientY - this.canvas.getBoundingClientRect().top - TOP;
+    const share = y / Math.max(this.canvas.clientHeight - TOP - BOTTOM, 1);
+    this.trigger = this.upwards[1] - share * (this.upwards[1] - this.upwards[0]);
   }
 
   timeAt(x) {
@@ -180,8 +192,16 @@ export class Pane {
     context.beginPath();
     context.rect(area.x, area.y, area.w, area.h);
     context.clip();
+    const other = this.board.other;
+    context.globalAlpha = 0.45;
+    for (const k of this.seen) {
+      this.trace(context, other, k, other.rowAt(from), other.rowAt(to), x, y, 0.9);
+    }
+    context.globalAlpha = 1;
     for (const k of this.seen) this.trace(context, table, k, first, last, x, y);
     context.restore();
+    this.upwards = range;
+    if (this.trigger !== null) this.drawTrigger(context, area, y(this.trigger));
     this.line(context, area, x(this.board.playhead()), "quiet");
     if (this.board.cursor !== null) this.line(context, area, x(this.board.cursor), "ink");
   }
@@ -287,14 +307,27 @@ export class Pane {
     context.stroke();
   }
 
+  drawTrigger(context, area, at) {
+    context.strokeStyle = context.fillStyle = color("good");
+    context.setLineDash([2, 3]);
+    context.beginPath();
+    context.moveTo(area.x, at);
+    context.lineTo(area.x + area.w, at);
+    context.stroke();
+    context.setLineDash([]);
+    context.textAlign = "left";
+    context.textBaseline = "bottom";
+    context.fillText(`hold at ${number(this.trigger)}`, area.x + 4, at - 2);
+  }
+
   // Where there are more rows than pixels, each pixel gets the least and the greatest of its rows.
-  trace(context, table, k, first, last, x, y) {
+  trace(context, table, k, first, last, x, y, width = null) {
     const column = table.values[table.place.get(k)];
     if (!column || last <= first) return;
     const [scale] = shown(this.board.columns[k]);
     const planned = PLANNED.test(this.board.columns[k][0]);
     context.strokeStyle = color(this.inks.get(k));
-    context.lineWidth = planned ? 1.5 : 1.7;
+    context.lineWidth = width ?? (planned ? 1.5 : 1.7);
     context.setLineDash(planned ? [7, 5] : []);
     context.lineJoin = "round";
     context.beginPath();
