@@ -62,7 +62,7 @@ ALLOWED = [
             "rig.steering.mailbox",
             "rig.tuning.gains",
             "rig.stopping",
-            "rig.run_folder",
+            *RUN_FOLDER,
             "rig.runtime.log_tail",
             "rig.assembly",
             "rig.config",

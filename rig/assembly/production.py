@@ -134,12 +134,14 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
     """
     mechanism = REGISTRY.load("mechanism", profile.mechanism)
     longest = profile.loop.longest_motion
+    what = f"the motion that the mechanism {profile.mechanism} has planned"
     try:
         if Motion in type(reference).__mro__:
             check_length(reference.duration, longest)
         motion: Motion[object] = mechanism.plan(
             profile.mechanism_settings, reference, controller, profile.loop.period
         )
+        check_motion(what, motion, profile.loop.period)
         check_length(motion.duration, longest)
     except LongMotion as error:
         raise MotionRefused(
@@ -147,8 +149,6 @@ def plan_motion(profile: Profile, reference: Any, controller: Any) -> Motion[Any
         ) from error
     except ValueError as error:
         raise MotionRefused(str(error)) from error
-    what = f"the motion that the mechanism {profile.mechanism} has planned"
-    check_motion(what, motion, profile.loop.period)
     bounds = [entry.settings.axis_bounds() for entry in profile.devices.values()]
     beyond = mechanism.beyond_drives(
         profile.mechanism_settings,

@@ -8,8 +8,6 @@ measured. Venting comes too late to change the speed, and the profile's numbers 
 from functools import lru_cache
 from typing import NamedTuple
 
-from scipy.optimize import brentq
-
 from rig.hal.mechanism import Expected
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
@@ -88,6 +86,7 @@ def _fastest(
 
 def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
     """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge."""
+    from scipy.optimize import brentq
 
     def excess(pressure: float) -> float:
         return compute_whip(settings, wires, pressure).speed - settings.limits.speed
