@@ -194,7 +194,7 @@ def test_names_that_want_to_be_more_than_names_stay_text(tmp_path):
         for width, height in ((1600, 900), (390, 844)):  # however long they are, and before all
             page.set_viewport_size({"width": width, "height": height})
             box = page.locator("#orderly").bounding_box()
-            assert 0 <= box["x"] and box["x"] + box["width"] <= width
+            assert box["x"] >= 0 and box["x"] + box["width"] <= width
             on_top = page.evaluate(
                 "([x, y]) => document.elementFromPoint(x, y).id",
                 [box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]],
