@@ -4,10 +4,10 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, cast
 
-from controllers.base import Law, Tunable
+from controllers.base import Law
 from rig.assembly import REGISTRY, make_controller
-from rig.config import Profile, load_profile
-from rig.hal import ConfigurationError, RigError
+from rig.config import load_profile
+from rig.hal import ConfigurationError
 from rig.hal.mechanism import ClosedLoop
 from rig.run_folder import RunFolder
 from rig.steering.mailbox import Mailbox
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Steering:
     """Checks what a page asks for, and puts it where the loop looks once a cycle.
 
-    The loop checks it again: it is the one that decides.
+    The loop checks it again: it is the one that decides, and what it says is in the run's events.
 
     Parameters
     ----------
@@ -36,24 +36,19 @@ class Steering:
 
     def __init__(self, run: Path) -> None:
         self._run = run
+        self._folder = RunFolder.open(run)
         self._box: Mailbox | None = None
         self._one_at_a_time = Lock()
-        self._profile: Profile = load_profile(run / "profile.yaml", REGISTRY)
-        self._law = str(RunFolder.open(run).manifest.get("law"))
-        if self._law not in self._profile.controllers:
-            raise ConfigurationError(f"{run}: its profile has no controller {self._law!r}")
-        self._settings = self._profile.controllers[self._law]
-        self._gains: tuple[Tunable, ...] = ()
-        try:
-            law = make_controller(self._profile, self._law)
-        except RigError:
-            return
-        if isinstance(law, Law):
-            self._gains = law.online
+        self._profile = load_profile(run / "profile.yaml", REGISTRY)
+        name = str(self._folder.manifest.get("law"))
+        law = make_controller(self._profile, name)
+        self._kind = type(law)
+        self._gains = law.online if isinstance(law, Law) else ()
+        self._first = self._profile.controllers[name]
 
     def described(self) -> "list[Plain]":
         """Return what may be changed, its value, and within which bounds."""
-        now = values_of(self._gains, self._settings) if self._gains else {}
+        now = values_of(self._gains, with_gains(self._first, self._changed()))
         return [gain._asdict() | {"value": now[gain.key]} for gain in self._gains]
 
     def answer(self, request: Request) -> str | None:
@@ -63,41 +58,47 @@ class Steering:
 
     def _answer(self, request: Request) -> str | None:
         try:
-            box = self._opened()
+            box = self._box = self._box or Mailbox(self._run)
         except (OSError, ValueError):
             return "this run was not started with --steer"
         if request["type"] == "hold":
             box.beat()
             return None
-        key, value = str(request["key"]), cast("float", request["value"])
+        key, value = str(request["key"]), float(cast("float", request["value"]))
         known = [gain.key for gain in self._gains]
         if self._settings is None or key not in known:
             return f"{key} is no gain that may be changed while the run goes on"
         gain = self._gains[known.index(key)]
         if not gain.low <= value <= gain.high:
             return f"{key} has to be {gain.low:g} … {gain.high:g}"
-        wanted = with_gains(self._settings, {key: float(value)})
-        if not request["sure"] and (doubt := self._doubt(wanted)) is not None:
+        doubt = None if request["sure"] else self._doubt(self._changed() | {key: value})
+        if doubt is not None:
             return f"{doubt}; change {key} to {value:g} all the same?"
-        box.post(known.index(key), float(value), cast("float", request["ramp"]))
-        self._settings = wanted
+        box.post(known.index(key), value, cast("float", request["ramp"]))
         return f"{key}: {value:g} was asked for"
 
-    def _opened(self) -> Mailbox:
-        if self._box is None:
-            self._box = Mailbox(self._run)
-        return self._box
+    def _changed(self) -> dict[str, float]:
+        """Return the gains that the loop has changed, as the run's events tell."""
+        known = {gain.key for gain in self._gains}
+        told = [
+            event.get("data", {})
+            for event in self._folder.events()
+            if event.get("kind") == "tuning"
+        ]
+        return {
+            str(data["key"]): float(cast("float", data["new"]))
+            for data in told
+            if data.get("accepted") and data.get("key") in known
+        }
 
-    def _doubt(self, settings: object) -> str | None:
+    def _doubt(self, gains: dict[str, float]) -> str | None:
         """Say if the loop would be less robust than process control asks for."""
         profile = self._profile
         view = REGISTRY.load("mechanism", profile.mechanism)
-        law = type(make_controller(profile, self._law))
         try:
             model = view.model_of(profile.mechanism_settings)
-            loop = view.closed_loop(
-                profile.mechanism_settings, law(settings, model, profile.loop.period)
-            )
+            law = self._kind(with_gains(self._first, gains), model, profile.loop.period)
+            loop = view.closed_loop(profile.mechanism_settings, law)
         except (ConfigurationError, ValueError) as error:
             return str(error)
         if not isinstance(loop, ClosedLoop) or loop.is_robust:
