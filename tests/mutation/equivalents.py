@@ -186,14 +186,21 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
-        "return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest",
-        "excess(highest) > 0.0 -> excess(highest) >= 0.0",
-        "where it is 0 the highest pressure is the root",
+        "_HALVINGS = 30",
+        "30 -> 31",
+        "half a thousandth of a pascal is nothing",
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
-        "return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest",
+        "low, high = 0.0, settings.limits.pressure[1]",
         "0.0 -> 1.0",
-        "of the search's lower end: the root is far above a pascal",
+        "of the search's lower end: the pressure is far above a pascal",
+    ),
+    Equivalent(
+        "rig/mechanisms/pneumatic/cut_wire.py",
+        "if compute_whip(settings, wires, middle).speed > settings.limits.speed:",
+        "compute_whip(settings, wires, middle).speed > settings.limits.speed -> "
+        "compute_whip(settings, wires, middle).speed >= settings.limits.speed",
+        "no speed of a search is the limit to the last bit",
     ),
 )

@@ -17,6 +17,8 @@ _SEEN = 6e-3
 """From the cut to vented setpoints, s: what the alarms take on the simulated rigs."""
 _LONGEST = 0.5
 """A regulator has vented its chamber by then, s."""
+_HALVINGS = 30
+"""Of the range of pressures: it is then known to a thousandth of a pascal."""
 _PART = 1.0 / 3.0
 """Share of `moving_mass` that is one piston; as much is what two of them move. E."""
 
@@ -86,13 +88,14 @@ def _fastest(
 
 def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
     """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge."""
-    from scipy.optimize import brentq
-
-    def excess(pressure: float) -> float:
-        return compute_whip(settings, wires, pressure).speed - settings.limits.speed
-
-    highest = settings.limits.pressure[1]
-    return float(brentq(excess, 0.0, highest)) if excess(highest) > 0.0 else highest
+    low, high = 0.0, settings.limits.pressure[1]
+    for _ in range(_HALVINGS):  # scipy's root finder takes longer to import than all of `rig check`
+        middle = 0.5 * (low + high)
+        if compute_whip(settings, wires, middle).speed > settings.limits.speed:
+            high = middle
+        else:
+            low = middle
+    return low
 
 
 def compute_damper(settings: PneumaticSettings, pressure: float) -> float:

@@ -168,7 +168,9 @@ def test_the_energy_is_of_what_still_moves():
 def test_the_calm_pressure_and_the_damper_keep_the_speed():
     for settings, wires in ((PAIR, 2), (JOINT, 4)):
         calm = compute_calm_pressure(settings, wires)
-        assert compute_whip(settings, wires, calm).speed == pytest.approx(settings.limits.speed)
+        assert compute_whip(settings, wires, calm).speed == pytest.approx(
+            settings.limits.speed, rel=1e-7
+        )
         assert compute_whip(settings, wires, calm + 200.0).speed > settings.limits.speed
         damper = compute_damper(settings, 200e3)
         pull = settings.area * 200e3 - 0.5 * settings.friction.coulomb
@@ -180,7 +182,7 @@ def test_the_calm_pressure_and_the_damper_keep_the_speed():
 def test_what_no_pressure_throws_too_fast_may_have_the_highest():
     slow = pair_settings(pair_limits(speed=50.0), moving_mass=0.138, bore=16e-3)
     highest = slow.limits.pressure[1]
-    assert compute_calm_pressure(slow, 2) == highest
+    assert compute_calm_pressure(slow, 2) == pytest.approx(highest)
     fastest = compute_whip(slow, 2, highest).speed
     slower = pair_settings(pair_limits(speed=0.9 * fastest), moving_mass=0.138, bore=16e-3)
     assert compute_calm_pressure(slower, 2) < 0.95 * highest
