@@ -180,7 +180,7 @@ def test_the_calm_pressure_and_the_damper_keep_the_speed():
 
 
 def test_what_no_pressure_throws_too_fast_may_have_the_highest():
-    slow = pair_settings(pair_limits(speed=50.0), moving_mass=0.138, bore=16e-3)
+    slow = pair_settings(pair_limits(speed=6.0), moving_mass=0.138, bore=16e-3)
     highest = slow.limits.pressure[1]
     assert compute_calm_pressure(slow, 2) == pytest.approx(highest)
     fastest = compute_whip(slow, 2, highest).speed

@@ -95,7 +95,7 @@ def test_a_cylinder_that_cannot_be_is_refused(changes, message):
 
 
 def test_what_is_just_possible_is_accepted():
-    pair_settings(rod=16e-3 - 1e-9)
+    pair_settings(rod=15e-3)  # a thicker one leaves too little area to pass limits.speed
     pair_settings(base_pressure=LOWEST)
     pair_settings(base_pressure=HIGHEST)
 
