@@ -114,7 +114,7 @@ def test_a_check_says_what_a_file_says():
 @pytest.mark.parametrize(
     ("rig_name", "wrong", "said"),
     [
-        ("cylinder", {"readings": "no-such-file.csv"}, "cannot read the readings no-such-file.csv"),
+        ("cylinder", {"readings": "no-such-file.csv"}, "cannot read no-such-file.csv"),
         ("cylinder", {"readings": 3}, "readings is 3, and no path"),
         ("cylinder", {"procedure": "friction", "readings": "x.csv"}, "friction reads no instrum"),
         ("cylinder", {"conditions": ["hot"]}, "conditions are .*must be words by their names"),
