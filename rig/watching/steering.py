@@ -66,7 +66,7 @@ class Steering:
             return None
         key, value = str(request["key"]), float(cast("float", request["value"]))
         known = [gain.key for gain in self._gains]
-        if self._settings is None or key not in known:
+        if key not in known:
             return f"{key} is no gain that may be changed while the run goes on"
         gain = self._gains[known.index(key)]
         if not gain.low <= value <= gain.high:

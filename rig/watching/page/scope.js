@@ -118,6 +118,7 @@ export class Pane {
   list() {
     const bases = [];
     const names = brief(this.columns.map((k) => [k, this.board.columns[k][0]]));
+    const planned = this.columns.filter((k) => PLANNED.test(this.board.columns[k][0])).length;
     this.inks = new Map();
     this.values = new Map();
     this.traces.replaceChildren(...this.columns.map((k) => {
@@ -125,7 +126,7 @@ export class Pane {
       const base = name.replace(/^(reference|reading|estimate|plan)\./, "").replace(/^pressure_/, "");
       const plain = base.replace(/^applied\.|^command\./, "");
       if (!bases.includes(plain)) bases.push(plain);
-      const alone = PLANNED.test(name) && this.columns.length <= 2;
+      const alone = PLANNED.test(name) && this.columns.length === 2 && planned === 1;
       this.inks.set(k, `trace-${alone ? 1 : bases.indexOf(plain) % INKS}`);
       const entry = document.createElement("button");
       entry.type = "button";
