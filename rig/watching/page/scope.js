@@ -293,8 +293,11 @@ export class Pane {
   drawEvents(context, area, x, from, to) {
     for (const event of this.board.events) {
       if (event.t === null || event.t < from || event.t > to) continue;
-      const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "line";
-      this.line(context, area, x(event.t), ink);
+      const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "quiet";
+      // Only what is rare crosses the whole pane; the others are marks at its foot.
+      const whole = event.kind === "fault" || event.kind === "tuning";
+      const foot = whole ? area : { ...area, y: area.y + area.h - 7, h: 7 };
+      this.line(context, foot, x(event.t), ink);
     }
   }
 
