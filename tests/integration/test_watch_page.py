@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import subprocess
+import sys
 import time
 from contextlib import contextmanager
 
@@ -147,6 +149,86 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
         page.locator("#earlier").click()
         page.locator("#later").click()
         assert page.evaluate("board.events.some((event) => event.t === board.head)")
+
+
+@pytest.fixture(scope="module")
+def two_runs(tmp_path_factory):
+    """Two short runs of one experiment, with other seeds."""
+    out = tmp_path_factory.mktemp("two")
+    runs = []
+    for seed in (1, 2):
+        command = [sys.executable, "-m", "rig", "run", "cylinder-step", "--on", "sim"]
+        subprocess.run(
+            [*command, "--seed", str(seed), "--no-report", "--out", str(out / str(seed))],
+            capture_output=True, timeout=120, check=True,
+        )  # fmt: skip
+        runs += (out / str(seed)).iterdir()
+    return runs
+
+
+def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_path):
+    one, other = two_runs
+    log, beside = read_log(one / "log.mcap"), read_log(other / "log.mcap")
+    t = float(log.t[len(log.t) // 2])
+    with (
+        browser() as opened,
+        served_folder(one, "--beside", str(other)) as address,
+        page_of(opened, f"{address}&t={t:.4f}&w=0.5") as page,
+    ):
+        until(page, "board.still && Math.abs(board.still[1] - board.still[0] - 0.5) < 1e-6")
+        until(page, "board.fixed.count > 100 && board.other.count > 100")
+        assert page.evaluate("board.head") == pytest.approx(t, abs=1e-4)
+        with page.expect_download() as saving:
+            page.get_by_role("button", name="csv").first.click()
+        saving.value.save_as(tmp_path / "shown.csv")
+        saved = np.genfromtxt(tmp_path / "shown.csv", delimiter=",", names=True, deletechars="")
+        shown = (log.t >= t - 0.25) & (log.t < t + 0.25)
+        assert abs(len(saved) - shown.sum()) <= 2
+        names = saved.dtype.names
+        column = next(k for k, name in enumerate(names) if PLOTTED in name)
+        for row in saved[:: len(saved) // 20]:
+            assert row[column] == pytest.approx(logged_at(one, row[0]), rel=1e-6)
+
+        # The other run is what it is, and not the first one once more.
+        place = page.evaluate(
+            f"board.other.columns.findIndex((k) => board.columns[k][0] === '{PLOTTED}')"
+        )
+        got = page.evaluate(f"[Array.from(board.other.t), Array.from(board.other.values[{place}])]")
+        rows = np.searchsorted(beside.t, np.array(got[0]) - 5e-5)
+        wanted = beside.column(PLOTTED)[rows]
+        assert np.allclose(got[1], wanted, rtol=1e-6, atol=1e-12)
+        assert not np.allclose(got[1], log.column(PLOTTED)[rows], rtol=1e-6, atol=1e-12)
+
+        # Zoomed and moved by a hand; the panes that are kept come back with the next page.
+        box = page.locator(".pane canvas").first.bounding_box()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+        page.mouse.wheel(0, -400)
+        until(page, "board.still[1] - board.still[0] < 0.4")
+        count = page.locator(".pane").count()
+        page.locator(".pane .tools button", has_text="×").last.click()
+        page.get_by_role("button", name="save layout").click()
+        page.reload()
+        until(page, "board.panes.length > 0")
+        assert page.locator(".pane").count() == count - 1
+        page.get_by_role("button", name="reset").click()
+        assert page.locator(".pane").count() == count
+
+
+def test_a_level_that_is_crossed_holds_the_page_still(tmp_path):
+    with (
+        browser() as opened,
+        watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run,
+        page_of(opened, run.look) as page,
+    ):
+        assert page.evaluate("board.isLive")
+        page.evaluate("board.panes[0].trigger = 4.0")  # mm; the sine goes to 9
+        until(page, "!board.isLive", 40)
+        head = page.evaluate("board.head")
+        assert page.evaluate("board.window()[1] - board.window()[0]") >= 10.0
+    log = read_log(run.folder / "log.mcap")
+    above = log.column(PLOTTED) > 4e-3
+    crossing = log.t[1:][above[1:] != above[:-1]]
+    assert np.abs(crossing - head).min() < 5e-3
 
 
 def test_stop_works_while_everything_else_on_the_page_does_not(tmp_path):

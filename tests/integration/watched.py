@@ -83,9 +83,9 @@ def watched_run(out: Path, *arguments: str, steer: bool = True):
 
 
 @contextlib.contextmanager
-def served_folder(folder: Path):
+def served_folder(folder: Path, *arguments: str):
     """Yield the address of the page of a run that has ended."""
-    command = [sys.executable, "-m", "rig", "watch", str(folder), "--port", "0"]
+    command = [sys.executable, "-m", "rig", "watch", str(folder), "--port", "0", *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     talk = _Talk(process.stderr)
     try:

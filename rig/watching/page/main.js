@@ -79,16 +79,13 @@ class Board {
   }
 
   tell(message) {
-    const first = this.status === null;
     this.status = message;
     this.statusAt = performance.now();
     this.age = message.live ? message.age : 0;
     element("phase").textContent = message.live ? PHASES[message.phase] ?? "–" : message.state;
     element("phase").title = message.message ?? "";
     element("time").textContent = message.count ? seconds(message.t) : "–";
-    if (first && (!message.live || this.asked.has("t"))) this.hold(0, message.t);
-    else if (first) this.follow();
-    if (first && this.asked.has("t")) this.goTo(this.asked);
+    this.start(message);
     if (message.trouble) element("scene-note").textContent = message.trouble;
     this.tellCycle(message);
     this.tellMargins(message);
@@ -96,6 +93,21 @@ class Board {
     this.gains.show(message.live);
     element("slider").max = message.t || 1;
     this.markEvents();
+  }
+
+  // At first a run that goes on is followed, and one that has ended is shown as a whole: a long
+  // log may still be on its way, and then the whole of it grows.
+  start(message) {
+    const isAsked = this.asked.has("t");
+    if (this.whole === undefined && message.live && !isAsked) {
+      this.whole = null;
+      this.follow();
+    } else if (message.count && (this.whole === undefined
+        || (this.whole !== null && this.whole !== message.t && this.still?.[1] === this.whole))) {
+      this.whole = message.t;
+      this.hold(0, message.t);
+      if (isAsked) this.goTo(this.asked);
+    }
   }
 
   goTo(asked) {
@@ -175,6 +187,7 @@ class Board {
       element("subtitle").textContent = "The token of this address is not the server's. Stop works.";
     }
     this.status = null;
+    this.whole = undefined; // once there is a server again, as at first
     this.events = [];
     element("events").replaceChildren();
   }

@@ -118,6 +118,7 @@ export class Pane {
   list() {
     const bases = [];
     const names = brief(this.columns.map((k) => [k, this.board.columns[k][0]]));
+    const planned = this.columns.filter((k) => PLANNED.test(this.board.columns[k][0])).length;
     this.inks = new Map();
     this.values = new Map();
     this.traces.replaceChildren(...this.columns.map((k) => {
@@ -125,7 +126,7 @@ export class Pane {
       const base = name.replace(/^(reference|reading|estimate|plan)\./, "").replace(/^pressure_/, "");
       const plain = base.replace(/^applied\.|^command\./, "");
       if (!bases.includes(plain)) bases.push(plain);
-      const alone = PLANNED.test(name) && this.columns.length <= 2;
+      const alone = PLANNED.test(name) && this.columns.length === 2 && planned === 1;
       this.inks.set(k, `trace-${alone ? 1 : bases.indexOf(plain) % INKS}`);
       const entry = document.createElement("button");
       entry.type = "button";
@@ -292,8 +293,11 @@ export class Pane {
   drawEvents(context, area, x, from, to) {
     for (const event of this.board.events) {
       if (event.t === null || event.t < from || event.t > to) continue;
-      const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "line";
-      this.line(context, area, x(event.t), ink);
+      const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "quiet";
+      // Only what is rare crosses the whole pane; the others are marks at its foot.
+      const whole = event.kind === "fault" || event.kind === "tuning";
+      const foot = whole ? area : { ...area, y: area.y + area.h - 7, h: 7 };
+      this.line(context, foot, x(event.t), ink);
     }
   }
 
