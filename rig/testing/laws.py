@@ -5,10 +5,12 @@ from typing import ClassVar
 
 import pytest
 
+from controllers.base import Law
 from rig.assembly import make_controller
 from rig.hal.offers import lacking
 from rig.testing.of_experiment import OfExperiment
 from rig.testing.rehearsal import AnyLaw, Rehearsal, numbers_of
+from rig.tuning.gains import values_of, with_gains
 
 _ROUNDS = 3
 _MEMORY = 20_000
@@ -50,6 +52,19 @@ class LawSuite(OfExperiment):
     def test_reset_forgets_everything(self, rehearsal: Rehearsal) -> None:
         law = self.made(rehearsal)
         once = self.answers(law, rehearsal)
+        assert self.answers(law, rehearsal) == once
+
+    def test_gains_that_change_online_go_and_come_back(self, rehearsal: Rehearsal) -> None:
+        law = self.made(rehearsal)
+        if not isinstance(law, Law) or not law.online:
+            pytest.skip("none of its gains changes while it runs")
+        once, settings = self.answers(law, rehearsal), law.settings
+        for gain in law.online:
+            assert gain.low <= values_of((gain,), settings)[gain.key] <= gain.high
+            middle = 0.5 * (gain.low + gain.high)
+            law.retune(with_gains(settings, {gain.key: middle}))
+            assert values_of((gain,), law.settings)[gain.key] == middle
+        law.retune(settings)
         assert self.answers(law, rehearsal) == once
 
     def test_two_of_them_share_nothing(self, rehearsal: Rehearsal) -> None:
