@@ -7,7 +7,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-CAPACITY = 8192
+CAPACITY = 16384
 """Stretches that are kept. When they are full, two become one: memory does not grow."""
 _FIRST_STRETCH = 16
 
@@ -102,10 +102,15 @@ class Extremes:
         self.stretch *= 2
 
 
-def thin_out(
-    t: "NDArray[np.float64]", values: "NDArray[np.float32]", most: int
+def stretch_for(rows: int, most: int) -> int:
+    """Return how many rows become two, so that no more than `most` come of them."""
+    return -(-2 * rows // max(most, 2))
+
+
+def reduce_by(
+    t: "NDArray[np.float64]", values: "NDArray[np.float32]", stretch: int
 ) -> "tuple[NDArray[np.float64], NDArray[np.float32]]":
-    """Return rows as they are, or the extremes of stretches of them if there are too many.
+    """Return the extremes of stretches of so many rows.
 
     Parameters
     ----------
@@ -113,12 +118,9 @@ def thin_out(
         s.
     values : ndarray, shape (n, c)
         Of these times.
-    most : int
-        So many rows are returned at most, about.
+    stretch : int
+        Rows that become two.
     """
-    if len(t) <= most:
-        return t, values
-    stretch = -(-2 * len(t) // max(most, 2))
     offsets = np.arange(0, len(t), stretch)
     least = np.fmin.reduceat(values, offsets)
     return _by_turns(t[offsets], least, np.fmax.reduceat(values, offsets))

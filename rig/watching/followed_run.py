@@ -13,7 +13,7 @@ from rig.run_facts import EVENTS, Event
 from rig.run_folder import RunFolder
 from rig.runtime.log_tail import LogTail
 from rig.typed_json import checked, parse
-from rig.watching.extremes import Extremes, thin_out
+from rig.watching.extremes import Extremes, reduce_by, stretch_for
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     Times = NDArray[np.float64]
     Values = NDArray[np.float32]
 
+_STRETCHES = 400
+"""From so many stretches on, the extremes that are kept are fine enough for a screen."""
+_ROWS_AT_ONCE = 8192
 _LOOKS_BACK = 1.0
 """Of the statistics of cycles, s of the rig's time."""
 _MOST_EVENTS = 2000
@@ -186,10 +189,20 @@ class FollowedRun:
         first, last = max(first, 0), min(last, self.count)
         if self._extremes is None or last <= first:
             return np.empty(0), np.empty((0, len(columns)), np.float32)
-        if last - first > 0.5 * most * self._extremes.stretch:
+        if last - first > _STRETCHES * self._extremes.stretch and last - first > most:
             return self._extremes.between(first, last, columns, most)
-        rows = self._tail.rows(first, last)
-        return thin_out(rows["t"], rows["row"][:, columns].astype(np.float32), most)
+        # Piece by piece, whole stretches each: a window may be larger than what is to be kept.
+        stretch = stretch_for(last - first, most) if last - first > most else 1
+        at_once = max(_ROWS_AT_ONCE // stretch, 1) * stretch
+        times, kept = [], []
+        for start in range(first, last, at_once):
+            rows = self._tail.rows(start, min(start + at_once, last))
+            t, values = rows["t"], rows["row"][:, columns].astype(np.float32)
+            if stretch > 1:
+                t, values = reduce_by(t, values, stretch)
+            times.append(t)
+            kept.append(values)
+        return np.concatenate(times), np.concatenate(kept)
 
     def samples(self, numbers: "NDArray[np.intp]") -> "tuple[Times, NDArray[np.float64]]":
         """Return single rows by their numbers: their times, s, and all of their values."""

@@ -1,9 +1,8 @@
 """However long a run is: what stuck out for one cycle is seen on a screen, in bounded memory."""
 
 import numpy as np
-import pytest
 
-from rig.watching.extremes import Extremes, thin_out
+from rig.watching.extremes import Extremes
 
 COLUMNS = np.arange(3)
 
@@ -14,31 +13,6 @@ def spiky(chance, n, spikes):
     heights = np.where(chance.random(spikes) < 0.5, -1.0, 1.0) * chance.uniform(5.0, 9.0, spikes)
     values[places, 1] = heights
     return values, places, heights
-
-
-def seen(t, values, place, height, stretch):
-    """Whether a point of the height of a spike is drawn where the spike is, to a pixel."""
-    near = np.abs(t - place) <= stretch
-    return bool(np.isclose(values[near, 1], height, rtol=1e-6).any())
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_each_of_1000_spikes_of_one_cycle_is_seen(seed):
-    chance = np.random.default_rng(seed)
-    n, shown = 300_000, 0
-    values, places, heights = spiky(chance, n, 1000)
-    # One at a time on a background that is even: two in one stretch would hide each other.
-    for place, height in zip(places, heights, strict=True):
-        around = slice(max(place - 20_000, 0), place + 20_000)
-        alone = values[around].astype(np.float32)
-        here = place - around.start
-        others = np.abs(alone[:, 1]) > 1.0
-        others[here] = False
-        alone[others, 1] = 0.0
-        t, thinned = thin_out(np.arange(len(alone), dtype=float), alone, 1600)
-        assert len(t) <= 1600 + 2
-        shown += seen(t, thinned, here, height, 2 * len(alone) / 1600)
-    assert shown == 1000
 
 
 def test_the_whole_of_a_long_run_shows_every_stretch_as_it_was():

@@ -1,0 +1,80 @@
+"""What a page may ask of gains: within bounds, asked again where the loop would lack margin."""
+
+import pytest
+
+from rig.config import dump_resolved
+from rig.experiment.plan import load_plan
+from rig.run_folder import RunFolder
+from rig.steering.mailbox import Mailbox
+from rig.watching.steering import Steering
+
+
+@pytest.fixture(scope="module")
+def profile():
+    return dump_resolved(load_plan("cylinder-sine").profile)
+
+
+@pytest.fixture
+def folder(tmp_path, profile):
+    inputs = {"profile.yaml": profile}
+    return RunFolder.create(tmp_path, "sine", "sim", inputs=inputs, law="cascade")
+
+
+def gain(key, value, *, sure=False, ramp=1.0):
+    return {"type": "gain", "key": key, "value": value, "ramp": ramp, "sure": sure}
+
+
+def test_a_change_that_lacks_margin_is_asked_again(folder):
+    steering = Steering(folder.path)
+    with Mailbox(folder.path, create=True) as box:
+        first = box.newest()
+        # The shipped gains are stable by friction only, as `rig check` says of them.
+        assert steering.answer(gain("position_rate", 110.0)).endswith("?")
+        assert box.newest() == first
+        assert "asked for" in steering.answer(gain("position_rate", 110.0, sure=True))
+        assert box.read()[1:] == (0, 110.0, 1.0)
+
+
+def test_gains_with_margin_are_not_asked_again(folder):
+    steering = Steering(folder.path)
+    with Mailbox(folder.path, create=True) as box:
+        calm = {
+            "position_rate": 30.0, "velocity_rate": 39.0, "disturbance_gain": 0.0,
+            "integral": 130.0, "hold_integral": 10.0,
+        }  # fmt: skip
+        for key, value in calm.items():
+            folder.record_event(1.0, "tuning", "", key=key, old=0.0, new=value, accepted=True)
+        told = {one["key"]: one["value"] for one in steering.described()}
+        assert told.items() >= calm.items()  # as the run's events say, not as the profile
+        assert "asked for" in steering.answer(gain("position_rate", 28.0))
+        assert box.read().value == 28.0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "why"),
+    [
+        ("position_rate", 251.0, "has to be 2 … 250"),
+        ("position_rate", -1.0, "has to be"),
+        ("observer_bandwidth", 900.0, "no gain that may be changed"),
+        ("__class__", 1.0, "no gain that may be changed"),
+    ],
+)
+def test_what_may_not_be_never_reaches_the_box(folder, key, value, why):
+    steering = Steering(folder.path)
+    with Mailbox(folder.path, create=True) as box:
+        assert why in steering.answer(gain(key, value, sure=True))
+        assert box.newest() == 0
+
+
+def test_without_a_box_nothing_is_steered(folder):
+    said = Steering(folder.path).answer(gain("position_rate", 50.0, sure=True))
+    assert said == "this run was not started with --steer"
+    assert not (folder.path / "steering.box").exists()
+
+
+def test_holding_on_is_counted(folder):
+    steering = Steering(folder.path)
+    with Mailbox(folder.path, create=True) as box:
+        for _ in range(3):
+            assert steering.answer({"type": "hold"}) is None
+        assert box.beats() == 3
