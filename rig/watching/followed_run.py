@@ -1,5 +1,6 @@
 """A run as its page sees it: what its folder says, and its log as far as it goes."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 _STRETCHES = 400
 """From so many stretches on, the extremes that are kept are fine enough for a screen."""
-_ROWS_AT_ONCE = 8192
+_ROWS_AT_ONCE = 4096
 _LOOKS_BACK = 1.0
 """Of the statistics of cycles, s of the rig's time."""
 _MOST_EVENTS = 2000
@@ -186,23 +187,25 @@ class FollowedRun:
         values : ndarray, shape (m, c)
             Rows as they were recorded, or by turns the least and the greatest of stretches.
         """
+        return joined(list(self.pieces(first, last, columns, most)), len(columns))
+
+    def pieces(
+        self, first: int, last: int, columns: "NDArray[np.intp]", most: int
+    ) -> "Iterator[tuple[Times, Values]]":
+        """Yield a `window` piece by piece, each in some milliseconds: others want their turn."""
         first, last = max(first, 0), min(last, self.count)
         if self._extremes is None or last <= first:
-            return np.empty(0), np.empty((0, len(columns)), np.float32)
+            return
         if last - first > _STRETCHES * self._extremes.stretch and last - first > most:
-            return self._extremes.between(first, last, columns, most)
-        # Piece by piece, whole stretches each: a window may be larger than what is to be kept.
+            yield self._extremes.between(first, last, columns, most)
+            return
+        # Whole stretches each: a window may be larger than what is to be kept in memory.
         stretch = stretch_for(last - first, most) if last - first > most else 1
         at_once = max(_ROWS_AT_ONCE // stretch, 1) * stretch
-        times, kept = [], []
         for start in range(first, last, at_once):
             rows = self._tail.rows(start, min(start + at_once, last))
             t, values = rows["t"], rows["row"][:, columns].astype(np.float32)
-            if stretch > 1:
-                t, values = reduce_by(t, values, stretch)
-            times.append(t)
-            kept.append(values)
-        return np.concatenate(times), np.concatenate(kept)
+            yield reduce_by(t, values, stretch) if stretch > 1 else (t, values)
 
     def samples(self, numbers: "NDArray[np.intp]") -> "tuple[Times, NDArray[np.float64]]":
         """Return single rows by their numbers: their times, s, and all of their values."""
@@ -237,6 +240,13 @@ class FollowedRun:
     def close(self) -> None:
         """Let go of the files."""
         self._tail.close()
+
+
+def joined(pieces: "list[tuple[Times, Values]]", columns: int) -> "tuple[Times, Values]":
+    """Return the pieces of a window as one."""
+    if not pieces:
+        return np.empty(0), np.empty((0, columns), np.float32)
+    return np.concatenate([t for t, _ in pieces]), np.concatenate([values for _, values in pieces])
 
 
 def _event_of(line: bytes) -> Event | None:

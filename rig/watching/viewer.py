@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from aiohttp import WSMsgType, web
 
+from rig.watching.followed_run import FollowedRun, joined
 from rig.watching.messages import BESIDE, FRAMES, ROWS, BadMessage, Request, pack, parse
 from rig.watching.studio import Studio
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rig.watching.followed_run import FollowedRun, Times, Values
+    from rig.watching.followed_run import Times, Values
 
 PATIENCE = 10.0
 """A page that has not said for so long what it has heard is dropped, s."""
@@ -170,7 +171,7 @@ class Viewer:
     async def _view(self, request: Request) -> None:
         """Send a window of the log."""
         columns = np.array(request["columns"], np.intp)
-        t, values = _window(self._studio.run, request, columns)
+        t, values = await _window(self._studio.run, request, columns)
         await self._send(pack(ROWS, cast("int", request["id"]), t, values))
 
     async def _beside(self, request: Request) -> None:
@@ -182,7 +183,7 @@ class Viewer:
         names = [self._studio.run.columns[k].name for k in cast("list[int]", request["columns"])]
         known = np.array([name in index for name in names], bool)
         columns = np.array([index.get(name, 0) for name in names], np.intp)
-        t, values = _window(other, request, columns)
+        t, values = await _window(other, request, columns)
         values = np.where(known, values, np.float32(np.nan))
         await self._send(pack(BESIDE, cast("int", request["id"]), t, values))
 
@@ -217,10 +218,14 @@ class Viewer:
         await asyncio.wait_for(self._socket.send_bytes(content), PATIENCE)
 
 
-def _window(
-    run: "FollowedRun", request: Request, columns: "NDArray[np.intp]"
+async def _window(
+    run: FollowedRun, request: Request, columns: "NDArray[np.intp]"
 ) -> "tuple[Times, Values]":
     """Return the window of a log that a page asks for, and a row more at either end."""
     first = max(run.row_at(cast("float", request["from"])) - 1, 0)
     last = run.row_at(cast("float", request["to"])) + 1
-    return run.window(first, last, columns, max(cast("int", request["most"]), 2))
+    found = []
+    for piece in run.pieces(first, last, columns, max(cast("int", request["most"]), 2)):
+        found.append(piece)
+        await asyncio.sleep(0.0)
+    return joined(found, len(columns))
