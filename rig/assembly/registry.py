@@ -182,6 +182,11 @@ class InstalledParts:
         """
         return _merged("measure", lambda row: row.measures, mechanism, kind)
 
+    def own_measures(self, mechanism: str) -> tuple[str, ...]:
+        """Return the names of one mechanism's measures."""
+        rows = [row for row in _additions() if row.mechanism == mechanism]
+        return tuple(name for row in rows for path in row.measures for name in load(path))
+
     def reported(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of the measures that every run of a mechanism reports."""
         return tuple(n for row in _additions() if row.mechanism == mechanism for n in row.reported)

@@ -16,6 +16,7 @@ COMMANDS = {
     "monitor": ("rig.cli.monitor:monitor", "Show recorded or live frames in a rig's names."),
     "faults": ("rig.cli.faults:faults", "Break a rig in simulation, and judge what comes of it."),
     "list": ("rig.cli.listing:listing", "List rigs, experiments and runs."),
+    "explain": ("rig.cli.explain:explain", "Say what a word means, or why a run stopped."),
     "report": ("rig.cli.report:report", "Make a run's figures and report again."),
     "export": ("rig.cli.export:export", "Write a run's log for other programs."),
     "rerun": ("rig.cli.rerun:rerun", "Run a run again, from its folder alone."),

@@ -158,7 +158,7 @@ def as_data(result: Result) -> dict[str, object]:
 def show(result: Result) -> None:
     """Print what a run came to: metrics on stdout, talk on stderr."""
     from rig.config.formats import format_against
-    from rig.run_facts import LOG, REPORT
+    from rig.run_facts import LOG, REPORT, RunStatus
 
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)
@@ -177,3 +177,5 @@ def show(result: Result) -> None:
     made = report if report.exists() else result.path / LOG
     verdict = "" if result.message is not None else f"{result.status}: "
     click.echo(f"{verdict}{made}", err=True)
+    if result.status in (RunStatus.FAULTED, RunStatus.FAILED):
+        click.echo(f"what it means, and what to check: rig explain {result.path}", err=True)

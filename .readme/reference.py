@@ -1,0 +1,79 @@
+"""Write reference.md: every command, key, law, measure, exit code and kind of fault.
+
+``python .readme/reference.py`` writes it; ``--check`` says whether it is what the code says.
+"""
+
+import sys
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+from pathlib import Path
+
+from rig.cli.command_table import COMMANDS
+from rig.explaining import Word, fault_topics, glossary
+
+PAGE = Path(__file__).with_name("reference.md")
+_ORDER = ("exit code", "experiment key", "profile key", "control law", "measure")
+_TITLES = {
+    "exit code": "Exit codes",
+    "experiment key": "Experiment files",
+    "profile key": "Profiles",
+    "control law": "Control laws",
+    "measure": "Measures",
+}
+_INTRODUCTION = """\
+# Reference
+
+Made by `python .readme/reference.py` from the code; a test holds it to it. `rig explain WORD` says the
+same in a terminal. Numbers in files carry their unit (`35 kPa`); a default below is in SI units.
+
+## Commands
+
+`rig COMMAND --help` has the options.
+"""
+
+
+def page() -> str:
+    """Return the whole page."""
+    commands = [(f"`rig {name}`", text) for name, (_, text) in COMMANDS.items()]
+    parts = [_INTRODUCTION, *_table(("command", "what it does"), commands)]
+    words = glossary()
+    for kind in _ORDER:
+        parts += ["", f"## {_TITLES[kind]}"]
+        parts += _sections(kind, [word for word in words if word.kind == kind])
+    parts += ["", "## Faults", "", "What a message means; `rig explain RUN` looks it up.", ""]
+    rows = [(f"`{t.name}`", t.means, t.causes, t.check, t.mend) for t in fault_topics()]
+    parts += _table(("kind", "means", "usual causes", "check", "mend"), rows)
+    return "\n".join(parts) + "\n"
+
+
+def _sections(kind: str, words: list[Word]) -> Iterator[str]:
+    def place(word: Word) -> tuple[str, str]:
+        return word.name.partition(".")[0] if kind.endswith("key") and word.of else "", word.of
+
+    if kind == "exit code":
+        yield ""
+        yield from _table(("code", "meaning"), [(f"`{w.name}`", w.text) for w in words])
+        return
+    for (section, of), group in groupby(words, place):
+        title = (
+            " of ".join(filter(None, (f"`{section}`" if section else "", of))) or "of every file"
+        )
+        yield from ("", f"### {title}", "")
+        rows = [(f"`{w.name}`", w.text, f"`{w.default}`" if w.default else "") for w in group]
+        if any(default for _, _, default in rows):
+            yield from _table(("name", "meaning", "default"), rows)
+        else:
+            yield from _table(("name", "meaning"), [row[:2] for row in rows])
+
+
+def _table(header: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Iterator[str]:
+    yield "| " + " | ".join(header) + " |"
+    yield "|" + "---|" * len(header)
+    for row in rows:
+        yield "| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in row) + " |"
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["--check"]:
+        sys.exit(PAGE.read_text() != page())
+    PAGE.write_text(page())

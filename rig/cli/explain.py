@@ -1,0 +1,97 @@
+"""`rig explain`: what a word of a file or a report means, and why a run stopped."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import textwrap
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rig.cli.names import LATEST, complete_run, find_run, json_option, runs_option
+from rig.cli.tables import print_data
+
+if TYPE_CHECKING:
+    from rig.explaining.glossary import Word
+
+_MOST = 12
+"""More meanings of one word than this are counted, and told by their full names."""
+_WIDTH = 96
+
+
+@click.command()
+@click.argument("word", default=LATEST, shell_complete=complete_run)
+@runs_option
+@json_option
+def explain(word: str, runs: Path, as_json: bool) -> int:
+    """Say what WORD means, or why a run stopped and what to do; default: the newest run.
+
+    WORD is a key of a profile or experiment (`loop.rate`, or `rate` alone), a measure, a law, a
+    command, an exit code, a kind of fault, a message of this program in quotes, or a run.
+    """
+    told = _explain(word, runs)
+    if as_json:
+        print_data(json.dumps([{"label": label, "text": text} for label, text in told], indent=2))
+    else:
+        print_data("\n".join(_line(label, text) for label, text in told))
+    return 0
+
+
+def _line(label: str, text: str) -> str:
+    return textwrap.fill(f"{label}: {text}", _WIDTH, subsequent_indent="  ")
+
+
+def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
+    from rig.explaining.ended_run import explain_run
+    from rig.explaining.faults import topic_of
+    from rig.hal import ConfigurationError
+
+    if word == LATEST or (runs / word).is_dir() or Path(word).is_dir():
+        return explain_run(find_run(word, runs))
+    known = _known(word)
+    if known:
+        return known
+    topic = topic_of(word) if " " in word.strip() else None
+    if topic is not None:
+        return topic.remarks()
+    near = difflib.get_close_matches(word, _names(), n=3)
+    hint = (
+        f"did you mean {' or '.join(near)}?" if near else "`rig explain --help` says what it knows"
+    )
+    raise ConfigurationError(f"nothing is called {word!r}; {hint}")
+
+
+def _known(word: str) -> Sequence[tuple[str, str]]:
+    """Return what is known of a word: its own meanings, or those of the keys that end with it."""
+    from rig.cli.command_table import COMMANDS
+    from rig.explaining.faults import fault_topics
+    from rig.explaining.glossary import glossary
+
+    for topic in fault_topics():
+        if topic.name == word:
+            return topic.remarks()
+    if word in COMMANDS:
+        return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
+    words = glossary()
+    found = [w for w in words if w.name == word]
+    found = found or [w for w in words if w.name.endswith(f".{word}")]
+    if len(found) > _MOST:
+        names = sorted({w.name for w in found})
+        return [(word, f"{len(names)} keys end so; say which: {', '.join(names)}")]
+    return [(_title(w), w.text + (f" Default: {w.default}." if w.default else "")) for w in found]
+
+
+def _title(word: Word) -> str:
+    return f"{word.name} ({word.kind}{f' of {word.of}' if word.of else ''})"
+
+
+def _names() -> list[str]:
+    from rig.cli.command_table import COMMANDS
+    from rig.explaining.faults import fault_topics
+    from rig.explaining.glossary import glossary
+
+    names = {name for w in glossary() for name in (w.name, w.name.rpartition(".")[2])}
+    return sorted({*names, *COMMANDS, *(topic.name for topic in fault_topics())})

@@ -1,0 +1,84 @@
+"""Why a run ended as it did, and what to do about it."""
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+from rig.explaining.faults import FaultTopic, topic_of
+from rig.run_facts import MetricRow, RunStatus, read_events, read_manifest, read_metrics
+
+_DIAGNOSIS = "diagnosis"
+_PLACEHOLDER = re.compile(r"\b(RIG|EXPERIMENT|RUN)\b")
+
+
+class Remark(NamedTuple):
+    """A line of an explanation.
+
+    Parameters
+    ----------
+    label : str
+        One or two words.
+    text : str
+        A sentence or a few.
+    """
+
+    label: str
+    text: str
+
+
+def explain_run(folder: Path) -> list[Remark]:
+    """Return why a run ended, the likeliest causes, and what finds and mends them.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder is none of a run, or is damaged.
+    """
+    manifest = read_manifest(folder)
+    status, code = manifest["status"], manifest.get("exit_code")
+    ended = status if code is None else f"{status}, exit code {code}"
+    said = [Remark("run", f"{folder.name}: {ended}")]
+    message = manifest.get("message")
+    if message:
+        said.append(Remark("message", message))
+    said += [Remark(_DIAGNOSIS, sentence) for sentence in _diagnoses(folder)]
+    if status == RunStatus.FAILED:
+        return [*said, *_missed(folder)]
+    if status == RunStatus.OK:
+        return [*said, Remark("means", "It went well; `rig report` draws it again.")]
+    if status == RunStatus.ABORTED:
+        return [*said, Remark("means", "Somebody stopped it, and the rig was made safe.")]
+    told = (*_diagnoses(folder), message or "")  # what looked longest knows best
+    topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
+    if not topics:
+        return [*said, Remark("means", "`rig report` shows the last second of every quantity.")]
+    names = {"RIG": manifest.get("rig"), "EXPERIMENT": manifest.get("experiment")}
+    return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
+
+
+def _diagnoses(folder: Path) -> list[str]:
+    events = read_events(folder)
+    return [event["message"] for event in events if event.get("kind") == _DIAGNOSIS]
+
+
+def _missed(folder: Path) -> Iterator[Remark]:
+    """Return the bounds that a run missed."""
+    for row in read_metrics(folder):
+        if row.get("pass") is not False:
+            continue
+        bound, value = row.get("bound"), row["value"]
+        wanted = "" if bound is None else f", {row.get('bound_kind') or 'bound'} {_si(bound, row)}"
+        got = "has no value" if value is None else f"is {_si(value, row)}"
+        meaning = f"`rig explain {row.get('measure', row['name'])}` says what it is"
+        yield Remark("missed", f"{row['name']} {got}{wanted}; {meaning}")
+
+
+def _si(value: float, row: MetricRow) -> str:
+    return f"{value:.4g} {row['unit']}".rstrip()
+
+
+def _remarks(topic: FaultTopic, folder: Path, names: Mapping[str, str | None]) -> Iterator[Remark]:
+    known = {word: name for word, name in {**names, "RUN": folder.name}.items() if name}
+    for label, text in topic.remarks():
+        yield Remark(label, _PLACEHOLDER.sub(lambda found: known.get(found[0], found[0]), text))

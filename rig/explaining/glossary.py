@@ -1,0 +1,143 @@
+"""Every name that a file or a report may hold, with its meaning, read off the code behind it."""
+
+import inspect
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple, cast
+
+from rig.assembly import REGISTRY
+from rig.config.experiment import ExperimentHead
+from rig.config.models import MetricSpec
+from rig.config.named_settings import Kind
+from rig.config.profile import DeviceHead, ProfileHead
+from rig.config.settings import adapter
+from rig.experiment.measure import Measure
+
+Schema = Mapping[str, object]
+
+PROFILE, EXPERIMENT, MEASURE = "profile key", "experiment key", "measure"
+LAW, EXIT_CODE = "control law", "exit code"
+
+
+class Word(NamedTuple):
+    """A name and its meaning.
+
+    Parameters
+    ----------
+    name : str
+        As files and reports have it, sections and keys joined by dots.
+    kind : str
+        What it is a name of.
+    of : str
+        The mechanism, driver, law or the like that has it; empty: all.
+    text : str
+        What it means.
+    default : str
+        What it is where a file does not say it; empty: it must be said, or there is none.
+    """
+
+    name: str
+    kind: str
+    of: str
+    text: str
+    default: str = ""
+
+
+def exit_codes() -> tuple[Word, ...]:
+    """Return what the program's exit codes mean."""
+    texts = {
+        "0": "It went well.",
+        "1": "It ran to its end and missed a bound: of a metric, or any hazard of `rig faults`.",
+        "2": "A file, an option or a combination of them is wrong; nothing has moved.",
+        "3": "A device or the preflight says no; nothing was energised.",
+        "4": "A fault while it ran, or the rig did not say in time that it is safe.",
+        "70": "A bug in this program. The run folder has what is needed to report it.",
+        "130": "It was interrupted and has made the rig safe.",
+    }
+    return tuple(Word(code, EXIT_CODE, "", text) for code, text in texts.items())
+
+
+def glossary() -> tuple[Word, ...]:
+    """Return every key of profiles and experiments, law, measure and exit code."""
+    return (*_profile_keys(), *_experiment_keys(), *_laws(), *_measures(), *exit_codes())
+
+
+def _profile_keys() -> Iterator[Word]:
+    yield from _keys(PROFILE, "", "", ProfileHead)
+    for name in REGISTRY.names("mechanism"):
+        yield from _keys(PROFILE, name, name, REGISTRY.settings("mechanism", name))
+    yield from _keys(PROFILE, "devices.NAME", "", DeviceHead)
+    sections: dict[Kind, str] = {
+        "bus": "buses.NAME",
+        "driver": "devices.NAME",
+        "plant": "plant",
+    }
+    for kind, section in sections.items():
+        for name in REGISTRY.names(kind):
+            yield from _keys(PROFILE, section, name, REGISTRY.settings(kind, name))
+    for name in REGISTRY.names("controller"):
+        law = name.rpartition("/")[2]
+        yield from _keys(PROFILE, f"controllers.{law}", name, REGISTRY.settings("controller", name))
+
+
+def _experiment_keys() -> Iterator[Word]:
+    yield from _keys(EXPERIMENT, "", "", ExperimentHead)
+    for name in REGISTRY.names("reference"):
+        yield from _keys(EXPERIMENT, "reference", name, REGISTRY.settings("reference", name))
+    yield from _keys(EXPERIMENT, "metrics.NAME", "", MetricSpec)
+
+
+def _measures() -> Iterator[Word]:
+    for mechanism in REGISTRY.names("mechanism"):
+        measures = REGISTRY.measures(mechanism, Measure)
+        for name in REGISTRY.own_measures(mechanism):
+            measure = measures[name]
+            unit = f", {measure.unit}" if measure.unit else ""
+            yield Word(name, MEASURE, mechanism, f"{measure.description}{unit}")
+
+
+def _laws() -> Iterator[Word]:
+    for name in REGISTRY.names("controller"):
+        mechanism, _, law = name.rpartition("/")
+        text = inspect.getdoc(REGISTRY.load("controller", name)) or ""
+        yield Word(law, LAW, mechanism, " ".join(text.partition("\n\n")[0].split()))
+
+
+def _keys(kind: str, section: str, of: str, settings: type) -> Iterator[Word]:
+    schema = cast("Schema", adapter(settings).json_schema())
+    definitions = cast("Mapping[str, Schema]", schema.get("$defs", {}))
+    yield from _below(Word(section, kind, of, ""), schema, definitions)
+
+
+def _below(word: Word, schema: Schema, definitions: Mapping[str, Schema]) -> Iterator[Word]:
+    """Return the keys of a section, those of its own sections among them."""
+    properties = cast("Mapping[str, Schema]", schema.get("properties", {}))
+    for key, content in properties.items():
+        name = f"{word.name}.{key}".lstrip(".")
+        text = str(content.get("description", ""))
+        default = _shown(content["default"]) if "default" in content else ""
+        sections = [definitions[name] for name in _references(content)]
+        own = word._replace(name=name, text=text, default="" if sections else default)
+        yield own
+        for section in sections:
+            yield from _below(own, section, definitions)
+
+
+def _references(content: Schema) -> Iterator[str]:
+    """Return the names of the sections that a key may hold, also in a list or by name."""
+    if "$ref" in content:
+        yield str(content["$ref"]).rpartition("/")[2]
+    for inner in ("items", "additionalProperties"):
+        if isinstance(content.get(inner), dict):
+            yield from _references(cast("Schema", content[inner]))
+    for option in cast("list[Schema]", content.get("anyOf", [])):
+        yield from _references(option)
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_shown, value)) + "]"
+    return "" if value is None else str(value)

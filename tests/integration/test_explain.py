@@ -1,0 +1,124 @@
+"""`rig explain`: every word has its meaning, every fault its cause, check and mend."""
+
+import ast
+import json
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+import rig
+from rig.assembly import REGISTRY
+from rig.cli.command_table import COMMANDS
+from rig.cli.commands import invoke
+from rig.explaining import fault_topics, glossary, topic_of
+
+ROOT = Path(rig.__file__).parents[1]
+FAULTS = {
+    "DeviceFault", "ConnectionFailed", "LimitExceeded", "SafetyError", "StaleReading",
+    "EmergencyStop", "LoopStalled",
+}  # fmt: skip
+
+
+def said(capsys, *words):
+    code = invoke(["explain", *words])
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_every_key_measure_and_law_has_a_meaning():
+    words = glossary()
+    assert [word for word in words if len(word.text) < 2] == []
+    names = {word.name for word in words if word.kind == "measure"}
+    assert names == set(REGISTRY.measures(None, object))
+
+
+def test_drawn_words_of_files_are_known(capsys):
+    words = random.Random(8).sample([w for w in glossary() if "." in w.name], 6)
+    for word in words:
+        code, out, _ = said(capsys, word.name)
+        assert code == 0
+        assert word.name in out
+        assert " ".join(word.text.split()[:2]) in " ".join(out.split())
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+def test_commands_are_known(capsys, command):
+    code, out, _ = said(capsys, command)
+    assert (code, COMMANDS[command][1] in out) == (0, True)
+
+
+def test_a_typing_error_gets_the_nearest_names(capsys):
+    code, _, err = said(capsys, "trackin_rms")
+    assert code == 2
+    assert "tracking_rms" in err
+
+
+def test_every_topic_says_what_a_person_needs():
+    for topic in fault_topics():
+        for label, text in topic.remarks():
+            assert text.strip(), (topic.name, label)
+        for name in re.findall(r"`rig (\w+)", " ".join(text for _, text in topic.remarks())):
+            assert name in COMMANDS, topic.name
+
+
+def sentences(path):
+    """Return the longest literal text of each fault that a file raises, and its line."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if not isinstance(node, ast.Call) or getattr(node.func, "id", "") not in FAULTS:
+            continue
+        whole = "".join(
+            part.value if isinstance(part, ast.Constant) else "X"
+            for argument in node.args
+            if isinstance(argument, ast.Constant | ast.JoinedStr)
+            for part in (argument.values if isinstance(argument, ast.JoinedStr) else [argument])
+            if not isinstance(part, ast.Constant) or isinstance(part.value, str)
+        )
+        told = whole.partition("[")[0]
+        if len(re.findall("[a-z]{2,}", told)) > 2:  # else it is put together from parts
+            yield node.lineno, told
+
+
+def test_every_fault_that_the_program_raises_has_a_topic():
+    untold = [
+        f"{path.relative_to(ROOT)}:{line}: {text}"
+        for folder in ("drivers", "rig/mechanisms", "rig/runtime", "rig/assembly")
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        if "sim" not in path.relative_to(ROOT).parts
+        for line, text in sentences(path)
+        if topic_of(text) is None
+    ]
+    assert untold == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "named"),
+    [("wire_break", "monitor"), ("silent", "silent"), ("emergency_stop", "emergency_stop")],
+)
+def test_a_run_that_stopped_is_explained(tmp_path, capsys, fault, named):
+    runs = tmp_path / "runs"
+    injected = f"simulation.faults=[{{at: 1.2 s, device: regulators, fault: {fault}}}]"
+    code = invoke(["run", "cylinder-sine", "--no-report", "--out", str(runs), "--set", injected])
+    assert code == 4
+    err = capsys.readouterr().err
+    [run] = runs.iterdir()
+    assert f"rig explain {run}" in err
+    code, out, _ = said(capsys, str(run), "--json")
+    told = json.loads(out)
+    assert code == 0
+    assert named in [entry["text"] for entry in told if entry["label"] == "kind"], told
+    assert {"means", "causes", "check", "mend"} <= {entry["label"] for entry in told}
+    assert not any(" RIG" in entry["text"] for entry in told)
+
+
+def test_a_missed_bound_is_explained(tmp_path, capsys):
+    runs = tmp_path / "runs"
+    bound = 'metrics.tracking_rms_01={measure: tracking_rms, max: "1 nm"}'
+    args = ["run", "cylinder-step", "--on", "sim", "--no-report", "--out", str(runs)]
+    assert invoke([*args, "--set", bound]) == 1
+    capsys.readouterr()
+    code, out, _ = said(capsys, "--runs", str(runs))
+    assert code == 0
+    assert "tracking_rms_01 is" in out
+    assert "rig explain tracking_rms`" in out.replace("\n ", "")
