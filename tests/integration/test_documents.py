@@ -1,4 +1,4 @@
-"""What is written for people: links lead somewhere, and pages made from the code are what it says."""
+"""What is written for people: links lead somewhere, and what is made from code is what it says."""
 
 import re
 import subprocess
