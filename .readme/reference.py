@@ -24,7 +24,7 @@ _INTRODUCTION = """\
 # Reference
 
 Made by `python .readme/reference.py` from the code; a test holds it to it. `rig explain WORD` says
-the same in a terminal. Numbers in files carry their unit (`35 kPa`); a default below is in SI units.
+the same in a terminal. Numbers in files carry their unit (`35 kPa`); defaults are in SI.
 
 ## Commands
 
