@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rig.cli.names import (
-    complete_experiment,
     configs_option,
+    experiment_argument,
     out_option,
     rig_option,
     seed_option,
@@ -38,7 +38,7 @@ class _Job(NamedTuple):
 
 
 @click.command()
-@click.argument("experiment", shell_complete=complete_experiment)
+@experiment_argument
 @click.option(
     "--controllers",
     metavar="A,B,…",

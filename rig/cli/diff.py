@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, find_run, runs_option
+from rig.cli.names import complete_run, runs_option
 from rig.cli.tables import Table, print_data, print_tables
+from rig.run_names import find_run
 
 if TYPE_CHECKING:
     from rig.replaying.difference import MetricChange

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import LATEST, complete_run, find_run, json_option, runs_option
+from rig.cli.names import complete_run, json_option, runs_option
 from rig.cli.tables import print_data
+from rig.run_names import LATEST, find_run
 
 if TYPE_CHECKING:
     from rig.explaining.glossary import Word

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, find_run, runs_option
+from rig.cli.names import complete_run, runs_option
 from rig.cli.tables import print_data, visible
+from rig.run_names import find_run
 
 TORN = 1
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from rig.cli.names import configs_option, json_option, list_runs, out_option
+from rig.cli.names import configs_option, json_option, out_option
 from rig.cli.tables import Table, print_data, print_tables, visible
+from rig.run_names import list_runs
 
 if TYPE_CHECKING:
     from rig.config.names import Folder

@@ -17,11 +17,11 @@ from rig.cli.names import (
     complete_rig,
     complete_run,
     configs_option,
-    find_run,
     runs_option,
     set_option,
 )
 from rig.cli.tables import abandon_stdout
+from rig.run_names import find_run
 
 if TYPE_CHECKING:
     from rig.config import Profile

@@ -10,83 +10,12 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rig.run_names import LATEST, RUNS, list_runs
+
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
     from rig.config.names import Folder
-
-RUNS = Path("runs")
-"""Where run folders live unless ``--out`` says otherwise."""
-LATEST = "latest"
-"""Stands for the newest run."""
-MANIFEST = "manifest.json"
-"""What makes a folder a run folder; here so that listing needs nothing that is slow."""
-
-
-def list_runs(out: Path) -> list[Path]:
-    """Return the run folders in a folder, newest first.
-
-    Raises
-    ------
-    ConfigurationError
-        The folder is there and cannot be read.
-    """
-    try:
-        found = [path for path in out.iterdir() if (path / MANIFEST).is_file()]
-    except FileNotFoundError:
-        return []
-    except OSError as error:
-        from rig.hal import ConfigurationError
-
-        raise ConfigurationError(f"cannot list {out}: {error.strerror or error}") from error
-    # The name starts with the UTC time; of one second, the longer suffix is the later run.
-    return sorted(found, key=_age_key, reverse=True)
-
-
-def _age_key(path: Path) -> tuple[str, float]:
-    try:
-        born = (path / "experiment.yaml").stat().st_mtime
-    except OSError:
-        born = 0.0
-    return path.name.partition("Z-")[0], born
-
-
-def find_run(source: str, runs: Path = RUNS) -> Path:
-    """Return the folder of a run.
-
-    Parameters
-    ----------
-    source : str
-        A path, the name of a folder in `runs`, or ``"latest"``.
-    runs : Path
-        Where run folders live.
-
-    Raises
-    ------
-    ConfigurationError
-        There is none; with the nearest one.
-    """
-    from rig.hal import ConfigurationError
-
-    if source == LATEST:
-        found = list_runs(runs)
-        if not found:
-            raise ConfigurationError(f"there is no run in {runs} yet; `rig run` makes one")
-        return found[0]
-    for path in (Path(source), runs / source):
-        if path.is_dir():
-            return path
-    import difflib
-
-    names = [path.name for path in list_runs(runs)]
-    near = difflib.get_close_matches(source, [*names, LATEST], n=1)
-    if near:
-        hint = f"did you mean {near[0]}?"
-    elif names:
-        hint = f"there are {len(names)} in {runs}, see `rig list runs`"
-    else:
-        hint = f"there is none in {runs}"
-    raise ConfigurationError(f"no run is called {source!r}; {hint}")
 
 
 def complete_rig(
@@ -101,6 +30,24 @@ def complete_experiment(
 ) -> list[CompletionItem]:
     """Complete the name of an experiment."""
     return _complete(_names(ctx, "experiments"), incomplete)
+
+
+def _need_experiment(ctx: click.Context, param: click.Parameter, value: str | None) -> str:
+    if value is None:
+        from rig.config.names import find_configs, list_files
+
+        names = list_files("experiments", find_configs(ctx.params.get("configs")))
+        raise click.UsageError(
+            f"Which EXPERIMENT? There are: {', '.join(names)}. `rig list experiments` describes "
+            "them; the path of a YAML file will do as well."
+        )
+    return value
+
+
+experiment_argument = click.argument(
+    "experiment", required=False, callback=_need_experiment, shell_complete=complete_experiment
+)
+"""The name of an experiment, or a file; who gives none is told what there is."""
 
 
 def complete_config(

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import (
-    complete_experiment,
     configs_option,
+    experiment_argument,
     out_option,
     rig_option,
     seed_option,
@@ -29,7 +29,7 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 
 
 @click.command()
-@click.argument("experiment", shell_complete=complete_experiment)
+@experiment_argument
 @click.option(
     "--on",
     "on",

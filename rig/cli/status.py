@@ -153,7 +153,7 @@ def _margins(profile: Profile) -> list[Milestone]:
 def _last_runs(profile: Profile, out: Path) -> list[Milestone]:
     """Return how the last runs of the rig ended, on hardware and in simulation."""
     from rig.cli.listing import describe_run
-    from rig.cli.names import list_runs
+    from rig.run_names import list_runs
 
     runs = [run for run in map(describe_run, list_runs(out)) if run.rig == profile.name]
     stages = []

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, find_run, list_runs, runs_option
+from rig.cli.names import complete_run, runs_option
+from rig.run_names import find_run, list_runs
 
 
 @click.command()

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_experiment, configs_option, rig_option, set_option, yes_option
+from rig.cli.names import configs_option, experiment_argument, rig_option, set_option, yes_option
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _TOLD = {"failed": "missed a bound"}
 
 
 @click.command()
-@click.argument("experiment", shell_complete=complete_experiment)
+@experiment_argument
 @click.option(
     "--vary", "axes", multiple=True, metavar="A.B=VALUES",
     help="A setting and its values: 1..5:9, '10..50 kPa:5', log:1..100:5, x,y, or drawn together "

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import LATEST, complete_run, find_run, runs_option
+from rig.cli.names import complete_run, runs_option
+from rig.run_names import LATEST, find_run
 
 
 @click.command()

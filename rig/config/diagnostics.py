@@ -100,13 +100,12 @@ class Problems:
 
 
 def nearest(name: str, names: Iterable[str]) -> str | None:
-    """Return a hint with the name most like a wrong one, and with what there is."""
+    """Return a hint: the name most like a wrong one, or what there is where none is like it."""
     valid = sorted(set(names))
     if not valid:
         return None
     close = difflib.get_close_matches(name[:64], valid, n=1, cutoff=0.6)
-    listed = ", ".join(valid)
-    return f"did you mean {close[0]}? (there are: {listed})" if close else f"there are: {listed}"
+    return f"did you mean {close[0]}?" if close else f"there are: {', '.join(valid)}"
 
 
 def shown(value: object) -> str:

@@ -87,6 +87,11 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
     files = list_files(folder, search)
     if source in files:
         return files[source]
+    beside = Path(f"{source}.yaml")
+    if beside.is_file():
+        raise ConfigurationError(
+            f"no {_SINGULAR[folder]} is called {source!r}; did you mean the file {beside}?"
+        )
     hint = nearest(source, files)
     where = ", ".join(str(configs / folder) for configs in search) or "nowhere: no folder"
     raise ConfigurationError(

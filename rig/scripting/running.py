@@ -16,6 +16,7 @@ from rig.experiment.watcher import Watcher
 from rig.hal import ConfigurationError
 from rig.hal.fits import shown
 from rig.run_facts import MANIFEST
+from rig.run_names import RUNS, find_run
 from rig.run_query import Candidate, choose
 from rig.runtime.stop import StopRequests
 from rig.scripting.errors import MeasureFailed, error_of
@@ -132,15 +133,22 @@ def run(
     return recorded
 
 
-def load(path: str | Path) -> Run:
+def load(run: str | Path, out: str | Path = RUNS) -> Run:
     """Return a recorded run.
+
+    Parameters
+    ----------
+    run : str or Path
+        Its folder, the name of one in `out`, or ``"latest"``.
+    out : Path
+        Where run folders live.
 
     Raises
     ------
     ConfigurationError
         It is no run folder.
     """
-    return Run(path)
+    return Run(find_run(str(run), Path(out)))
 
 
 def runs(out: str | Path = "runs", where: str | Callable[[Run], bool] | None = None) -> list[Run]:

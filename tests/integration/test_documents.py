@@ -1,6 +1,9 @@
 """What is written for people: links lead somewhere, and what is made from code is what it says."""
 
+import doctest
+import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -40,3 +43,57 @@ def test_every_link_leads_somewhere(page):
 def test_the_reference_is_what_the_code_says():
     made = subprocess.run([sys.executable, ROOT / ".readme/reference.py", "--check"], check=False)
     assert made.returncode == 0, "python .readme/reference.py writes it again"
+
+
+NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
+BLOCK = re.compile(r"(?:Write `([\w.-]+)`:\n\n)?```(console|yaml|python)\n(.*?)```", re.S)
+SESSIONS = [ROOT / ".readme" / "tutorial.md", ROOT / ".readme" / "your-own-rig.md"]
+
+
+def shape(text):
+    """Return a text without what differs from run to run: digits, and how columns are set."""
+    return "\n".join(" ".join(NUMBER.sub("0", line).split()) for line in text.splitlines()) + "\n"
+
+
+def run_session(page, folder):
+    """Do what a page says in a folder, and return the commands that print something else."""
+    shell = {**os.environ, "COLUMNS": "100", "PYTHONPATH": str(ROOT), "MPLBACKEND": "Agg"}
+    shell["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{shell['PATH']}"
+    wrong = []
+    for name, kind, content in BLOCK.findall(page.read_text()):
+        if kind == "yaml":
+            (folder / (name or "unnamed.yaml")).write_text(content)
+            continue
+        if kind == "python":
+            asked = [([sys.executable, "-c", content], None)]
+        else:
+            parts = re.split(r"^\$ ", content, flags=re.M)[1:]
+            asked = [
+                (shlex.split(command), said)
+                for command, _, said in (part.partition("\n") for part in parts)
+            ]
+        for command, said in asked:
+            done = subprocess.run(
+                command,
+                cwd=folder,
+                env=shell,
+                check=False,
+                text=True,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                timeout=300,
+            )
+            if said is None:
+                wrong += [done.stdout] if done.returncode else []
+            elif not doctest.OutputChecker().check_output(
+                shape(said), shape(done.stdout), doctest.ELLIPSIS
+            ):
+                wrong.append(f"{shlex.join(command)} printed\n{done.stdout}")
+    return wrong
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", SESSIONS, ids=lambda page: page.stem)
+def test_commands_print_what_the_page_shows(page, tmp_path):
+    wrong = run_session(page, tmp_path)
+    assert not wrong, "\n\n".join(wrong)

@@ -1,0 +1,74 @@
+"""Run folders by name: where they live, and which one is meant. Imports nothing that is slow."""
+
+import difflib
+from pathlib import Path
+
+from rig.hal.errors import ConfigurationError
+
+RUNS = Path("runs")
+"""Where run folders live unless ``--out`` says otherwise."""
+LATEST = "latest"
+"""Stands for the newest run."""
+MANIFEST = "manifest.json"
+"""What makes a folder a run folder; here so that listing needs nothing that is slow."""
+
+
+def list_runs(out: Path) -> list[Path]:
+    """Return the run folders in a folder, newest first.
+
+    Raises
+    ------
+    ConfigurationError
+        The folder is there and cannot be read.
+    """
+    try:
+        found = [path for path in out.iterdir() if (path / MANIFEST).is_file()]
+    except FileNotFoundError:
+        return []
+    except OSError as error:
+        raise ConfigurationError(f"cannot list {out}: {error.strerror or error}") from error
+    # The name starts with the UTC time; of one second, the longer suffix is the later run.
+    return sorted(found, key=_age_key, reverse=True)
+
+
+def _age_key(path: Path) -> tuple[str, float]:
+    try:
+        born = (path / "experiment.yaml").stat().st_mtime
+    except OSError:
+        born = 0.0
+    return path.name.partition("Z-")[0], born
+
+
+def find_run(source: str, runs: Path = RUNS) -> Path:
+    """Return the folder of a run.
+
+    Parameters
+    ----------
+    source : str
+        A path, the name of a folder in `runs`, or ``"latest"``.
+    runs : Path
+        Where run folders live.
+
+    Raises
+    ------
+    ConfigurationError
+        There is none; with the nearest one.
+    """
+    if source == LATEST:
+        found = list_runs(runs)
+        if not found:
+            raise ConfigurationError(f"there is no run in {runs} yet; `rig run` makes one")
+        return found[0]
+    for path in (Path(source), runs / source):
+        if path.is_dir():
+            return path
+
+    names = [path.name for path in list_runs(runs)]
+    near = difflib.get_close_matches(source, [*names, LATEST], n=1)
+    if near:
+        hint = f"did you mean {near[0]}?"
+    elif names:
+        hint = f"there are {len(names)} in {runs}, see `rig list runs`"
+    else:
+        hint = f"there is none in {runs}"
+    raise ConfigurationError(f"no run is called {source!r}; {hint}")
