@@ -3,17 +3,27 @@
 import contextlib
 import math
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 
 from rig.config import format_against
+from rig.experiment.metrics import Evaluation, known_measures
 from rig.report import markup
 from rig.report.data import mechanism_of, origin_of
 from rig.report.figures import known_figures
 from rig.report.markup import NOTHING, Html, element, image, items, join, link, section, table
 from rig.report.timing import Spread, TimingSummary
-from rig.run_facts import EVENTS, REPORT, TIMING, Event, Manifest, MetricRow, RunStatus
+from rig.run_facts import (
+    EVALUATION,
+    EVENTS,
+    REPORT,
+    TIMING,
+    Event,
+    Manifest,
+    MetricRow,
+    RunStatus,
+)
 from rig.run_folder import RunFolder, RunFolderError
 from rig.typed_json import checked
 from rig.whole_file import write_whole
@@ -27,6 +37,7 @@ _EXPLANATIONS = {
     RunStatus.CRASHED: "A bug ended the run, or the process died; every cycle until then is here.",
 }
 _EVENTS_SHOWN = 200
+_BESIDE = ("svg", "pdf", "csv")
 _SCREEN_SCALE = 0.62
 """Pixels on the page per pixel of a figure: 85 mm and 170 mm stay one and two columns."""
 
@@ -44,7 +55,7 @@ def write_html(
     folder : RunFolder
         The run.
     figures : sequence of Path
-        PNG files, which are embedded; one named ``.svg`` beside it is linked.
+        PNG files, which are embedded; the same as ``.svg``, ``.pdf`` and ``.csv`` are linked.
     problems : sequence of str
         What could not be judged, and why.
     failures : sequence of str
@@ -66,7 +77,7 @@ def write_html(
     page = markup.page(
         title,
         _header(folder, title),
-        _metrics(folder.metrics(), problems),
+        _metrics(folder.metrics(), _meanings(folder), problems),
         _figures(figures, failures, mechanism_of(folder)),
         _timing(folder),
         _events(folder.events()),
@@ -105,7 +116,17 @@ def _header(folder: RunFolder, title: str) -> Html:
     )
 
 
-def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> Html:
+def _meanings(folder: RunFolder) -> Mapping[str, str]:
+    """Return what each measure says, and each fact that the run's motion brought."""
+    facts = folder.read_json(EVALUATION, Evaluation).get("facts") or {}
+    own = {name: fact["description"] for name, fact in facts.items()}
+    known = known_measures(mechanism_of(folder))
+    return {name: measure.description for name, measure in known.items()} | own
+
+
+def _metrics(
+    metrics: Sequence[MetricRow], meanings: Mapping[str, str], problems: Sequence[str]
+) -> Html:
     if not metrics and not problems:
         return NOTHING
     rows = []
@@ -122,9 +143,10 @@ def _metrics(metrics: Sequence[MetricRow], problems: Sequence[str]) -> Html:
                 value,
                 f"{sign} {bound}" if bound else "",
                 element("span", verdict, class_=verdict) if verdict else "–",
+                meanings.get(metric.get("measure") or metric["name"], ""),
             ]
         )
-    head = ["metric", "over", "value", "bound", "verdict"]
+    head = ["metric", "over", "value", "bound", "verdict", "what it is"]
     shown = table("Metrics", head, rows, numeric=(2, 3)) if rows else NOTHING
     return section("Metrics", shown, items(problems, "problems"))
 
@@ -136,8 +158,8 @@ def _figures(figures: Sequence[Path], failures: Sequence[str], mechanism: str | 
         width = round(_SCREEN_SCALE * int.from_bytes(content[16:20], "big"))  # of its IHDR
         name = figure.stem
         caption = known[name].caption if name in known else name
-        vector = link(f"{figure.parent.name}/{name}.svg", "svg")
-        told = element("figcaption", caption, " ", vector)
+        files = [link(f"{figure.parent.name}/{name}.{kind}", kind) for kind in _BESIDE]
+        told = element("figcaption", caption, " ", join(files, " "))
         parts.append(element("figure", image(content, caption, width), told))
     body = join([*parts, items(failures, "problems")], "\n")
     return section("Figures", body) if body.strip() else NOTHING

@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rig.report.figure_data import table_of
 from rig.run_folder import RunFolderError
 from rig.whole_file import refuse_link, whole_file
 
@@ -93,7 +94,7 @@ def new_figure(width: float, height: float) -> "Figure":
 
 
 def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
-    """Write a figure as PNG and SVG; return both paths.
+    """Write a figure as PNG, SVG and PDF, and what it shows as CSV; return the paths.
 
     Parameters
     ----------
@@ -111,18 +112,22 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
     RunFolderError
         They cannot be written.
     """
-    paths = [folder / f"{name}.png", folder / f"{name}.svg"]
+    paths = [folder / f"{name}.{kind}" for kind in ("png", "svg", "pdf", "csv")]
+    picture, svg, pdf, table = paths
     try:
         refuse_link(folder)
         folder.mkdir(parents=True, exist_ok=True)
         figure.text(
             1.0, 0.0, origin, ha="right", va="bottom", fontsize=ORIGIN_TEXT, color="#4a5560"
         )
-        with whole_file(paths[0]) as temporary:
+        with whole_file(picture) as temporary:
             figure.savefig(temporary)
-        figure.set_layout_engine("none")  # both files have the layout of the first
-        with whole_file(paths[1]) as temporary:
-            figure.savefig(temporary, metadata={"Date": None})
+        figure.set_layout_engine("none")  # all files have the layout of the first
+        for path, date in ((svg, "Date"), (pdf, "CreationDate")):
+            with whole_file(path) as temporary:
+                figure.savefig(temporary, metadata={date: None})
+        with whole_file(table) as temporary:
+            temporary.write_text(table_of(figure), encoding="utf-8")
     except OSError as error:
         raise RunFolderError(
             f"cannot write figures to {folder}: {error.strerror or error}"
