@@ -100,7 +100,7 @@ def _ask(path: Path, options: list[str], out: Path) -> int:
     from rig.config.formats import format_quantity
     from rig.replaying.open_loop import answer, draw
     from rig.replaying.recorded import open_recorded, plan_of
-    from rig.report.data import origin_of
+    from rig.report.data import imprint_of
     from rig.report.style import paper_style, save
 
     recorded = open_recorded(path, options)
@@ -120,6 +120,6 @@ def _ask(path: Path, options: list[str], out: Path) -> int:
         click.echo(visible(found.stopped), err=True)
     with paper_style():
         figure = draw(found, names)
-        made = save(figure, out, "commands", f"open loop; {origin_of(recorded.folder)}")
+        made = save(figure, out, "commands", f"open loop; {imprint_of([recorded.folder])}")
     click.echo(str(made[0]))
     return 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rig.hal import ConfigurationError
 from rig.report.comparison import ComparisonRow
 from rig.report.comparisons import comparison_of
-from rig.report.data import RunData, load_run, origin_of
+from rig.report.data import RunData, imprint_of, load_run
 from rig.report.style import paper_style, save
 
 if TYPE_CHECKING:
@@ -77,8 +77,7 @@ def draw_comparison(
     runs = _load(paths, labels)
     with paper_style():
         figure = comparison_of(runs).draw(runs, labels)
-        origins = dict.fromkeys(origin_of(run.folder) for run in runs)
-        return save(figure, Path(folder), "compare", "; ".join(origins))
+        return save(figure, Path(folder), "compare", imprint_of([run.folder for run in runs]))
 
 
 def comparison_figure(paths: Sequence[str | Path], labels: Sequence[str]) -> "Figure":

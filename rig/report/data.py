@@ -1,5 +1,6 @@
 """A run as figures and reports see it: everything comes from its folder."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +20,9 @@ from rig.runtime.log import Log, read_log
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+_DAY = len("2026-01-31")
+"""Of a time stamp."""
 
 
 @dataclass(frozen=True)
@@ -105,8 +109,21 @@ def origin_of(folder: RunFolder) -> str:
     """Say where a run's data come from: the rig itself, or which simulation of it."""
     backend, seed = folder.manifest.get("backend"), folder.manifest.get("seed")
     if backend is None or backend == HARDWARE:
-        return backend or ""
+        return "measured on hardware" if backend else ""
     return f"simulation ({backend})" if seed is None else f"simulation ({backend}, seed {seed})"
+
+
+def imprint_of(runs: Sequence[RunFolder]) -> str:
+    """Say what a figure of some runs has to say by itself: what ran, when, and on what."""
+    said = [_said(folder) for folder in runs]
+    told = ["/".join(dict.fromkeys(filter(None, facts))) for facts in zip(*said, strict=True)]
+    return ", ".join([*filter(None, told), *dict.fromkeys(map(origin_of, runs))])
+
+
+def _said(folder: RunFolder) -> tuple[str, str, str, str]:
+    manifest = folder.manifest
+    day = manifest.get("started", "")[:_DAY]
+    return manifest.get("experiment", ""), manifest.get("rig", ""), manifest.get("law", ""), day
 
 
 def load_run(path: str | Path) -> RunData:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from rig.assembly import REGISTRY
 from rig.hal import ConfigurationError
 from rig.hal.fits import where
-from rig.report.data import load_run, origin_of
+from rig.report.data import imprint_of, load_run
 from rig.report.figure import FigureKind
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
@@ -82,7 +82,7 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
             try:
                 figure = draw(run)
                 if figure is not None:
-                    drawn.files.extend(save(figure, folder, name, origin_of(run.folder)))
+                    drawn.files.extend(save(figure, folder, name, imprint_of([run.folder])))
             except (OSError, RunFolderError):
                 raise
             except Exception as error:  # anything may happen in the code of others

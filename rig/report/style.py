@@ -27,6 +27,8 @@ BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = (
 )  # fmt: skip
 PALETTE = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY)
 """M. Okabe, K. Ito, *Color Universal Design*, 2008."""
+PALE = "#f0b9a0"
+"""Of what is commanded, below what came of it: setpoints may swing from rail to rail."""
 INK = "#222222"
 GREY = "#8a8a8a"
 SHADE = "#eef2f6"

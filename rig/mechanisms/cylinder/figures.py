@@ -13,6 +13,7 @@ from rig.report.style import (
     GREY,
     INK,
     PAGE,
+    PALE,
     PALETTE,
     VERMILION,
     format_length,
@@ -98,10 +99,10 @@ def draw_pressures(run: RunData) -> "Figure | None":
     t = run.t
     for number, (axes, chamber) in enumerate(zip(panels, chambers, strict=True)):
         measured = run.log.column(f"reading.pressure_{chamber}") * 1e-3
-        draw_line(axes, t, measured, BLUE, "measured", lw=0.9)
         if f"applied.{chamber}" in run.log:
             applied = run.log.column(f"applied.{chamber}") * 1e-3
-            draw_line(axes, t, applied, VERMILION, "setpoint", lw=0.6)
+            draw_line(axes, t, applied, PALE, "setpoint", lw=0.5)
+        draw_line(axes, t, measured, BLUE, "measured", lw=0.9)
         axes.set_xlim(float(t[0]), float(2.0 * t[-1] - t[-2]))
         axes.set_ylabel(f"{chamber} (kPa)")
         if number == 0:

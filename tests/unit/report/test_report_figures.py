@@ -1,5 +1,6 @@
 """Figures: drawn from the folder alone, not empty, and honest about peaks."""
 
+import csv
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +20,7 @@ from rig.report.style import format_length, paper_style
 from rig.report.timing import STAGES, summarise_timing
 from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_facts import RunStatus
-from rig.run_folder import RunFolderError
+from rig.run_folder import RunFolder, RunFolderError
 from rig.runtime.recorder import LogRecorder
 
 MakeRun = Callable[..., Path]
@@ -34,14 +35,16 @@ def test_every_figure_is_drawn_as_png_and_svg(make_run: MakeRun) -> None:
     run = make_run()
     paths = draw_figures(run).files
     drawn = {*PAIR_FIGURES, *TIMING_FIGURES}  # the others need columns that a pair has not
-    assert {p.name for p in paths} == {f"{n}.{s}" for n in drawn for s in ("png", "svg")}
+    assert {p.name for p in paths} == {
+        f"{n}.{s}" for n in drawn for s in ("png", "svg", "pdf", "csv")
+    }
     for path in paths:
         assert path.parent == run / "figures"
         if path.suffix == ".png":
             assert ink(path) > 0.02
             width_mm = imread(path).shape[1] / 220 * 25.4
             assert min(abs(width_mm - 85), abs(width_mm - 170)) < 0.5
-        else:
+        elif path.suffix == ".svg":
             assert ElementTree.parse(path).getroot().tag.endswith("svg")
 
 
@@ -145,7 +148,7 @@ def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
         make_run("killed", duration=4.0, status=None),
     ]
     labels = ["pid", "cascade", "killed"]
-    png, svg = draw_comparison(paths, labels, tmp_path / "compared")
+    png, svg, *_ = draw_comparison(paths, labels, tmp_path / "compared")
     assert ink(png) > 0.02 and svg.exists()
     rows = compare_metrics(paths, labels)
     assert [row["name"] for row in rows] == [
@@ -164,3 +167,25 @@ def test_comparison_of_runs(make_run: MakeRun, tmp_path: Path) -> None:
     draw_comparison(paths, labels, tmp_path / "compared")  # a broken sensor's run too
     with pytest.raises(ConfigurationError, match="3 runs and 1 labels"):
         draw_comparison(paths, ["pid"], tmp_path)
+
+
+def test_the_data_of_a_figure_lie_beside_it(make_run: MakeRun) -> None:
+    run = make_run("pid")
+    draw_figures(run, ["tracking"])
+    with (run / "figures" / "tracking.csv").open() as table:
+        rows = list(csv.DictReader(table))
+    [measured] = [name for name in rows[0] if "reading" in name and "position" in name]
+    values = [float(row[measured]) * 1e-3 for row in rows if row[measured]]
+    position = load_run(run).trace("reading.position")
+    assert min(values) == pytest.approx(position.min(), abs=1e-9)
+    assert max(values) == pytest.approx(position.max(), abs=1e-9)
+    pdf = (run / "figures" / "tracking.pdf").read_bytes()
+    assert pdf.startswith(b"%PDF") and b"CreationDate" not in pdf
+
+
+def test_a_figure_says_what_ran(make_run: MakeRun) -> None:
+    run = make_run("pid")
+    draw_figures(run, ["tracking"])
+    manifest = RunFolder.open(run).manifest
+    svg = (run / "figures" / "tracking.svg").read_text()
+    assert manifest["experiment"] in svg and manifest["started"][:10] in svg

@@ -14,8 +14,8 @@ from rig.report.style import (
     GREEN,
     GREY,
     INK,
-    ORANGE,
     PAGE,
+    PALE,
     PALETTE,
     VERMILION,
     length_scale,
@@ -53,7 +53,7 @@ def draw_channels(run: RunData) -> "Figure | None":
         position.set_ylabel(f"{name} (mm)")
         measured = run.trace(f"reading.pressure_{name}") * 1e-3
         applied = run.trace(f"applied.{name}") * 1e-3
-        draw_line(pressure, t, applied, "#f0b9a0", "setpoint", lw=0.4)
+        draw_line(pressure, t, applied, PALE, "setpoint", lw=0.4)
         draw_line(pressure, t, measured, BLUE, "monitored", lw=0.8)
         pressure.set_ylabel("(kPa)")
         for axes in row:
@@ -112,18 +112,21 @@ def draw_joint_error(run: RunData) -> "Figure | None":
     """Draw the errors of both pairs and of the marker, with their bounds."""
     if not run.has("reference.rod_ch1", "reading.rod_ch1"):
         return None
-    figure = new_figure(PAGE, 92.0)
-    upper, lower = figure.subplots(2, 1, sharex=True)
+    figure = new_figure(PAGE, 118.0)
+    *panels, lower = figure.subplots(3, 1, sharex=True)
     t = run.time
-    pairs = [0.5 * (_rod_error(run, one) - _rod_error(run, other)) for one, other in PAIRS]
-    factor, unit = length_scale(max(float(np.abs(error).max()) for error in pairs))
-    upper.axhline(0.0, color=GREY, lw=0.5)
-    for error, (one, other), color in zip(pairs, PAIRS, (BLUE, ORANGE), strict=True):
-        draw_line(upper, t, error * factor, color, f"{one} against {other}", lw=0.7)
-    finish_time_axis(upper, t, f"pair error ({unit})", "")
-    _draw_bounds(upper, run, {"wire_rms", "wire_hold_rms"}, factor)
-    shade_segments(upper, PAGE, [_brief(segment) for segment in _whole(run)])
-    place_legend(upper, 3)
+    errors = [0.5 * (_rod_error(run, one) - _rod_error(run, other)) for one, other in PAIRS]
+    factor, unit = length_scale(max(float(np.abs(error).max()) for error in errors))
+    for axes, error, (one, other) in zip(panels, errors, PAIRS, strict=True):
+        axes.axhline(0.0, color=GREY, lw=0.5)
+        draw_line(axes, t, error * factor, BLUE, f"{one} against {other}", lw=0.7)
+        finish_time_axis(axes, t, f"pair error ({unit})", "")
+        _draw_bounds(axes, run, {"wire_rms", "wire_hold_rms"}, factor)
+        place_legend(axes, 3)
+    least, most = zip(*(axes.get_ylim() for axes in panels), strict=True)
+    for axes in panels:
+        axes.set_ylim(min(least), max(most))
+    shade_segments(panels[0], PAGE, [_brief(segment) for segment in _whole(run)])
     desired = run.track("reference.marker")
     extent = 0.0
     curves: list[tuple[str, str, Array]] = []
