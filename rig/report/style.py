@@ -32,6 +32,8 @@ PALE = "#f0b9a0"
 INK = "#222222"
 GREY = "#8a8a8a"
 SHADE = "#eef2f6"
+BAND = "#dfe5ec"
+"""Of what is named in the legend; segments are lighter, and named where they are."""
 
 _RC: "dict[RcKeyType, object]" = {
     # Fonts that come with matplotlib, so that a figure looks the same on every machine.
@@ -119,6 +121,7 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
     try:
         refuse_link(folder)
         folder.mkdir(parents=True, exist_ok=True)
+        _leave_room(figure)
         figure.text(
             1.0, 0.0, origin, ha="right", va="bottom", fontsize=ORIGIN_TEXT, color="#4a5560"
         )
@@ -135,6 +138,16 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
             f"cannot write figures to {folder}: {error.strerror or error}"
         ) from error
     return paths
+
+
+def _leave_room(figure: "Figure") -> None:
+    """Keep the drawing off the line at its foot, which says where it comes from."""
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    engine = figure.get_layout_engine()
+    if isinstance(engine, ConstrainedLayoutEngine):
+        foot = 1.5 * ORIGIN_TEXT / 72.0 / figure.get_figheight()
+        engine.set(rect=(0.0, foot, 1.0, 1.0 - foot))
 
 
 def place_legend(axes: "Axes", columns: int) -> None:

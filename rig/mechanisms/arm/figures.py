@@ -7,6 +7,7 @@ import numpy as np
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
+    BAND,
     BLUE,
     GREY,
     INK,
@@ -43,8 +44,8 @@ def draw_rates(run: RunData) -> "Figure | None":
         commanded = run.trace(f"command.velocity_{name}")
         draw_line(axes, t, measured, GREY, "measured", lw=0.6)
         draw_line(axes, t, commanded, BLUE, "commanded", lw=0.9)
-        for bound in (-limit, limit):
-            axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)))
+        for bound, label in ((-limit, "_"), (limit, "limit")):
+            axes.axhline(bound, color=VERMILION, lw=0.8, ls=(0, (5, 2)), label=label)
         mark_region(axes, run)
         finish_time_axis(axes, t, f"{name} (rad/s)", "")
         # A spike beyond three times the permitted rate does not set the scale.
@@ -52,7 +53,7 @@ def draw_rates(run: RunData) -> "Figure | None":
         axes.set_ylim(-extent, extent)
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
-    place_legend(panels[0, 2], 2)
+    _legend_above(figure, panels[0, 0])
     return figure
 
 
@@ -70,7 +71,7 @@ def draw_indices(run: RunData) -> "Figure | None":
         mark_region(axes, run)
         finish_time_axis(axes, t, label, "time (s)")
         _keep_above_noise(axes, 2e-3)
-    place_legend(panels[0], 2)
+    _legend_above(figure, panels[0])
     return figure
 
 
@@ -98,12 +99,7 @@ def draw_hand(run: RunData) -> "Figure | None":
         row[0].set_ylim(*(sign * max(1.25 * extent, 0.02) for sign in (-1.0, 1.0)))
     for axes in panels[-1]:
         axes.set_xlabel("time (s)")
-    figure.legend(
-        handles=panels[0, 0].get_legend_handles_labels()[0],
-        loc="outside upper right",
-        ncols=3,
-        frameon=False,
-    )
+    _legend_above(figure, panels[0, 0])
     return figure
 
 
@@ -131,7 +127,8 @@ def draw_inside(run: RunData) -> "Figure | None":
     draw_line(right, t, across * 1e3, VERMILION, "off the path", lw=0.9)
     mark_region(right, run)
     finish_time_axis(right, t, "hand off its place (mm)", "time (s)")
-    place_legend(right, 2)
+    place_legend(left, 2)
+    place_legend(right, 3)
     return figure
 
 
@@ -175,12 +172,19 @@ def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> Non
     axes.plot([], [], color=GREY, lw=0.7, ls=(0, (2, 2)), label="reach of the wrist")
 
 
+def _legend_above(figure: "Figure", axes: "Axes") -> None:
+    """Put one legend above all panels, which show the same lines."""
+    handles = axes.get_legend_handles_labels()[0]
+    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles), frameon=False)
+
+
 def mark_region(axes: "Axes", run: RunData) -> None:
-    """Mark where the singular region is entered and left, as the paper does, by black lines."""
+    """Shade the singular region, from where it is entered to where it is left."""
+    label = "singular region"
     for segment in run.segments:
         if segment.name == "region":
-            for instant in (segment.start, segment.end):
-                axes.axvline(instant, color=INK, lw=0.8)
+            axes.axvspan(segment.start, segment.end, color=BAND, lw=0, zorder=0, label=label)
+            label = "_"
 
 
 def _keep_above_noise(axes: "Axes", least: float) -> None:

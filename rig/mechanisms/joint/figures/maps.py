@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+_LOOP_ROWS = 2
+"""Of panels, one for each pressure."""
 _RINGS, _SECTORS = 8, 36
 """Fields of a map; a spiral passes each of them while it has as many rounds as rings."""
 
@@ -147,21 +149,21 @@ def draw_stiffness(run: RunData) -> "Figure | None":
             windows.append(Window(segment, samples, slice(int(first), int(last))))
     if not windows:
         return None
-    from matplotlib import colormaps
-
-    figure = new_figure(PAGE, 66.0)
-    loops, curve = figure.subplots(1, 2)
-    colors = colormaps["viridis"](np.linspace(0.0, 0.85, len(windows)))
-    for window, color in zip(windows, colors, strict=True):
-        force = window.column("estimate.tension_ch1") - window.column("estimate.tension_ch3")
-        position = 0.5 * (window.column("reading.rod_ch1") - window.column("reading.rod_ch3"))
-        loops.plot(
-            (position - position.mean()) * 1e6, force - force.mean(), color=color, lw=0.7,
-            label=window.segment.name,
-        )  # fmt: skip
-    loops.set_xlabel("rods of the pair ch1 against ch3 (µm)")
-    loops.set_ylabel("push on the pair (N)")
-    place_legend(loops, 3)
+    figure = new_figure(PAGE, 84.0)
+    wide = -(-len(windows) // _LOOP_ROWS)
+    grid = figure.add_gridspec(_LOOP_ROWS, 2 * wide)
+    corner: Axes | None = None
+    for number, window in enumerate(windows):
+        row, column = divmod(number, wide)
+        axes = figure.add_subplot(grid[row, column], sharex=corner, sharey=corner)
+        corner = corner or axes
+        _draw_loop(axes, window)
+        axes.tick_params(labelbottom=row == _LOOP_ROWS - 1, labelleft=column == 0)
+        if row == _LOOP_ROWS - 1:
+            axes.set_xlabel("rods (µm)")
+        if column == 0:
+            axes.set_ylabel("push on the pair (N)")
+    curve = figure.add_subplot(grid[:, wide:])
     found = [yielding(window) for window in windows]
     pressure = [each.pressure * 1e-3 for each in found]
     stiffness = [each.stiffness * 1e-6 for each in found]
@@ -181,6 +183,14 @@ def draw_stiffness(run: RunData) -> "Figure | None":
     place_legend(curve, 2)
     curve.axhline(0.0, color=INK, lw=0.4)
     return figure
+
+
+def _draw_loop(axes: "Axes", window: Window) -> None:
+    """Draw how the rods of a pair gave way to its push at one pressure."""
+    force = window.column("estimate.tension_ch1") - window.column("estimate.tension_ch3")
+    position = 0.5 * (window.column("reading.rod_ch1") - window.column("reading.rod_ch3"))
+    axes.plot((position - position.mean()) * 1e6, force - force.mean(), color=BLUE, lw=0.5)
+    axes.set_title(window.segment.name)
 
 
 MAP_FIGURES = {
