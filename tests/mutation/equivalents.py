@@ -26,6 +26,18 @@ class Equivalent(NamedTuple):
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
     Equivalent(
+        "rig/mechanisms/joint/watch.py",
+        "if not math.isfinite(sum(rods) + sum(pressures)):",
+        "sum(rods) + sum(pressures) -> sum(rods) - sum(pressures)",
+        "what is not finite stays so under either sign, and finite readings are far from overflow",
+    ),
+    Equivalent(
+        "rig/mechanisms/joint/watch.py",
+        "self._cycle += 1",
+        "self._cycle += 1 -> self._cycle -= 1",
+        "every fourth cycle is every fourth one, counted up or down",
+    ),
+    Equivalent(
         "rig/cli/reset.py",
         "return False",
         "return False -> return None",

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from joint_fakes import (
     CHANNELS,
@@ -20,8 +21,11 @@ from joint_fakes import (
 from pneumatic_fakes import BASE, HOME, PERIOD, SPEED, TINY, FakeCamera
 
 from controllers.spherical_joint.poses import axis_from_tilt
+from controllers.spherical_joint.types import CameraSample, JointState
 from rig.hal import DeviceFault, LimitExceeded, Markers, SafetyError, StaleReading
+from rig.mechanisms.joint import watch as watched
 from rig.mechanisms.joint.settings import JointFriction
+from rig.mechanisms.joint.watch import JointWatch
 
 TILTED = rods_at(0.3, 0.4)
 ERROR = LimitExceeded("speed of something", 1.0, -0.5, 0.5, "m/s")
@@ -298,3 +302,110 @@ def test_a_rod_that_ran_before_its_encoder_complained_did_run(number, way, least
         assert (found is not error) is cause
         if cause:
             assert f"the wire of {CHANNELS[number - 1]} is slack or cut" in str(found)
+
+
+# The watch on its own ----------------------------------------------------------------------------
+
+
+class Rods:
+    """The watch of a joint that a test tells rods, and what a camera saw."""
+
+    def __init__(self, camera=None, settings=None):
+        self.watch = JointWatch(settings or joint_settings(), "regulators", ENCODERS, camera)
+        self.now = 0.0
+
+    def state(self, rods, sample=None):
+        return JointState(self.now, tuple(rods), (BASE,) * 4, sample)
+
+    def check(self, rods, sample=None, step=PERIOD):
+        self.now += step
+        state = self.state(rods, sample)
+        self.watch.check(state, self.now)
+        return state
+
+
+def test_before_the_first_cycle_the_rod_furthest_from_home_is_the_one_that_runs():
+    """Rod 1 is in, rod 3 less far out: from home rod 1 went further, from elsewhere rod 3."""
+    rods = off(off(UPRIGHT, 1, 2e-3), 3, -1.5e-3)
+    for checked in (False, True):
+        told = Rods()
+        state = told.check(rods) if checked else told.state(rods)
+        assert str(told.watch.explain(ERROR, state)).startswith("the wire of ch1 is slack or cut")
+
+
+def test_an_encoder_that_complains_in_the_first_cycle_is_believed():
+    """In that cycle nothing is known of a run: it has the time since the clock began."""
+    error = DeviceFault(ENCODERS[0], "it jumps")
+    far = 0.29 * SPEED
+    told = Rods()
+    state = told.check(off(UPRIGHT, 1, far), step=1.0)
+    assert told.watch.explain(error, state) is error
+
+
+def test_a_rod_at_just_the_share_of_its_speed_did_not_run():
+    error = DeviceFault(ENCODERS[0], "it jumps")
+    way = 2.0**-8
+    told = Rods()
+    told.check(off(UPRIGHT, 1, -(0.3 * way)))
+    told.check(UPRIGHT)
+    assert told.watch.explain(error, told.state(off(UPRIGHT, 1, way))) is error
+    told = Rods()
+    told.check(off(UPRIGHT, 1, -(0.3001 * way)))
+    told.check(UPRIGHT)
+    assert told.watch.explain(error, told.state(off(UPRIGHT, 1, way))) is not error
+
+
+def test_a_rod_that_goes_out_is_the_one_that_runs_if_it_went_furthest():
+    """Rod 1 is pulled out by 3 mm, rod 2 comes in by 1 mm: nothing let go that pulls."""
+    told = Rods()
+    told.check(TILTED)
+    told.check(TILTED)
+    went = off(off(TILTED, 1, -3e-3), 2, 1e-3)
+    state = told.check(went)
+    assert told.watch.explain(ERROR, state) is ERROR
+
+
+def test_an_encoder_that_complains_while_the_whole_ring_runs_saw_a_push():
+    error = DeviceFault(ENCODERS[2], "it jumps")
+    told = Rods()
+    state = None
+    for tilt in (0.2, 0.25, 0.3):
+        state = told.check(rods_at(tilt, 0.5 * math.pi))
+    found = told.watch.explain(error, state)
+    assert str(found) == f"the ring was pushed or struck: all rods move with it ({error})"
+    assert told.watch.explain(ERROR, state) is ERROR
+
+
+def test_who_let_go_is_told_by_the_cycles_before():
+    """Rods 1 and 3 of one pair run; rod 3 began, and its opposite one followed faster."""
+    rods, way = np.zeros(4), 2.0**-13
+    told = Rods()
+    for third, first in ((0, 0), (0, 0), (2, 0), (2, 0), (2, 0), (2, 3), (2, 9)):
+        rods[[2, 0]] += np.array((third, first)) * way
+        state = told.check(rods)
+    assert "the wire of ch3 is slack or cut" in str(told.watch.explain(ERROR, state))
+
+
+def test_the_ring_may_lean_by_just_the_limit(monkeypatch):
+    told = Rods()
+    for beyond in (0.0, 2.0**-50):
+        monkeypatch.setattr(watched, "tilt_of", lambda _, beyond=beyond: TILT + EXCESS + beyond)
+        if not beyond:
+            for _ in range(4):
+                told.check(UPRIGHT)
+            continue
+        with pytest.raises(LimitExceeded, match="tilt of the ring"):
+            for _ in range(4):
+                told.check(UPRIGHT)
+
+
+def test_without_a_sample_nothing_is_said_of_the_camera():
+    told = Rods(camera="camera")
+    for _ in range(4 * GRACE_CYCLES):
+        told.check(UPRIGHT)
+
+
+def test_without_a_camera_a_sample_is_not_looked_at():
+    told = Rods()
+    for _ in range(8 * GRACE_CYCLES):
+        told.check(UPRIGHT, CameraSample((1.0, 0.0, 0.0), told.now, 1.0))
