@@ -45,17 +45,6 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_devices.py",
         "mechanisms/test_controller_commands.py",
     ),
-    "rig/mechanisms/cylinder/mechanism.py": (
-        "mechanisms/test_cylinder_limits.py",
-        "mechanisms/test_cylinder_commands.py",
-        "mechanisms/test_controller_commands.py",
-    ),
-    "rig/mechanisms/joint/mechanism.py": (
-        "mechanisms/test_joint_readings.py",
-        "mechanisms/test_joint_commands.py",
-        "mechanisms/test_joint_watch.py",
-        "mechanisms/test_controller_commands.py",
-    ),
     "rig/mechanisms/cylinder/watch.py": (
         "mechanisms/test_cylinder_limits.py",
         "mechanisms/test_cylinder_watch.py",
