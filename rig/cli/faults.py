@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rig.faults.campaign import Job
+    from rig.faults.quiet import QuietRun
     from rig.faults.subject import Subject
     from rig.faults.verdict import Verdict
 
@@ -92,6 +93,13 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
     help="Break nothing for so many simulated hours: whatever stops a rig then is a false trip.",
 )
 @click.option(
+    "--on",
+    type=click.Choice(["virtual", "sim"]),
+    default="virtual",
+    show_default=True,
+    help="With --quiet; sim has no frames, and takes a fraction of the time.",
+)
+@click.option(
     "--experiment",
     "experiments",
     multiple=True,
@@ -127,6 +135,7 @@ def run(
     count: int | None,
     only: str | None,
     hours: float | None,
+    on: str,
     experiments: tuple[str, ...],
     seed: int,
     workers: int,
@@ -141,8 +150,10 @@ def run(
     A fault whose moment never came is no pass; the exit code is 2 then.
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
+    from rig.assembly import Backend
     from rig.faults.campaign import run_cases
     from rig.faults.progress import CampaignProgress
+    from rig.faults.quiet import draw_quiet
     from rig.faults.table import make_rows
 
     if sum((full, count is not None and only is None)) > 1:
@@ -150,13 +161,17 @@ def run(
     breaks = full or count is not None or only is not None
     if hours is not None and breaks:
         raise click.UsageError("--quiet breaks nothing; --full, --random and --only do")
+    if hours is None and on != "virtual":
+        raise click.UsageError("without frames there is little to break; --on is for --quiet")
     for name in filter(_is_file, rigs):
         if breaks or hours is not None or experiments:
             raise click.UsageError(f"{name} says itself what breaks, once, and in what")
     folder = out / f"seed-{seed}"
     make_folder(folder)
     if hours is not None:
-        return _be_quiet(rigs or RIGS, hours, experiments, seed, workers, folder, configs, as_json)
+        subjects = [_survey(rig, experiments, configs) for rig in rigs or RIGS]
+        drawn = draw_quiet(subjects, hours, seed, configs, Backend(on))
+        return _be_quiet(drawn, folder, workers, as_json)
     jobs: list[Job] = []
     for name in rigs or RIGS:
         if _is_file(name):
@@ -201,29 +216,18 @@ def make_folder(folder: Path) -> None:
         ) from error
 
 
-def _be_quiet(
-    rigs: tuple[str, ...],
-    hours: float,
-    experiments: tuple[str, ...],
-    seed: int,
-    workers: int,
-    folder: Path,
-    configs: Path | None,
-    as_json: bool,
-) -> int:
-    """Run rigs for hours without a fault; see `rig.faults.quiet`."""
+def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -> int:
+    """Run rigs without a fault; see `rig.faults.quiet`."""
     from rig.faults.progress import QuietProgress
-    from rig.faults.quiet import HOUR, draw_quiet, run_quietly
+    from rig.faults.quiet import HOUR, run_quietly
 
-    subjects = [_survey(rig, experiments, configs) for rig in rigs]
-    runs = draw_quiet(subjects, hours, seed, configs)
     with QuietProgress(len(runs)) as progress:
         endings = run_quietly(runs, folder, workers, progress.told)
     if as_json:
         print_data(json.dumps([ending.as_json() for ending in endings], indent=2))
     else:
         rows = []
-        for name in (*rigs, "all"):
+        for name in (*dict.fromkeys(run.rig for run in runs), "all"):
             own = [ending for ending in endings if name in (ending.run.rig, "all")]
             spent = sum(ending.duration for ending in own) / HOUR
             trips = sum(ending.is_trip for ending in own)

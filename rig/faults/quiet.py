@@ -44,17 +44,20 @@ class QuietRun:
         The unit that it is run on: seed and perturbation.
     configs : str
         The folder of the configurations, if it was named.
+    on : Backend
+        ``virtual``, or ``sim``: without frames, and several times as fast.
     """
 
     rig: str
     experiment: str
     options: tuple[str, ...]
     configs: str = ""
+    on: Backend = Backend.VIRTUAL
 
     @property
     def command(self) -> str:
         """The command that runs it again."""
-        words = ["rig", "run", self.experiment, "--rig", self.rig]
+        words = ["rig", "run", self.experiment, "--rig", self.rig, "--on", self.on]
         words += [word for option in self.options for word in ("--set", option)]
         words += ["--configs", self.configs] if self.configs else []
         return shlex.join(words)
@@ -93,7 +96,11 @@ class QuietEnding(NamedTuple):
 
 
 def draw_quiet(
-    subjects: Sequence[Subject], hours: float, seed: int, configs: Path | None
+    subjects: Sequence[Subject],
+    hours: float,
+    seed: int,
+    configs: Path | None,
+    on: Backend = Backend.VIRTUAL,
 ) -> list[QuietRun]:
     """Draw runs that take so many hours of the rigs' clocks together, each rig its share."""
     chance = random.Random(f"{seed} quiet")
@@ -105,7 +112,8 @@ def draw_quiet(
         experiment = chance.choice(list(lengths[rig]))
         spent[rig] += lengths[rig][experiment]
         unit = (f"simulation.seed={chance.randrange(1_000_000)}", _perturbation(chance))
-        drawn.append(QuietRun(rig, experiment, unit, "" if configs is None else str(configs)))
+        place = "" if configs is None else str(configs)
+        drawn.append(QuietRun(rig, experiment, unit, place, on))
     return drawn
 
 
@@ -157,7 +165,7 @@ def _run(run: QuietRun, out: Path) -> QuietEnding:
     try:
         configs = Path(run.configs) if run.configs else None
         plan = load_plan(run.experiment, run.options, rig=run.rig, configs=configs)
-        result = run_experiment(plan, Backend.VIRTUAL, out, watcher=watch, report=False)
+        result = run_experiment(plan, run.on, out, watcher=watch, report=False)
         code, message = result.exit_code, result.message
     except Exception as error:  # a bug of ours stops a rig as well
         ending = ending_of(error)
