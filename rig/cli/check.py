@@ -35,12 +35,18 @@ _EXPERIMENT_KEY = re.compile(r"^(rig|reference|metrics|controller|approach)\s*:"
     help="Ask these CAN buses, or the profile's own (hardware), who is there, and compare that "
     "with the profile. It only reads: no node is reset or started.",
 )
+@click.option(
+    "--values", is_flag=False, flag_value="", metavar="[PART]",
+    help="Show every setting (of those with PART in their name) with its value in SI, and where it "
+    "comes from: the file, one that it extends, a calibration, an option, the default.",
+)  # fmt: skip
 @json_option
 def check(
     source: str,
     overrides: tuple[str, ...],
     configs: Path | None,
     on: str | None,
+    values: str | None,
     as_json: bool,
 ) -> int:
     """Check a profile or an experiment and show what it says.
@@ -57,6 +63,15 @@ def check(
     from rig.cli.loops import advice, describe_loop
 
     profile, plan = load(source, overrides, configs)
+    if values is not None:
+        from rig.cli.origins import origins_of, origins_table
+
+        origins = origins_of(profile, values)
+        if as_json:
+            print_data(json.dumps([origin._asdict() for origin in origins], indent=2))
+        else:
+            print_tables([origins_table(origins)])
+        return 0
     if on is not None:
         from rig.cli.check_bus import check_buses
 
