@@ -9,7 +9,8 @@ from itertools import groupby
 from pathlib import Path
 
 from rig.cli.command_table import COMMANDS
-from rig.explaining import Word, fault_topics, glossary
+from rig.explaining.faults import fault_topics
+from rig.explaining.glossary import Word, glossary
 
 PAGE = Path(__file__).with_name("reference.md")
 _ORDER = ("exit code", "experiment key", "profile key", "control law", "measure")

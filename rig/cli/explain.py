@@ -69,13 +69,17 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
     """Return what is known of a word: its own meanings, or those of the keys that end with it."""
     from rig.cli.command_table import COMMANDS
     from rig.explaining.faults import fault_topics
-    from rig.explaining.glossary import glossary
+    from rig.explaining.exit_codes import EXIT_CODES
 
     for topic in fault_topics():
         if topic.name == word:
             return topic.remarks()
     if word in COMMANDS:
         return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
+    if word in EXIT_CODES:
+        return [(f"exit code {word}", EXIT_CODES[word])]
+    from rig.explaining.glossary import glossary  # every law and measure is imported for it
+
     words = glossary()
     found = [w for w in words if w.name == word]
     found = found or [w for w in words if w.name.endswith(f".{word}")]

@@ -11,6 +11,7 @@ from rig.config.named_settings import Kind
 from rig.config.profile import DeviceHead, ProfileHead
 from rig.config.settings import adapter
 from rig.experiment.measure import Measure
+from rig.explaining.exit_codes import EXIT_CODES
 
 Schema = Mapping[str, object]
 
@@ -42,23 +43,14 @@ class Word(NamedTuple):
     default: str = ""
 
 
-def exit_codes() -> tuple[Word, ...]:
-    """Return what the program's exit codes mean."""
-    texts = {
-        "0": "It went well.",
-        "1": "It ran to its end and missed a bound: of a metric, or any hazard of `rig faults`.",
-        "2": "A file, an option or a combination of them is wrong; nothing has moved.",
-        "3": "A device or the preflight says no; nothing was energised.",
-        "4": "A fault while it ran, or the rig did not say in time that it is safe.",
-        "70": "A bug in this program. The run folder has what is needed to report it.",
-        "130": "It was interrupted and has made the rig safe.",
-    }
-    return tuple(Word(code, EXIT_CODE, "", text) for code, text in texts.items())
-
-
 def glossary() -> tuple[Word, ...]:
     """Return every key of profiles and experiments, law, measure and exit code."""
     return (*_profile_keys(), *_experiment_keys(), *_laws(), *_measures(), *exit_codes())
+
+
+def exit_codes() -> Iterator[Word]:
+    """Return what the program's exit codes mean."""
+    return (Word(code, EXIT_CODE, "", text) for code, text in EXIT_CODES.items())
 
 
 def _profile_keys() -> Iterator[Word]:

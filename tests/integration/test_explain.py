@@ -12,7 +12,8 @@ import rig
 from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
-from rig.explaining import fault_topics, glossary, topic_of
+from rig.explaining.faults import fault_topics, topic_of
+from rig.explaining.glossary import glossary
 
 ROOT = Path(rig.__file__).parents[1]
 FAULTS = {

@@ -1,0 +1,13 @@
+"""What the exit codes of the program mean."""
+
+from typing import Final
+
+EXIT_CODES: Final = {
+    "0": "It went well.",
+    "1": "It ran to its end and missed a bound: of a metric, or any hazard of `rig faults`.",
+    "2": "A file, an option or a combination of them is wrong; nothing has moved.",
+    "3": "A device or the preflight says no; nothing was energised.",
+    "4": "A fault while it ran, or the rig did not say in time that it is safe.",
+    "70": "A bug in this program. The run folder has what is needed to report it.",
+    "130": "It was interrupted and has made the rig safe.",
+}
