@@ -68,8 +68,8 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
 def _known(word: str) -> Sequence[tuple[str, str]]:
     """Return what is known of a word: its own meanings, or those of the keys that end with it."""
     from rig.cli.command_table import COMMANDS
-    from rig.explaining.faults import fault_topics
     from rig.explaining.exit_codes import EXIT_CODES
+    from rig.explaining.faults import fault_topics
 
     for topic in fault_topics():
         if topic.name == word:
