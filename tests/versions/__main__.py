@@ -2,11 +2,12 @@
 
 An environment is made for each interpreter that this machine has, with the newest dependencies, and
 one of the lowest interpreter with the lowest that `pyproject.toml` states. The fast part of the
-suite runs in each, and experiments whose ``metrics.json`` must be the same bytes in all of them:
+suite runs in each, and experiments whose ``metrics.json`` must be the same (`comparison`):
 one of each mechanism, or with ``--all`` every shipped one. What is absent is said, and no failure.
 The exit code is 0, or 1 if anything failed.
 """
 
+import json
 import os
 import shutil
 import subprocess
@@ -15,6 +16,7 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
+from comparison import same_bytes, same_numbers
 from interpreters import VERSIONS, find_interpreters
 
 ROOT = Path(__file__).parents[2]
@@ -41,25 +43,35 @@ def main() -> int:
         say("SKIPPED: all of them: uv is not installed")
         return 0
     failed = []
-    digests: dict[str, str] = {}
+    found: dict[Environment, dict[str, str]] = {}
     with tempfile.TemporaryDirectory() as scratch:
         for environment in environments():
             folder = Path(scratch, environment.name)
             python = install(uv, environment, folder)
             if python is None or not passes(python, folder, options):
                 failed.append(environment.name)
-            if python is None:
-                continue
-            digests[environment.name] = metrics(python, folder, experiments)
-            shutil.rmtree(folder)  # a gigabyte
-    if len(set(digests.values())) > 1:
-        failed.append("metrics.json")
-        for name, text in digests.items():
-            say(f"metrics of {name}:\n{text}")
-    elif digests:
-        say(f"metrics.json of {', '.join(experiments)}: the same bytes in {', '.join(digests)}")
+            if python is not None:
+                found[environment] = metrics(python, folder, experiments)
+                shutil.rmtree(folder)  # a gigabyte
+    failed += compare(found)
     say(f"FAILED: {', '.join(failed)}" if failed else "all passed")
     return 1 if failed else 0
+
+
+def compare(found: dict[Environment, dict[str, str]]) -> list[str]:
+    """Compare the metrics of every environment with the last one's; return what is wrong."""
+    failed: list[str] = []
+    *others, last = found or [None]
+    for other in others:
+        differing = list(same_bytes(found[other], found[last]))
+        how = "the same bytes" if not differing else f"not the same bytes: {', '.join(differing)}"
+        say(f"metrics.json of {len(found[last])} experiments, {other.name}, {last.name}: {how}")
+        if other.resolution != last.resolution:
+            differing = list(same_numbers(found[other], found[last]))
+        for text in differing:
+            say(text)
+        failed += [f"metrics of {other.name}"] * bool(differing)
+    return failed
 
 
 def environments() -> list[Environment]:
@@ -97,10 +109,12 @@ def passes(python: Path, folder: Path, options: list[str]) -> bool:
     return _run(python, folder, words).returncode == 0
 
 
-def metrics(python: Path, folder: Path, experiments: tuple[str, ...] | list[str]) -> str:
-    """Return the digests of what experiments come to, or what went wrong."""
+def metrics(python: Path, folder: Path, experiments: tuple[str, ...] | list[str]) -> dict[str, str]:
+    """Return ``metrics.json`` of each experiment that could be run."""
     done = _run(python, folder, [Path(__file__).with_name("same_metrics.py"), *experiments], True)
-    return done.stdout if done.returncode == 0 else f"{done.stdout}{done.stderr}"
+    if done.returncode != 0:
+        say(done.stderr)
+    return dict(json.loads(line) for line in done.stdout.splitlines() if line.startswith("["))
 
 
 def _run(
