@@ -84,6 +84,7 @@ __all__ = [
 def __getattr__(name: str) -> object:
     if name not in _OFFERED:
         raise AttributeError(f"module 'rig' has no attribute {name!r}")
+    importlib.import_module("rig.kernel_cache").keep_kernels()
     found: object = getattr(importlib.import_module(_OFFERED[name]), name)
     return found
 

@@ -9,6 +9,7 @@ from typing import Final, NotRequired, Required, TypedDict
 
 from rig.hal import ConfigurationError
 from rig.hal.files import read_regular
+from rig.plug_ins import PlugIn
 from rig.provenance import GitState
 from rig.typed_json import MOST, checked, parse, read_json
 
@@ -58,6 +59,7 @@ class Manifest(TypedDict, total=False):
     message: str | None
     git: GitState | None
     versions: dict[str, str]
+    plug_ins: dict[str, PlugIn]
     machine: dict[str, object]
     files: dict[str, str]
 

@@ -13,6 +13,7 @@ from typing import Protocol, TypeVar, cast
 from rig import provenance
 from rig.hal import ConfigurationError, RigError
 from rig.json_file import plain, write_json
+from rig.plug_ins import plug_ins
 from rig.run_facts import (
     EVENTS,
     FORMAT,
@@ -133,6 +134,7 @@ class RunFolder:
                 "message": None,
                 "git": provenance.git_state(),
                 "versions": provenance.versions(),
+                "plug_ins": plug_ins(),
                 "machine": provenance.machine(),
                 "files": provenance.file_hashes(inputs),
             }

@@ -8,7 +8,9 @@ from typing import Annotated, Final
 from annotated_types import Gt, Interval, Unit
 
 from rig.hal.driver import AxisBounds
+from rig.hal.rising import Rising
 
+_RISING: Final = Rising("limits")
 _CAP: Final = 1.15
 """A drive needs more than the greatest speed to catch up with its setpoints, and its loop swings
 over its cap by up to 7 % where an encoder lies to it."""
@@ -38,13 +40,11 @@ class AxisSettings:
     gear: Annotated[float, Unit("1"), Interval(ge=1e-3, le=1e5)] = 1.0
     reversed: bool = False
     offset: Annotated[float, Unit("rad"), Interval(ge=-1e3, le=1e3)] = 0.0
-    limits: Annotated[tuple[float, float], Unit("rad")] = (-pi, pi)
+    limits: Annotated[tuple[float, float], Unit("rad"), _RISING] = (-pi, pi)
     max_speed: Annotated[float, Unit("rad/s"), Gt(0)] = 2.0
 
     def __post_init__(self) -> None:
-        low, high = self.limits
-        if not low < high:
-            raise ValueError(f"limits: {low:g} … {high:g} rad is no range of angles.")
+        _RISING.check(self.limits)
 
     @property
     def speed_cap(self) -> float:

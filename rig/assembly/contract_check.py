@@ -15,11 +15,9 @@ from typing import TypeVar, get_type_hints
 from rig.hal import ContractBroken
 from rig.hal.fits import OWN, fits, is_ours, misfits, plain, shown, where
 from rig.hal.offers import lacking
+from rig.plug_ins import GROUPS
 
 Thing = TypeVar("Thing")
-
-GROUPS = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
-"""Of the entry points by which other packages offer their rows."""
 
 
 def check_offers(what: str, thing: object, protocol: type) -> None:

@@ -103,6 +103,9 @@ def invoke(arguments: list[str] | None = None) -> int:
     # and a fit on a busy machine several times its time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from rig.cli.commands import invoke as invoke_click
+    from rig.kernel_cache import keep_kernels
+
+    keep_kernels()
 
     return invoke_click(words)
 

@@ -7,6 +7,7 @@ units. Here it becomes a pydantic type in which
 - a field with a `Unit` also takes a text with a unit of the same dimension;
 - a number is a number: no booleans, no texts, finite; whole numbers where the type is int;
 - a nested mapping changes the default of its field: what it leaves out stays as it is there;
+- a pair that is `Rising` rises;
 - a `ValueError` of ``__post_init__`` is an error at the mapping.
 """
 
@@ -40,6 +41,7 @@ from rig.config.magnitudes import bounded
 from rig.config.pydantic_errors import report
 from rig.config.quantities import UnitError, parse_quantity, usual_units
 from rig.config.type_hints import hints, is_union, members, split_annotated
+from rig.hal.rising import Rising
 
 T = TypeVar("T")
 Entries: TypeAlias = Mapping[str, object]
@@ -101,7 +103,8 @@ def annotation(hint: object, base: object = None) -> object:
     others = [item for item in metadata if not isinstance(item, Unit)]
     container = get_origin(bare)
     if container in (tuple, dict):
-        return _annotated(GenericAlias(container, tuple(map(annotation, members(hint)))), others)
+        checks = [AfterValidator(o.check) if isinstance(o, Rising) else o for o in others]
+        return _annotated(GenericAlias(container, tuple(map(annotation, members(hint)))), checks)
     if bare not in (float, int, bool, str):
         return _annotated(bare, metadata)
     unit = next((item.unit for item in metadata if isinstance(item, Unit)), None)

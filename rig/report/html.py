@@ -248,6 +248,8 @@ def _reproduce(manifest: Manifest) -> Html:
 
 def _environment(manifest: Manifest) -> Html:
     facts: dict[str, object] = {**manifest.get("machine", {}), **manifest.get("versions", {})}
+    for name, plug_in in manifest.get("plug_ins", {}).items():
+        facts[f"plug-in {name}"] = " ".join(str(value) for value in plug_in.values())
     files = [
         [link(name, name), element("code", digest)]
         for name, digest in manifest.get("files", {}).items()

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig import provenance
+from rig.plug_ins import GROUPS
 
 OURS: Final = ("controllers", "drivers", "rig")
-_GROUPS: Final = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
 _NOT_RUN: Final = ("rig.__main__", "rig.cli", "rig.faults", "rig.report", "rig.testing")
 """What no run imports before it has ended."""
 
@@ -63,7 +63,7 @@ def import_all() -> None:
 def _packages() -> Iterator[tuple[str, Path]]:
     """Yield the packages of the product and of its plug-ins, with their folders."""
     others = {
-        entry.module.partition(".")[0] for group in _GROUPS for entry in entry_points(group=group)
+        entry.module.partition(".")[0] for group in GROUPS for entry in entry_points(group=group)
     }
     for name in sorted({*OURS, *others}):
         spec = importlib.util.find_spec(name)

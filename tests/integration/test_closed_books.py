@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from small_disk import may_mount, on_a_small_disk
 from warm_start import WarmProcess
 
 from rig.assembly import Backend
@@ -173,22 +174,6 @@ def test_a_bug_in_a_process_of_its_own_exits_with_70(tmp_path, heard):
     assert not heard or (b"ZeroDivisionError" in said and b"bug in rig" in said)
     manifest = manifest_of(tmp_path)
     assert (manifest["status"], manifest["exit_code"]) == ("crashed", 70)
-
-
-def on_a_small_disk(size, disk, kept, words):
-    """Run in a mount name space of its own, on a disk of some bytes; keep what is left on it."""
-    script = (
-        f'mount -t tmpfs -o size={size} none "{disk}" && "$@"; code=$?; '
-        f'cp -a "{disk}/." "{kept}"; exit $code'
-    )
-    return subprocess.run(
-        ["unshare", "-rm", "sh", "-c", script, "sh", *words],
-        capture_output=True, text=True, check=False, cwd=ROOT,
-    )  # fmt: skip
-
-
-def may_mount(folder):
-    return on_a_small_disk("1m", folder, folder, ["true"]).returncode == 0
 
 
 @pytest.mark.parametrize("size", GENERATOR.integers(350, 900, 2))

@@ -1,8 +1,10 @@
 """An error that holds one part of a file against another says where both stand."""
 
+import random
 import re
 
 import pytest
+import yaml
 
 from rig.assembly import REGISTRY, check_profile
 from rig.cli import invoke
@@ -47,6 +49,35 @@ def test_null_takes_back_what_a_base_gives(tmp_path):
     check_profile(profile)
     monitor = profile.devices["regulators"].settings.channels["agonist"].monitor
     assert monitor.voltage is None and monitor.current == (4e-3, 20e-3)
+
+
+PAIRS = {
+    "cylinder": [("cylinder.limits.position", "mm", 25), ("cylinder.limits.pressure", "kPa", 400)],
+    "joint": [("joint.limits.tension", "N", 80), ("joint.limits.pressure", "kPa", 400)],
+    "arm": [("devices.drives.joints.q2.limits", "deg", 90)],
+}
+WRONG = ["loop: {rate: 7 m}", "nonsense: 1"]
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("rig", PAIRS)
+def test_reversed_limits_are_told_beside_all_the_rest(rig, seed, tmp_path, capsys):
+    chance = random.Random(seed)
+    lines, expected = [f"extends: {rig}", *WRONG], []
+    tree = {}
+    for key, unit, most in PAIRS[rig]:
+        upper, lower = sorted(chance.uniform(1, most) for _ in range(2))
+        below = tree
+        *heads, last = key.split(".")
+        for head in heads:
+            below = below.setdefault(head, {})
+        below[last] = [f"{lower} {unit}", f"{upper} {unit}"]
+        expected.append(rf"{last}: the lower limit \S+ is not below")
+    lines.append(yaml.safe_dump(tree, default_flow_style=False))
+    path, err = said_of(tmp_path, "\n".join(lines), capsys)
+    assert f"{len(WRONG) + len(expected)} errors" in err
+    for pattern in (*expected, "loop.rate: '7 m'", "unknown key 'nonsense'"):
+        assert re.search(rf"{re.escape(str(path))}:\d+:\d+: {pattern}", err), err
 
 
 def test_no_more_places_are_told_than_help(tmp_path, capsys):

@@ -1,17 +1,16 @@
 """Every way out of a run: same seed same bytes, Ctrl-C once and twice, SIGTERM, SIGKILL."""
 
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import warm_start
+from killed_runs import kill_in_mid_run
 
 from rig.assembly import Backend
 from rig.cli import invoke
@@ -19,9 +18,7 @@ from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
 from rig.report.regenerate import write_report
-from rig.run_folder import RunFolder
 from rig.runtime.log import read_log
-from rig.runtime.recorder import LogRecorder
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SHORT = [
@@ -116,38 +113,6 @@ def test_stop_request_leaves_a_safe_rig_and_a_whole_log(tmp_path, signals, messa
         assert released < 0.01
 
 
-def record_until_killed(out, acknowledged):
-    """Run in a child, counting every cycle whose recording was acknowledged."""
-    write = LogRecorder.write
-
-    def counting(self, cycle, t, row):
-        write(self, cycle, t, row)
-        acknowledged.value += 1
-
-    LogRecorder.write = counting
-    run_experiment(plan(), Backend.VIRTUAL, out, report=False)
-
-
-def kill_in_mid_run(out, generator):
-    context = multiprocessing.get_context("fork")
-    acknowledged = context.Value("q", 0, lock=False)
-    child = context.Process(target=record_until_killed, args=(out, acknowledged))
-    child.start()
-    target = generator.integers(1, 3000)
-    deadline = time.monotonic() + 30.0
-    while acknowledged.value < target and child.is_alive() and time.monotonic() < deadline:
-        time.sleep(generator.uniform(0.0, 2e-3))
-    child.kill()
-    child.join()
-    assert child.exitcode == -signal.SIGKILL
-    folder = RunFolder.open(run_folder(out))
-    assert folder.status.value == "crashed"
-    log = read_log(folder.log_path)
-    assert len(log.cycle) >= acknowledged.value >= target
-    assert np.array_equal(log.cycle, np.arange(len(log.cycle)))
-    return folder
-
-
 @pytest.mark.parametrize(
     "trials", [5, pytest.param(200, marks=pytest.mark.slow)], ids=["few", "many"]
 )
@@ -155,7 +120,7 @@ def test_killed_run_loses_no_recorded_cycle(tmp_path, trials):
     run_experiment(plan(), Backend.SIM, tmp_path / "warm", report=False)  # kernels compiled
     generator = np.random.default_rng(7)
     for trial in range(trials):
-        folder = kill_in_mid_run(tmp_path / str(trial), generator)
+        folder = kill_in_mid_run(plan(), Backend.VIRTUAL, tmp_path / str(trial), generator)
     assert write_report(folder.path).page.exists()
     manifest = json.loads((folder.path / "manifest.json").read_text())
     assert manifest["status"] == "crashed"

@@ -10,7 +10,15 @@ import shutil
 
 import numpy as np
 import pytest
-from stranger_lab import PACKAGE, SOURCE, Lab, beside_the_source, in_an_environment, metrics_of
+from stranger_lab import (
+    PACKAGE,
+    PROJECT,
+    SOURCE,
+    Lab,
+    beside_the_source,
+    in_an_environment,
+    metrics_of,
+)
 
 from rig.runtime.log import read_log
 
@@ -217,3 +225,9 @@ def test_faults_break_it_and_its_own_hazards_judge(lab):
     verdicts = json.loads(done.stdout)
     assert len(verdicts) == 6
     assert not any(verdict["crashed"] for verdict in verdicts), done.stderr
+
+
+def test_the_manifest_names_its_version_and_code(recorded):
+    plug_in = json.loads((recorded / "manifest.json").read_text())["plug_ins"]["crank_rig"]
+    assert (plug_in["distribution"], plug_in["version"]) == (PROJECT["name"], PROJECT["version"])
+    assert len(plug_in["sha256"]) == 64

@@ -14,7 +14,7 @@ from rig.hal import ConnectionFailed
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: joint(limits=(1.0, -1.0)), "no range of angles"),
+        (lambda: joint(limits=(1.0, -1.0)), "limits: the lower limit 1 is not below"),
         (lambda: joint(offset=1e9), "32-bit position"),
         (lambda: Cia402Settings(joints={"a": joint(), "b": joint()}), "joints a and b.*0x03"),
         (

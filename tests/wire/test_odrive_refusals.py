@@ -20,7 +20,7 @@ from rig.hal import ConnectionFailed, DeviceFault
             lambda: OdriveSettings(joints={"a": joint(gear=100.0, max_speed=3.0)}),
             r"feedforward of 47\.\d+ turn/s does not fit",
         ),
-        (lambda: joint(limits=(1.0, 0.0)), "no range of angles"),
+        (lambda: joint(limits=(1.0, 0.0)), "limits: the lower limit 1 is not below"),
     ],
 )
 def test_settings_that_cannot_be_right_are_refused(make, message):

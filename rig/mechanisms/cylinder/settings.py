@@ -5,6 +5,7 @@ from typing import Annotated
 
 from annotated_types import Gt, Unit
 
+from rig.hal.rising import Rising
 from rig.mechanisms.pneumatic.alarms.settings import (
     FrozenAlarm,
     OscillationAlarm,
@@ -16,7 +17,6 @@ from rig.mechanisms.pneumatic.settings import (
     PneumaticSettings,
     SealFriction,
     check_can_trip,
-    check_order,
 )
 
 
@@ -47,13 +47,9 @@ class CylinderLimits(PneumaticLimits):
         slack or broken, or an encoder is wrong.
     """
 
-    position: tuple[Annotated[float, Unit("m")], Annotated[float, Unit("m")]]
+    position: Annotated[tuple[float, float], Unit("m"), Rising("position")]
     pair_force: Annotated[float, Unit("N"), Gt(0)]
     mismatch: Annotated[float, Unit("m"), Gt(0)]
-
-    def __post_init__(self) -> None:
-        check_order("position", self.position)
-        PneumaticLimits.__post_init__(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
 from controllers.spherical_joint.geometry import SphericalJointGeometry
+from rig.hal.rising import Rising
 from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.tolerances import JointTolerances
 from rig.mechanisms.pneumatic.settings import (
@@ -14,7 +15,6 @@ from rig.mechanisms.pneumatic.settings import (
     PneumaticSettings,
     SealFriction,
     check_can_trip,
-    check_order,
 )
 
 Four = tuple[str, str, str, str]
@@ -62,17 +62,16 @@ class JointLimits(PneumaticLimits):
     """
 
     tilt: Annotated[float, Unit("rad"), Gt(0), Le(math.pi / 2)]
-    tension: tuple[Annotated[float, Unit("N"), Ge(0)], Annotated[float, Unit("N"), Gt(0)]]
+    tension: Annotated[
+        tuple[Annotated[float, Unit("N"), Ge(0)], Annotated[float, Unit("N"), Gt(0)]],
+        Rising("tension"),
+    ]
     tilt_excess: Annotated[float, Unit("rad"), Interval(ge=0, le=math.pi / 2)] = math.radians(5.0)
     seat_margin: Annotated[float, Unit("rad"), Interval(ge=-math.pi, le=math.pi / 2)] = 0.0
     free_wires: bool = True
     residual: Annotated[float, Unit("m"), Gt(0)] = 1.0e-3
     disagreement: Annotated[float, Unit("m"), Gt(0)] = 3.0e-3
     grace: Annotated[float, Unit("s"), Interval(ge=0, le=10.0)] = 0.05
-
-    def __post_init__(self) -> None:
-        PneumaticLimits.__post_init__(self)
-        check_order("tension", self.tension)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

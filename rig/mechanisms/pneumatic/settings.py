@@ -7,6 +7,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
+from rig.hal.rising import Rising
+
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
 
@@ -88,14 +90,11 @@ class PneumaticLimits:
     """
 
     speed: Annotated[float, Unit("m/s"), Gt(0)]
-    pressure: tuple[Pressure, Pressure]
+    pressure: Annotated[tuple[Pressure, Pressure], Rising("pressure")]
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
     reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)]
     following: Annotated[float, Unit("m"), Gt(0)] = 3e-3
     stop_energy: Annotated[float, Unit("J"), Gt(0)] | None = None
-
-    def __post_init__(self) -> None:
-        check_order("pressure", self.pressure)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,18 +203,6 @@ class PneumaticSettings:
             "stribeck_velocity": self.friction.stribeck_velocity,
             "viscous": self.friction.viscous,
         }
-
-
-def check_order(name: str, bounds: tuple[float, float]) -> None:
-    """Refuse limits of which the lower one is not below the upper one.
-
-    Raises
-    ------
-    ValueError
-    """
-    lower, upper = bounds
-    if not lower < upper:
-        raise ValueError(f"{name}: the lower limit {lower:g} is not below {upper:g}.")
 
 
 def check_can_trip(name: str, limit: float, most: float, unit: str, why: str) -> None:

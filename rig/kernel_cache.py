@@ -1,0 +1,44 @@
+"""The folder of compiled kernels, where the program may write neither beside itself nor at home."""
+
+import os
+import stat
+import tempfile
+from pathlib import Path
+
+_NAME = "NUMBA_CACHE_DIR"
+
+
+def keep_kernels() -> None:
+    """Have numba keep what it compiles in the folder for temporary files, if nowhere else.
+
+    Numba tries the folder of the sources and the user's cache by itself, and would compile in each
+    process if it can write to neither. It reads this when it is imported.
+    """
+    if _NAME in os.environ or _is_writable(_beside()) or _is_writable(_at_home()):
+        return
+    folder = Path(tempfile.gettempdir(), f"rig-kernels-{os.getuid()}")
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return
+    # What is kept there runs: it must be nobody else's, whoever was first to make the folder.
+    is_own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    if is_own and not stat.S_IMODE(found.st_mode) & 0o077:
+        os.environ[_NAME] = str(folder)
+
+
+def _beside() -> Path:
+    return Path(__file__).parents[1] / "controllers" / "__pycache__"
+
+
+def _at_home() -> Path:
+    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(cache, "numba")
+
+
+def _is_writable(path: Path) -> bool:
+    """Return whether a folder can be written, or made where it is not yet there."""
+    while not path.exists() and path != path.parent:
+        path = path.parent
+    return path.is_dir() and os.access(path, os.W_OK | os.X_OK)

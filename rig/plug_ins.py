@@ -1,0 +1,58 @@
+"""The packages of others whose code takes part: which they are, and a digest of what they hold."""
+
+import hashlib
+import sys
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Final, TypedDict
+
+GROUPS: Final = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
+"""Of the entry points by which other packages offer theirs."""
+
+
+class PlugIn(TypedDict):
+    """A package of others, as the manifest of a run names it."""
+
+    distribution: str | None
+    version: str | None
+    sha256: str
+
+
+def plug_ins() -> dict[str, PlugIn]:
+    """Return every package with entry points for this program whose code has been imported.
+
+    The digest is of all its files, so that a package that was edited in place, under the same
+    version, is seen.
+    """
+    found: dict[str, PlugIn] = {}
+    for point in _points():
+        name = point.module.partition(".")[0]
+        module = sys.modules.get(name)
+        if module is not None and name not in found:
+            told = (None, None) if point.dist is None else (point.dist.name, point.dist.version)
+            found[name] = {
+                "distribution": told[0], "version": told[1], "sha256": _digest(module),
+            }  # fmt: skip
+    return dict(sorted(found.items()))
+
+
+def _points() -> list[EntryPoint]:
+    try:
+        return [point for group in GROUPS for point in entry_points(group=group)]
+    except Exception:  # a file of some package that is none; the registry tells of it
+        return []
+
+
+def _digest(module: ModuleType) -> str:
+    """Return the SHA-256 of all files of a package, by their names, or of a module's one."""
+    digest = hashlib.sha256()
+    folders = [Path(folder) for folder in getattr(module, "__path__", ())]
+    files = [(path.relative_to(folder), path) for folder in folders for path in folder.rglob("*")]
+    if not folders and module.__file__ is not None:
+        files = [(Path(Path(module.__file__).name), Path(module.__file__))]
+    for name, path in sorted(files):
+        if path.is_file() and "__pycache__" not in path.parts:
+            content = hashlib.sha256(path.read_bytes()).hexdigest()
+            digest.update(f"{name.as_posix()}\n{content}\n".encode())
+    return digest.hexdigest()

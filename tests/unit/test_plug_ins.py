@@ -1,0 +1,63 @@
+"""The manifest names whose code took part: distribution, version and a digest of its files."""
+
+import random
+import sys
+from importlib.metadata import PathDistribution
+from types import ModuleType
+
+import pytest
+
+from rig import plug_ins
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """A package of somebody else's with a row for drivers, imported; return its folder."""
+    info = tmp_path / "their_rig-2.7.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: their-rig\nVersion: 2.7\n")
+    (info / "entry_points.txt").write_text("[rig.drivers]\ntheir-scale = their_rig.parts:PARTS\n")
+    points = list(PathDistribution(info).entry_points)
+    monkeypatch.setattr(
+        plug_ins, "entry_points", lambda group: [p for p in points if p.group == group]
+    )
+    folder = tmp_path / "their_rig"
+    (folder / "sub").mkdir(parents=True)
+    (folder / "__init__.py").write_text("")
+    (folder / "sub" / "table.bin").write_bytes(random.Random(3).randbytes(999))
+    module = ModuleType("their_rig")
+    module.__path__, module.__file__ = [str(folder)], str(folder / "__init__.py")
+    monkeypatch.setitem(sys.modules, "their_rig", module)
+    return folder
+
+
+def test_a_package_that_takes_part_is_named(package):
+    (told,) = plug_ins.plug_ins().items()
+    assert told[0] == "their_rig"
+    assert (told[1]["distribution"], told[1]["version"]) == ("their-rig", "2.7")
+    assert len(told[1]["sha256"]) == 64
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_any_byte_of_any_file_is_in_the_digest(package, seed):
+    before = plug_ins.plug_ins()["their_rig"]["sha256"]
+    path = package / "sub" / "table.bin"
+    content = bytearray(path.read_bytes())
+    content[random.Random(seed).randrange(len(content))] ^= 1
+    path.write_bytes(content)
+    after = plug_ins.plug_ins()["their_rig"]["sha256"]
+    assert after != before
+    path.rename(package / "other.bin")
+    assert plug_ins.plug_ins()["their_rig"]["sha256"] not in (before, after)
+
+
+def test_compiled_files_are_not(package):
+    before = plug_ins.plug_ins()
+    (package / "__pycache__").mkdir()
+    (package / "__pycache__" / "x.pyc").write_bytes(b"1")
+    assert plug_ins.plug_ins() == before
+
+
+def test_what_was_not_imported_is_not_named(package, monkeypatch):
+    monkeypatch.delitem(sys.modules, "their_rig")
+    assert plug_ins.plug_ins() == {}
