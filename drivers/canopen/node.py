@@ -59,6 +59,8 @@ class CanopenNode:
         self.heartbeat = HeartbeatWatch(name, node, bus.settings.heartbeat_timeout)
         self.emergency = EmergencyLatch()
         self._bus = bus
+        self.written: dict[str, float] = {}
+        """What was written since `connect` and read back, raw, by its object."""
         self._sdo: Any = None
         self._armed = False
         bus.subscribe(0x700 + node, self.heartbeat.receive)
@@ -97,6 +99,7 @@ class CanopenNode:
             setting.
         """
         self.disarm()
+        self.written.clear()
         if self._sdo is None:
             self._sdo = self._bus.network.add(self.node)
         self._reset()
@@ -267,6 +270,19 @@ class CanopenNode:
                 value=_show(kept),
                 bound=_show(expected),
             )
+        self.written[f"0x{index:04X}:{sub:02X}"] = kept
+
+    def identity(self) -> dict[str, int]:
+        """Ask who it is: what of 0x1018 it has, by its name.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer.
+        """
+        parts = ((1, "vendor"), (2, "product"), (3, "firmware"), (4, "serial"))
+        found = {what: self.read_if_present(0x1018, sub, "u32") for sub, what in parts}
+        return {what: int(value) for what, value in found.items() if value is not None}
 
     # Inside ---------------------------------------------------------------------------
 

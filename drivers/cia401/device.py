@@ -7,6 +7,7 @@ modes and values, 0x6000 and 0x6200 digital inputs and outputs, 0x6206 and 0x620
 digital error modes and values. CiA 301: 0x1029 error behaviour.
 """
 
+from collections.abc import Mapping
 from math import inf
 from typing import Any, Final
 
@@ -85,6 +86,8 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         lock_bits = (channel.lock_bit for channel in wiring)
         self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
         self._open = self._opened = settings.opening_bits
+        self._supply = 0 if settings.supply_bit is None else 1 << settings.supply_bit
+        self._shut = 0
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
@@ -255,6 +258,14 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self.make_safe()
         self._node.disarm()
 
+    def identity(self) -> Mapping[str, int]:
+        """Ask for its identity object; see `Device.identity`."""
+        return self._node.identity()
+
+    def written(self) -> Mapping[str, float]:
+        """Return the objects that were read back; see `Device.written`."""
+        return self._node.written
+
     # The cycle ------------------------------------------------------------------------
 
     def pressure(self) -> Reading[Vector]:
@@ -334,7 +345,20 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             if wanted and not bit:
                 raise ValueError(f"{self.name}: no valve locks {name}; it has no lock_bit")
             closed |= bit if wanted else 0
-        self._opened = self._open & ~closed if self._armed else self._open
+        self._opened = self._open & ~closed & ~self._shut if self._armed else self._open
+
+    def inspect(self) -> Vector:
+        """Ask for the monitors by SDO; see `PressureRegulator.inspect`."""
+        signals = [channel.monitor for channel in self.settings.channels.values()]
+        raws = [self._node.read(signal.index, signal.sub, signal.type) for signal in signals]
+        lines = zip(self._monitor_lines, raws, strict=True)
+        return tuple(decode(raw) for (_, decode, _, _), raw in lines)
+
+    def shut_supply(self, shut: bool) -> bool:
+        """Shut or open the supply valve; see `PressureRegulator.shut_supply`."""
+        self._shut = self._supply if shut else 0
+        self.lock((False,) * len(self.channels))
+        return bool(self._supply)
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -374,7 +398,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._echoes.reset()
         self._unheard = False
         self._setpoint = self._vented
-        self._digital = 0
+        self._digital = self._shut = 0
         self._opened = self._open
 
     def _set_safe(self) -> None:

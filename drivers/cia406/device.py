@@ -6,6 +6,7 @@ CiA 406 V3.2: 0x6004 position, 0x6005 measuring steps (1 nm and 0.01 mm/s), 0x60
 positions and speeds of several sensors, 0x6503 alarms, 0x6509 offset.
 """
 
+from collections.abc import Mapping
 from math import inf
 from typing import Any, Final
 
@@ -179,6 +180,14 @@ class Cia406Encoder(LinearEncoder):
         """Expect nothing of the encoder any more. Idempotent."""
         self._armed = False
         self._node.disarm()
+
+    def identity(self) -> Mapping[str, int]:
+        """Ask for its identity object; see `Device.identity`."""
+        return self._node.identity()
+
+    def written(self) -> Mapping[str, float]:
+        """Return the objects that were read back; see `Device.written`."""
+        return self._node.written
 
     # The cycle ------------------------------------------------------------------------
 

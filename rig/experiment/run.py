@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
+from rig.commissioning.permission import as_commissioned
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -87,6 +88,7 @@ def run_experiment(
     rehearses: bool = False,
     is_permitted: bool = False,
     command: Sequence[str] = (),
+    uncommissioned: str | None = None,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -119,6 +121,8 @@ def run_experiment(
         The plan was tried with frozen setpoints before the operator was asked.
     command : sequence of str
         The command line that runs it again; default: ``rig run`` with the experiment's name.
+    uncommissioned : str, optional
+        Why a rig that is not commissioned has all of its speed and effort on hardware.
 
     Returns
     -------
@@ -135,6 +139,9 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
+    notes: Sequence[str] = ()
+    if heed_calibrations:
+        plan, notes = as_commissioned(plan, backend, uncommissioned)
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with stop:
@@ -155,9 +162,10 @@ def run_experiment(
                 frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
             watcher.started(folder.path)
             watcher.recording(_Events(folder))
-            for sentence in doubts:
-                watcher.said(sentence)
-                _Events(folder)(None, "calibration", sentence, {})
+            for kind, sentences in (("commissioning", notes), ("calibration", doubts)):
+                for sentence in sentences:
+                    watcher.said(sentence)
+                    _Events(folder)(None, kind, sentence, {})
             stopwatch = Stopwatch(rig.clock)
             ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
             stop.shield()  # what is left is bookkeeping; it is not to be torn either

@@ -157,6 +157,24 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return None
 
     @classmethod
+    def derated(cls, settings: Settings, speed: float, effort: float) -> Settings | None:
+        """Return the settings with limits for a rig that was never commissioned.
+
+        Parameters
+        ----------
+        settings : object
+            The mechanism's.
+        speed, effort : float
+            Share of the speed, and of pressure or torque, that it may have.
+
+        Returns
+        -------
+        object or None
+            None: there are none, and the rig is refused until it is commissioned.
+        """
+        return None
+
+    @classmethod
     def unfit(cls, settings: Settings) -> str | None:
         """Say why a profile must not move hardware; None: it may."""
         return None

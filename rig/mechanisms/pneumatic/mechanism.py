@@ -1,6 +1,7 @@
 """The part of the loop's view that all mechanisms with pneumatic cylinders have in common."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar, TypeVar
 
 from rig.hal import (
@@ -75,6 +76,15 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
         """Return the limits that `rig check` shows."""
         return settings.limits
+
+    @classmethod
+    def derated(cls, settings: Chosen, speed: float, effort: float) -> Chosen:
+        """Return the settings with a share of the speed and of the pressure; see `Mechanism`."""
+        limits = settings.limits
+        low, high = limits.pressure
+        pressure = low, max(effort * high, settings.base_pressure)
+        slow = replace(limits, speed=speed * limits.speed, pressure=pressure)
+        return replace(settings, limits=slow)
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:
