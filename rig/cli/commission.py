@@ -20,6 +20,7 @@ from rig.cli.names import (
     yes_option,
 )
 from rig.cli.on_option import OnBackend
+from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
@@ -91,7 +92,10 @@ def commission(rig: str, **options: Any) -> int:
         click.echo(f"mend it, and go on with: rig commission {profile.name} --on {on}", err=True)
         return EXIT_FAILED
     click.echo(f"commissioned, digest {record['digest']}: {search[0]}/commissioning", err=True)
-    click.echo(f"next: rig calibrate {profile.name} --all --on {on}", err=True)
+    if backend is Backend.HARDWARE:
+        tell_next(profile, search)
+    else:
+        click.echo(f"a rehearsal; next: rig commission {rig} --on hardware", err=True)
     return 0
 
 

@@ -25,7 +25,7 @@ def derated(profile: Profile) -> Profile:
     """
     view = REGISTRY.load("mechanism", profile.mechanism)
     try:
-        settings = view.derated(profile.mechanism_settings, SPEED, EFFORT)
+        settings = view.derated(profile.mechanism_settings, EFFORT)
     except ValueError as error:
         raise DeviceError(profile.name, f"with half of its effort: {error}") from error
     if settings is None:

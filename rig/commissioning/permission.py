@@ -1,6 +1,7 @@
 """Whether a run on hardware may use all that its profile permits: asked before it is opened."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,7 +9,7 @@ from rig.assembly import REGISTRY, Backend, check_profile, make_controller
 from rig.commissioning.derating import EFFORT, SPEED, SlowMotion, derated
 from rig.commissioning.record import Verdict, judge, load_record
 from rig.commissioning.step import Step
-from rig.config import find_configs
+from rig.config import Profile, find_configs
 from rig.experiment.plan import Plan
 from rig.hal import DeviceError
 
@@ -45,7 +46,7 @@ def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -
     DeviceError
         Nobody knows limits for slow motions of the mechanism.
     """
-    verdict = verdict_of(plan, backend)
+    verdict = verdict_of(plan.profile, backend)
     said = [f"commissioning {verdict.digest}"] if verdict.digest else []
     if backend is not Backend.HARDWARE:
         return Permitted(plan, said)
@@ -59,17 +60,46 @@ def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -
     return Permitted(_held_back(plan), [*said, f"{verdict.lack}; {share}; {remedy}"])
 
 
-def verdict_of(plan: Plan, backend: Backend) -> Verdict:
-    """Return whether the rig of a plan is commissioned on a backend."""
-    profile = plan.profile
+def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
+    """Refuse hardware that is not commissioned to what cannot be held back; return what to keep.
+
+    Raises
+    ------
+    DeviceError
+        It is not commissioned, and nobody said why it is to be used all the same.
+    """
+    verdict = verdict_of(profile, Backend.HARDWARE)
+    if not verdict.lack:
+        return f"commissioning {verdict.digest}"
+    if override is None:
+        raise DeviceError(
+            profile.name,
+            f"{verdict.lack}; mend it with: rig commission {profile.name} --on hardware, or say "
+            "why it moves all the same with --uncommissioned REASON",
+        )
+    return f"{verdict.lack}; it moves all the same: {override}"
+
+
+def verdict_of(profile: Profile, backend: Backend, search: Sequence[Path] | None = None) -> Verdict:
+    """Return whether a rig is commissioned on a backend.
+
+    Parameters
+    ----------
+    profile : Profile
+        As it is now.
+    backend : Backend
+        Where it is to be used.
+    search : sequence of Path, optional
+        Folders of configurations; default: the profile's own, then the usual ones.
+    """
     steps = REGISTRY.commissioning(profile.mechanism, Step)
-    record = load_record(profile.name, configs_of(plan))
+    record = load_record(profile.name, configs_of(profile) if search is None else search)
     return judge(profile, record, [step.name for step in steps], backend.value)
 
 
-def configs_of(plan: Plan) -> list[Path]:
-    """Return the folders of configurations of a plan, that of its profile first."""
-    files = plan.profile.files
+def configs_of(profile: Profile) -> list[Path]:
+    """Return the folders of configurations of a profile, its own first."""
+    files = profile.files
     own = [files[0].parent.parent] if files and files[0].parent.name == "rigs" else []
     return [*own, *find_configs()]
 
@@ -86,5 +116,8 @@ def _held_back(plan: Plan) -> Plan:
             f"slowed down; mend it with: rig commission {profile.name} --on hardware",
         )
     view = REGISTRY.load("mechanism", profile.mechanism)
-    controller = make_controller(profile, plan.experiment.controller)
-    return plan._replace(profile=profile, controller=controller, motion=SlowMotion(view, motion))
+    experiment = replace(plan.experiment, approach=plan.experiment.approach / SPEED)
+    return plan._replace(
+        experiment=experiment, profile=profile, motion=SlowMotion(view, motion),
+        controller=make_controller(profile, experiment.controller),
+    )  # fmt: skip

@@ -59,6 +59,11 @@ def steps_of(profile: Profile) -> Sequence[Step]:
     return steps
 
 
+def has_steps(profile: Profile) -> bool:
+    """Return whether there is an acceptance test of a rig."""
+    return bool(REGISTRY.commissioning(profile.mechanism, Step))
+
+
 def begin(
     profile: Profile, search: Sequence[Path], circumstances: Circumstances, *, anew: bool
 ) -> dict[str, Any]:
@@ -115,7 +120,7 @@ def _perform(step: Step, site: Site) -> tuple[dict[str, Any], str | None]:
         "said": outcome.said,
         "measured": [_plain(value) for value in outcome.measured],
         "measured_in_words": [str(value) for value in outcome.measured],
-        "facts": outcome.facts,
+        "facts": dict(outcome.facts),
     }
     return found, defect
 

@@ -139,7 +139,7 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
-    notes: Sequence[str] = ()
+    notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
     if heed_calibrations:
         plan, notes = as_commissioned(plan, backend, uncommissioned)
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None

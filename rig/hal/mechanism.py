@@ -157,15 +157,18 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return None
 
     @classmethod
-    def derated(cls, settings: Settings, speed: float, effort: float) -> Settings | None:
+    def derated(cls, settings: Settings, effort: float) -> Settings | None:
         """Return the settings with limits for a rig that was never commissioned.
+
+        Its motions are slower besides, by `slow_down`; limits of the speed stay, as they are
+        alarms, and what frozen setpoints come to is held against them.
 
         Parameters
         ----------
         settings : object
             The mechanism's.
-        speed, effort : float
-            Share of the speed, and of pressure or torque, that it may have.
+        effort : float
+            Share of pressure or torque that it may have.
 
         Returns
         -------

@@ -1,5 +1,9 @@
 """The first motion, under the limits of a rig that was never commissioned."""
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from rig.assembly import check_profile, make_controller, plan_motion
 from rig.commissioning.derating import derated
 from rig.commissioning.site import Site
@@ -19,19 +23,21 @@ class FirstMotion(Step):
     ----------
     kind, reference : str, object
         Name and settings of the reference.
-    column, unit : str
-        Of the log, where the motion is seen, and its SI unit.
-    travel : float
-        How far it goes, SI.
+    columns : sequence of str
+        Of the log, where the motion is seen.
+    travel, unit : float, str
+        How far the one of them goes that goes furthest, and its SI unit.
     """
 
     name = "first-motion"
     expects = "It goes as far as it is sent, and comes to rest."
 
-    def __init__(self, kind: str, reference: object, column: str, unit: str, travel: float) -> None:
+    def __init__(
+        self, kind: str, reference: object, columns: Sequence[str], travel: float, unit: str
+    ) -> None:
         self.does = f"The rig is energised and moves by {travel:g} {unit} under control."
         self._reference = ReferenceEntry(kind, reference)
-        self._column = column
+        self._columns = columns
         self._unit = unit
         self._travel = travel
 
@@ -46,8 +52,8 @@ class FirstMotion(Step):
         if result.status is not RunStatus.OK:
             raise Defect("first motion", f"{result.status}: {result.message}")
         log = read_log(result.path / "log.mcap")
-        shown = log.column(self._column)[log.column("phase") == Phase.RUN]
-        went = float(shown.max() - shown.min())
+        runs = log.column("phase") == Phase.RUN
+        went = max(float(np.ptp(log.column(name)[runs])) for name in self._columns)
         moved = Measured("moved by", went, self._unit, 0.5 * self._travel, 2.0 * self._travel)
         require_within("first motion", moved, "it does not go as far as it was sent")
         return Outcome((moved,), {"run": str(result.path)})

@@ -14,5 +14,5 @@ _TRAVEL = 1e-3
 def steps() -> Sequence[Step]:
     """Return the steps in their order."""
     there_and_back = Staircase(levels=(0.0, _TRAVEL, 0.0), rise=2.0, dwell=1.0)
-    motion = FirstMotion("staircase", there_and_back, "reading.position", "m", _TRAVEL)
+    motion = FirstMotion("staircase", there_and_back, ("reading.position",), _TRAVEL, "m")
     return pneumatic_course(motion)

@@ -78,13 +78,12 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         return settings.limits
 
     @classmethod
-    def derated(cls, settings: Chosen, speed: float, effort: float) -> Chosen:
-        """Return the settings with a share of the speed and of the pressure; see `Mechanism`."""
+    def derated(cls, settings: Chosen, effort: float) -> Chosen:
+        """Return the settings with a share of the greatest pressure; see `Mechanism.derated`."""
         limits = settings.limits
         low, high = limits.pressure
         pressure = low, max(effort * high, settings.base_pressure)
-        slow = replace(limits, speed=speed * limits.speed, pressure=pressure)
-        return replace(settings, limits=slow)
+        return replace(settings, limits=replace(limits, pressure=pressure))
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:
