@@ -272,18 +272,6 @@ class CanopenNode:
             )
         self.written[f"0x{index:04X}:{sub:02X}"] = kept
 
-    def identity(self) -> dict[str, int]:
-        """Ask who it is: what of 0x1018 it has, by its name.
-
-        Raises
-        ------
-        ConnectionFailed
-            It does not answer.
-        """
-        parts = ((1, "vendor"), (2, "product"), (3, "firmware"), (4, "serial"))
-        found = {what: self.read_if_present(0x1018, sub, "u32") for sub, what in parts}
-        return {what: int(value) for what, value in found.items() if value is not None}
-
     # Inside ---------------------------------------------------------------------------
 
     def _take_answer(self, data: bytes, now: float) -> None:

@@ -7,15 +7,16 @@ modes and values, 0x6000 and 0x6200 digital inputs and outputs, 0x6206 and 0x620
 digital error modes and values. CiA 301: 0x1029 error behaviour.
 """
 
-from collections.abc import Mapping
 from math import inf
 from typing import Any, Final
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
+from drivers.canopen.identified import IdentifiedDevice
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.mapping import pack
 from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia401.broken_wire import broken_wire
 from drivers.cia401.channel_settings import DIGITAL_INPUT
 from drivers.cia401.codec import (
     decode_signal,
@@ -29,7 +30,6 @@ from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
-    DeviceFault,
     EmergencyStopInput,
     LimitExceeded,
     PressureRegulator,
@@ -46,7 +46,7 @@ _BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wi
 _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
 
 
-class Cia401Regulators(PressureRegulator, EmergencyStopInput):
+class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
     Channels with a lock valve follow `lock`; the others refuse it.
@@ -86,8 +86,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         lock_bits = (channel.lock_bit for channel in wiring)
         self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
         self._open = self._opened = settings.opening_bits
-        self._supply = 0 if settings.supply_bit is None else 1 << settings.supply_bit
-        self._shut = 0
+        self._supply, self._shut = 1 << (settings.supply_bit or 0), 0
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
@@ -258,14 +257,6 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self.make_safe()
         self._node.disarm()
 
-    def identity(self) -> Mapping[str, int]:
-        """Ask for its identity object; see `Device.identity`."""
-        return self._node.identity()
-
-    def written(self) -> Mapping[str, float]:
-        """Return the objects that were read back; see `Device.written`."""
-        return self._node.written
-
     # The cycle ------------------------------------------------------------------------
 
     def pressure(self) -> Reading[Vector]:
@@ -349,16 +340,14 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
 
     def inspect(self) -> Vector:
         """Ask for the monitors by SDO; see `PressureRegulator.inspect`."""
-        signals = [channel.monitor for channel in self.settings.channels.values()]
-        raws = [self._node.read(signal.index, signal.sub, signal.type) for signal in signals]
-        lines = zip(self._monitor_lines, raws, strict=True)
-        return tuple(decode(raw) for (_, decode, _, _), raw in lines)
+        read, entries = self._node.read, self.settings.transmit_entries
+        return tuple(decode(read(*entries[k])) for k, decode, _, _ in self._monitor_lines)
 
     def shut_supply(self, shut: bool) -> bool:
         """Shut or open the supply valve; see `PressureRegulator.shut_supply`."""
-        self._shut = self._supply if shut else 0
+        self._shut = self._supply if shut and self.settings.supply_bit is not None else 0
         self.lock((False,) * len(self.channels))
-        return bool(self._supply)
+        return self.settings.supply_bit is not None
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -374,9 +363,12 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             return
         self._inputs.check(now)
         if not self._intact:
+            codecs, told = self._monitor_codecs, self._signals
             for k, count in enumerate(self._broken):
                 if count >= _BROKEN_AFTER:
-                    raise self._broken_wire(k)
+                    raise broken_wire(
+                        self.name, self.settings, self.channels[k], codecs[k], told[k]
+                    )
         self._echoes.check()
         setpoint, pressure = self._setpoint, self._pressure
         for k, watch in enumerate(self._following):
@@ -406,19 +398,3 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         counts = [encode(setpoint[k]) for k, encode in enumerate(self._encoders)]
         for pdo, data in zip(self._pdos, self._contents(counts, self._digital), strict=True):
             pdo.data = pdo.safe = data
-
-    def _broken_wire(self, k: int) -> DeviceFault:
-        signal = self.settings.channels[self.channels[k]].monitor
-        codec, unit = self._monitor_codecs[k], signal.signal_unit
-        prefix, factor = ("m", 1e3) if unit == "A" else ("", 1.0)
-        low = self._signals[k] < codec.broken_below
-        bound = codec.broken_below if low else codec.broken_above
-        return DeviceFault(
-            self.name,
-            f"the pressure monitor of {self.channels[k]} has a "
-            f"{'broken' if low else 'shorted'} wire",
-            node=self.settings.node,
-            object=str(signal.entry),
-            value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
-            bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
-        )

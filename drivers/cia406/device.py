@@ -6,11 +6,11 @@ CiA 406 V3.2: 0x6004 position, 0x6005 measuring steps (1 nm and 0.01 mm/s), 0x60
 positions and speeds of several sensors, 0x6503 alarms, 0x6509 offset.
 """
 
-from collections.abc import Mapping
 from math import inf
 from typing import Any, Final
 
 from drivers.canopen.bus import CanopenBus
+from drivers.canopen.identified import IdentifiedDevice
 from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
@@ -31,7 +31,7 @@ _POSITION_UNIT: Final = 1e-9  # of 0x6005:1, m
 _SPEED_UNIT: Final = 1e-5  # of 0x6005:2, m/s
 
 
-class Cia406Encoder(LinearEncoder):
+class Cia406Encoder(IdentifiedDevice, LinearEncoder):
     """One linear encoder; satisfies `rig.hal.LinearEncoder` with one channel.
 
     Parameters are those of every driver: see `rig.hal.parts.DriverParts`.
@@ -180,14 +180,6 @@ class Cia406Encoder(LinearEncoder):
         """Expect nothing of the encoder any more. Idempotent."""
         self._armed = False
         self._node.disarm()
-
-    def identity(self) -> Mapping[str, int]:
-        """Ask for its identity object; see `Device.identity`."""
-        return self._node.identity()
-
-    def written(self) -> Mapping[str, float]:
-        """Return the objects that were read back; see `Device.written`."""
-        return self._node.written
 
     # The cycle ------------------------------------------------------------------------
 

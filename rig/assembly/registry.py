@@ -167,7 +167,7 @@ class InstalledParts:
         mechanism : str
             Its name.
         protocol : type
-            `rig.commissioning.step.Step`.
+            `rig.commissioning.step.AcceptanceStep`.
         """
         path = self.mechanism(mechanism).commissioning
         if path is None:

@@ -2,14 +2,14 @@
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple, Protocol, cast
 
 from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Rig
 from rig.assembly.rows import load
 from rig.config import Profile
-from rig.hal import Address, Clock, DeviceFault, DriverSettings, MonotonicClock
+from rig.hal import Address, Clock, DeviceFault, DriverSettings, FastCanBus, MonotonicClock
 from rig.hal.frames import Found
 
 
@@ -37,6 +37,12 @@ class Answer(NamedTuple):
     differences: tuple[str, ...]
 
 
+class _CanMaster(Protocol):
+    """A bus on a CAN interface; every protocol with a discovery has such ones."""
+
+    def open_interface(self) -> FastCanBus: ...
+
+
 def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     """Ask all CAN buses of a profile who is there; nothing is changed on them.
 
@@ -56,7 +62,7 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     """
     from drivers.can import open_bus
 
-    def opened(name: str) -> Any:
+    def opened(name: str) -> FastCanBus:
         settings = profile.buses[name].settings
         return open_bus(dataclasses.replace(settings, **interfaces.get(name, {})))
 
@@ -66,14 +72,13 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
 def survey_rig(rig: Rig) -> list[Answer]:
     """Ask all CAN buses of a rig that is not open who is there; see `survey_buses`."""
 
-    def opened(name: str) -> Any:
-        bus: Any = rig.buses[name]  # whose protocol has a discovery
-        return bus.open_interface()
+    def opened(name: str) -> FastCanBus:
+        return cast("_CanMaster", rig.buses[name]).open_interface()
 
     return _survey(rig.profile, opened, rig.clock)
 
 
-def _survey(profile: Profile, opened: Callable[[str], Any], clock: Clock) -> list[Answer]:
+def _survey(profile: Profile, opened: Callable[[str], FastCanBus], clock: Clock) -> list[Answer]:
     from drivers.can import close_bus
 
     answers: list[Answer] = []

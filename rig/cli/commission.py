@@ -26,7 +26,7 @@ from rig.cli.tables import Table, print_data, print_tables
 if TYPE_CHECKING:
     from rig.assembly import Backend
     from rig.commissioning.operator import Operator
-    from rig.commissioning.step import Step
+    from rig.commissioning.step import AcceptanceStep
     from rig.config import Profile
 
 EXIT_FAILED = 3
@@ -57,7 +57,7 @@ def commission(rig: str, **options: Any) -> int:
     and say the same again. Simulated hands do in a simulation what a person does at a rig.
     """
     from rig.assembly import REGISTRY, Backend, backend_of, build_rig, check_profile
-    from rig.commissioning.session import Circumstances, begin, steps_of
+    from rig.commissioning.session import CommissioningFacts, begin, steps_of
     from rig.commissioning.session import commission as commission_rig
     from rig.commissioning.site import Site
     from rig.config import load_profile
@@ -80,7 +80,7 @@ def commission(rig: str, **options: Any) -> int:
         profile, lambda: build_rig(profile, backend, other), _operator(backend, options["answers"]),
         options["out"], other,
     )  # fmt: skip
-    circumstances = Circumstances(backend.value, options["operator"], options["valid_for"])
+    circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
     stopped = commission_rig(
         site, record, steps, search[0], lambda text: click.echo(text, err=True)
@@ -101,7 +101,7 @@ def commission(rig: str, **options: Any) -> int:
 
 def _operator(backend: Backend, answers: Path | None) -> Operator:
     """Return who stands at the rig: simulated hands, a person, or answers from a file."""
-    from rig.commissioning.operator import Answers, Person, SimulatedOperator
+    from rig.commissioning.operator import Person, SimulatedOperator, WrittenAnswers
     from rig.commissioning.record import read_answers
     from rig.hal import ConfigurationError
 
@@ -112,10 +112,10 @@ def _operator(backend: Backend, answers: Path | None) -> Operator:
         if answers is None and not sys.stdin.isatty():
             raise ConfigurationError("there is no terminal to ask: give --answers FILE")
         hands = Person(lambda text: click.echo(f"  >>> {text}", err=True), click.prompt)
-    return hands if answers is None else Answers(read_answers(answers), hands)
+    return hands if answers is None else WrittenAnswers(read_answers(answers), hands)
 
 
-def _show(profile: Profile, steps: Sequence[Step]) -> int:
+def _show(profile: Profile, steps: Sequence[AcceptanceStep]) -> int:
     rows = [(step.name, step.does, step.expects) for step in steps]
     title = f"acceptance test of {profile.name}"
     print_tables([Table(title, ("step", "what happens", "what is expected"), rows)])

@@ -141,7 +141,7 @@ def run(
     ):
         asking = f"rig check {plan.experiment.rig} --on {on}"
         click.echo(f"who answers on the bus is told by: {asking}", err=True)
-    if backend_of(on) is Backend.HARDWARE and not as_json:
+    if backend_of(on) is Backend.HARDWARE and result.exit_code == 0 and not as_json:
         from rig.cli.status import tell_next
         from rig.commissioning.permission import configs_of
 

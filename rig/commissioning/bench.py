@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from rig.assembly import Rig
 
 
-class Bench:
+class StepBench:
     """The cycle of an energised rig, as far as a step needs it.
 
     Parameters

@@ -26,7 +26,7 @@ class Task(NamedTuple):
 
 
 class Operator(Protocol):
-    """Somebody at the rig."""
+    """A person at the rig, or a stand-in."""
 
     def do(self, task: Task, world: BreakableWorld | None) -> None:
         """Have something done or looked at now; returns at once, as the rig may be energised."""
@@ -36,7 +36,7 @@ class Operator(Protocol):
 
 
 class SimulatedOperator(Operator):
-    """Does in a simulated world what a person would do."""
+    """Hands and eyes in a simulated world."""
 
     def __init__(self) -> None:
         self._answers: dict[str, str] = {}
@@ -73,8 +73,8 @@ class Person(Operator):
         return self._ask(task.text)
 
 
-class Answers(Operator):
-    """Answers that were written down before, for somebody else's hands.
+class WrittenAnswers(Operator):
+    """WrittenAnswers that were written down before, for somebody else's hands.
 
     Parameters
     ----------

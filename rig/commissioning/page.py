@@ -5,7 +5,7 @@ from html import escape
 from pathlib import Path
 
 from rig.commissioning.record import FOLDER, Content
-from rig.commissioning.step import Step
+from rig.commissioning.step import AcceptanceStep
 from rig.hal import ConfigurationError
 from rig.whole_file import write_whole
 
@@ -16,7 +16,7 @@ _STYLE = (
 )
 
 
-def write_page(configs: Path, record: Content, steps: Sequence[Step]) -> Path:
+def write_page(configs: Path, record: Content, steps: Sequence[AcceptanceStep]) -> Path:
     """Write the page of a record beside it.
 
     Raises
@@ -47,7 +47,7 @@ def write_page(configs: Path, record: Content, steps: Sequence[Step]) -> Path:
     return path
 
 
-def _row(step: Step, found: Content) -> str:
+def _row(step: AcceptanceStep, found: Content) -> str:
     lines = [*found["measured_in_words"], *([found["said"]] if found["said"] else [])]
     measured = "<br>".join(map(escape, lines))
     verdict = "passed" if found["passed"] else "FAILED"

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from rig.assembly import REGISTRY, Backend, check_profile, make_controller
 from rig.commissioning.derating import EFFORT, SPEED, SlowMotion, derated
-from rig.commissioning.record import Verdict, judge, load_record
-from rig.commissioning.step import Step
+from rig.commissioning.record import CommissioningState, judge, load_record
+from rig.commissioning.step import AcceptanceStep
 from rig.config import Profile, find_configs
 from rig.experiment.plan import Plan
 from rig.hal import DeviceError
@@ -80,7 +80,9 @@ def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
     return f"{verdict.lack}; it moves all the same: {override}"
 
 
-def verdict_of(profile: Profile, backend: Backend, search: Sequence[Path] | None = None) -> Verdict:
+def verdict_of(
+    profile: Profile, backend: Backend, search: Sequence[Path] | None = None
+) -> CommissioningState:
     """Return whether a rig is commissioned on a backend.
 
     Parameters
@@ -92,7 +94,7 @@ def verdict_of(profile: Profile, backend: Backend, search: Sequence[Path] | None
     search : sequence of Path, optional
         Folders of configurations; default: the profile's own, then the usual ones.
     """
-    steps = REGISTRY.commissioning(profile.mechanism, Step)
+    steps = REGISTRY.commissioning(profile.mechanism, AcceptanceStep)
     record = load_record(profile.name, configs_of(profile) if search is None else search)
     return judge(profile, record, [step.name for step in steps], backend.value)
 

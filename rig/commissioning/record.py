@@ -3,7 +3,7 @@
 import getpass
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -24,12 +24,12 @@ FOLDER: Final = "commissioning"
 _LATER: Final = ("simulation", "plant", "controllers", "name", "description")
 """Keys of a profile that say nothing of the hardware, or that are found after the test."""
 
-Content = Mapping[str, Any]
+Content = dict[str, Any]
 """A record as plain data."""
 
 
-class Verdict(NamedTuple):
-    """Whether a rig may be used as its profile says.
+class CommissioningState(NamedTuple):
+    """The answer to whether a rig may be used as its profile says.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def _uncalibrated(profile: Profile) -> Profile:
     )  # fmt: skip
 
 
-def digest_of(settings: str, steps: Mapping[str, Any]) -> str:
+def digest_of(settings: str, steps: Content) -> str:
     """Return the eight characters over what was tested.
 
     Parameters
@@ -127,7 +127,7 @@ def read_answers(path: Path) -> dict[str, str]:
     return {str(key): str(value) for key, value in content.items()}
 
 
-def new_record(profile: Profile, backend: str, operator: str | None, until: str) -> dict[str, Any]:
+def new_record(profile: Profile, backend: str, operator: str | None, until: str) -> Content:
     """Return a record without any step."""
     return {
         "rig": profile.name,
@@ -165,7 +165,9 @@ def missing(content: Content, names: Sequence[str]) -> list[str]:
     return [name for name in names if not content["steps"].get(name, {}).get("passed")]
 
 
-def judge(profile: Profile, content: Content | None, names: Sequence[str], backend: str) -> Verdict:
+def judge(
+    profile: Profile, content: Content | None, names: Sequence[str], backend: str
+) -> CommissioningState:
     """Return whether a rig was commissioned as it is now, and what is missing.
 
     Parameters
@@ -181,17 +183,21 @@ def judge(profile: Profile, content: Content | None, names: Sequence[str], backe
     """
     if content is None:
         first = f", first of them {names[0]}" if names else ""
-        return Verdict("", f"it was never commissioned: all steps are missing{first}")
+        return CommissioningState("", f"it was never commissioned: all steps are missing{first}")
     lacking = missing(content, names)
     if lacking:
-        return Verdict("", f"its commissioning lacks {', '.join(lacking)}")
+        return CommissioningState("", f"its commissioning lacks {', '.join(lacking)}")
     digest = content["digest"]
     if content["backend"] != backend:
-        return Verdict(digest, f"it was commissioned on {content['backend']}, not on {backend}")
+        return CommissioningState(
+            digest, f"it was commissioned on {content['backend']}, not on {backend}"
+        )
     if content["settings"] != tested_settings(profile):
-        return Verdict(digest, "its profile was changed since it was commissioned")
+        return CommissioningState(digest, "its profile was changed since it was commissioned")
     if digest != digest_of(content["settings"], content["steps"]):
-        return Verdict(digest, "the program is another version than it was commissioned with")
+        return CommissioningState(
+            digest, "the program is another version than it was commissioned with"
+        )
     if content["valid_until"] < datetime.now(UTC).date().isoformat():
-        return Verdict(digest, f"its commissioning expired on {content['valid_until']}")
-    return Verdict(digest, "")
+        return CommissioningState(digest, f"its commissioning expired on {content['valid_until']}")
+    return CommissioningState(digest, "")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rig.assembly import REGISTRY
 from rig.commissioning.page import write_page
@@ -17,14 +17,14 @@ from rig.commissioning.record import (
     write_record,
 )
 from rig.commissioning.site import Site
-from rig.commissioning.step import Measured, Outcome, Step
+from rig.commissioning.step import AcceptanceStep, MeasuredValue, StepResult
 from rig.config import Profile
 from rig.hal import ConfigurationError, RigError
 
 Say = Callable[[str], None]
 
 
-class Circumstances(NamedTuple):
+class CommissioningFacts(NamedTuple):
     """Facts about a test that only its operator knows.
 
     Parameters
@@ -42,7 +42,7 @@ class Circumstances(NamedTuple):
     days: int = 365
 
 
-def steps_of(profile: Profile) -> Sequence[Step]:
+def steps_of(profile: Profile) -> Sequence[AcceptanceStep]:
     """Return the steps of a rig's acceptance test, in their order.
 
     Raises
@@ -50,7 +50,7 @@ def steps_of(profile: Profile) -> Sequence[Step]:
     ConfigurationError
         Its mechanism has none.
     """
-    steps = REGISTRY.commissioning(profile.mechanism, Step)
+    steps = REGISTRY.commissioning(profile.mechanism, AcceptanceStep)
     if not steps:
         raise ConfigurationError(
             f"{profile.name}: there is no acceptance test of a {profile.mechanism}; name one in "
@@ -61,12 +61,12 @@ def steps_of(profile: Profile) -> Sequence[Step]:
 
 def has_steps(profile: Profile) -> bool:
     """Return whether there is an acceptance test of a rig."""
-    return bool(REGISTRY.commissioning(profile.mechanism, Step))
+    return bool(REGISTRY.commissioning(profile.mechanism, AcceptanceStep))
 
 
 def begin(
-    profile: Profile, search: Sequence[Path], circumstances: Circumstances, *, anew: bool
-) -> dict[str, Any]:
+    profile: Profile, search: Sequence[Path], circumstances: CommissioningFacts, *, anew: bool
+) -> Content:
     """Return the record to go on with: the kept one, if it is of this rig as it is."""
     kept = None if anew else load_record(profile.name, search)
     until = datetime.now(UTC).date() + timedelta(days=circumstances.days)
@@ -77,7 +77,7 @@ def begin(
 
 
 def commission(
-    site: Site, record: dict[str, Any], steps: Sequence[Step], configs: Path, say: Say
+    site: Site, record: Content, steps: Sequence[AcceptanceStep], configs: Path, say: Say
 ) -> str | None:
     """Take every step that the record lacks; return what stopped it, or None.
 
@@ -107,13 +107,13 @@ def commission(
     return None
 
 
-def _perform(step: Step, site: Site) -> tuple[dict[str, Any], str | None]:
+def _perform(step: AcceptanceStep, site: Site) -> tuple[Content, str | None]:
     try:
         outcome, defect = step.perform(site), None
     except RigError as error:
         if isinstance(error, ConfigurationError):
             raise
-        outcome, defect = Outcome(said=str(error)), str(error)
+        outcome, defect = StepResult(said=str(error)), str(error)
     found = {
         "passed": defect is None,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -125,7 +125,7 @@ def _perform(step: Step, site: Site) -> tuple[dict[str, Any], str | None]:
     return found, defect
 
 
-def _plain(value: Measured) -> Content:
+def _plain(value: MeasuredValue) -> Content:
     """Return a value with its bounds; one that is infinite is no bound."""
     bounds = {"low": value.low, "high": value.high}
     finite = {name: bound for name, bound in bounds.items() if abs(bound) < float("inf")}

@@ -16,7 +16,7 @@ PATIENCE = 60.0
 
 
 class Site(NamedTuple):
-    """Where a step happens.
+    """The place of a step.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ from rig.config.formats import format_quantity
 from rig.hal import DeviceError
 
 
-class Measured(NamedTuple):
+class MeasuredValue(NamedTuple):
     """A measured value and the bounds that it was held against.
 
     Parameters
@@ -49,12 +49,12 @@ class Defect(DeviceError):
     """A step has found something wrong with the rig; nothing may be energised any more."""
 
 
-class Outcome(NamedTuple):
-    """What a step has found.
+class StepResult(NamedTuple):
+    """The findings of a step.
 
     Parameters
     ----------
-    measured : tuple of Measured
+    measured : tuple of MeasuredValue
         Every value; all of them passed.
     facts : dict
         What else belongs into the record: serial numbers, objects that were read back.
@@ -62,12 +62,12 @@ class Outcome(NamedTuple):
         In a sentence; why nothing was measured, if nothing was.
     """
 
-    measured: tuple[Measured, ...] = ()
+    measured: tuple[MeasuredValue, ...] = ()
     facts: dict[str, object] = {}  # noqa: RUF012 -- a default that nobody changes
     said: str = ""
 
 
-class Step(Protocol):
+class AcceptanceStep(Protocol):
     """One step. It starts from a rig without energy and leaves it so."""
 
     name: str
@@ -78,7 +78,7 @@ class Step(Protocol):
     """What is expected, for the operator."""
 
     @abstractmethod
-    def perform(self, site: Site) -> Outcome:
+    def perform(self, site: Site) -> StepResult:
         """Do it.
 
         Raises
@@ -101,7 +101,7 @@ def require(passes: bool, where: str, defect: str) -> None:
         raise Defect(where, defect)
 
 
-def require_within(where: str, measured: Measured, defect: str) -> Measured:
+def require_within(where: str, measured: MeasuredValue, defect: str) -> MeasuredValue:
     """Return a value that is within its bounds.
 
     Raises

@@ -26,17 +26,16 @@ from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
 from rig.experiment.hindsight import Said, after_run
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
-from rig.experiment.new_folder import create_folder, write_evaluation
+from rig.experiment.new_folder import create_folder, log_columns, write_evaluation
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import Plan, constants_of
 from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import Column, ContractBroken, RigError
+from rig.hal import ContractBroken, RigError
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder, RunFolderError
-from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import Log, LogError, read_log
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
@@ -255,7 +254,7 @@ def _run(
             loop = _make_loop(plan, rig, states, watcher)
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
-                LogRecorder(folder.log_path, _columns(rig)) as recorder,
+                LogRecorder(folder.log_path, log_columns(rig)) as recorder,
                 real_time(priority, plan.profile.loop.cpu) as refused,
             ):
                 for sentence in refused:
@@ -294,13 +293,6 @@ def _run(
         if blamed is None:
             raise
         return broken_contract(blamed)
-
-
-def _columns(rig: Rig) -> tuple[Column, ...]:
-    """Return what a row of the log holds, in the order of `rig.runtime.cycle.Cycle.note`."""
-    measured = [column for device in rig.devices.values() for column in device.log_columns]
-    run, timing = RUN_COLUMNS, TIMING_COLUMNS
-    return (*run, *rig.mechanism.columns, *measured, *timing, *rig.truth_columns)
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:

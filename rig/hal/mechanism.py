@@ -158,23 +158,7 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
 
     @classmethod
     def derated(cls, settings: Settings, effort: float) -> Settings | None:
-        """Return the settings with limits for a rig that was never commissioned.
-
-        Its motions are slower besides, by `slow_down`; limits of the speed stay, as they are
-        alarms, and what frozen setpoints come to is held against them.
-
-        Parameters
-        ----------
-        settings : object
-            The mechanism's.
-        effort : float
-            Share of pressure or torque that it may have.
-
-        Returns
-        -------
-        object or None
-            None: there are none, and the rig is refused until it is commissioned.
-        """
+        """Return settings with a share of its pressure or torque; None: there are none."""
         return None
 
     @classmethod

@@ -90,8 +90,8 @@ class MechanismParts(Additions):
     bench : Path, optional
         A `rig.hal.bench.TuningBench`, on which `rig tune` tries gains; without it nothing is tuned.
     commissioning : Path, optional
-        ``steps()``, the `rig.commissioning.step.Step`s of its acceptance test in their order;
-        without it `rig commission` cannot test the rig.
+        ``steps()``, the `rig.commissioning.step.AcceptanceStep`s of its acceptance test in their
+        order; without it `rig commission` cannot test the rig.
     scene : Path, optional
         A `rig.hal.scene.Scene`, which `rig watch` shows; without it the page has its scope alone.
     """

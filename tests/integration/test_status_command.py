@@ -10,9 +10,10 @@ from click.testing import CliRunner
 
 from rig.calibration import store
 from rig.cli.status import status
-from rig.commissioning.record import Verdict
+from rig.commissioning.record import CommissioningState
 from rig.experiment.fault_latch import FaultLatch
 
+COMMISSIONS = True
 CONFIGS = Path(__file__).parents[2] / "configs"
 TODAY = datetime.now(UTC)
 PROCEDURES = {
@@ -61,7 +62,7 @@ def show(configs, *words):
 
 def be_commissioned(monkeypatch):
     """Take the rig for one that has passed; how it does is seen in `test_uncommissioned.py`."""
-    passed = Verdict("0123abcd", "")
+    passed = CommissioningState("0123abcd", "")
     monkeypatch.setattr("rig.commissioning.permission.verdict_of", lambda *_: passed)
 
 

@@ -17,6 +17,7 @@ from rig.cli import invoke
 from rig.commissioning.record import load_record, write_record
 from rig.runtime.log import read_log
 
+COMMISSIONS = True
 CONFIGS = Path(__file__).parents[2] / "configs"
 GENERATOR = np.random.default_rng(2311)
 SHORT = (

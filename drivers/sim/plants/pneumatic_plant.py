@@ -329,10 +329,8 @@ class PneumaticPlant(ABC):
             self._break_channel(fault, int(number))
 
     def pull(self, channel: str, by: float) -> None:
-        """Pull a rod out by hand, m, no further than its cylinder goes; its wire gets slack."""
-        cell = WIDTH * self.channel_names.index(channel) + EXTENSION
-        stroke = self._common.cylinder.stroke
-        self._cells[cell] = min(max(self._cells[cell] + by, 0.0), stroke)
+        """Pull a rod out by hand, m; its wire gets slack."""
+        self._cells[WIDTH * self.channel_names.index(channel) + EXTENSION] += by
 
     def set_leaks(self, conductances: Sequence[float]) -> None:
         """Have each chamber leak as it was built: sonic conductances, m³/(s Pa)."""

@@ -7,7 +7,7 @@ import numpy as np
 from rig.assembly import check_profile, make_controller, plan_motion
 from rig.commissioning.derating import derated
 from rig.commissioning.site import Site
-from rig.commissioning.step import Defect, Measured, Outcome, Step, require_within
+from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.config import Experiment, ReferenceEntry
 from rig.experiment.plan import Plan
 from rig.experiment.run import run_experiment
@@ -16,7 +16,7 @@ from rig.runtime.log import read_log
 from rig.runtime.phases import Phase
 
 
-class FirstMotion(Step):
+class FirstMotion(AcceptanceStep):
     """A small motion under control.
 
     Parameters
@@ -41,8 +41,8 @@ class FirstMotion(Step):
         self._unit = unit
         self._travel = travel
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         rig = site.make_rig()
         rig.close()
         result = run_experiment(
@@ -54,9 +54,9 @@ class FirstMotion(Step):
         log = read_log(result.path / "log.mcap")
         runs = log.column("phase") == Phase.RUN
         went = max(float(np.ptp(log.column(name)[runs])) for name in self._columns)
-        moved = Measured("moved by", went, self._unit, 0.5 * self._travel, 2.0 * self._travel)
+        moved = MeasuredValue("moved by", went, self._unit, 0.5 * self._travel, 2.0 * self._travel)
         require_within("first motion", moved, "it does not go as far as it was sent")
-        return Outcome((moved,), {"run": str(result.path)})
+        return StepResult((moved,), {"run": str(result.path)})
 
     def _plan(self, site: Site) -> Plan:
         profile = derated(site.profile)

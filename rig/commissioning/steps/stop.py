@@ -6,7 +6,7 @@ from functools import partial
 from rig.assembly import Rig
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site, patience, world_of
-from rig.commissioning.step import Measured, Outcome, Step, require
+from rig.commissioning.step import AcceptanceStep, MeasuredValue, StepResult, require
 from rig.hal.world import BreakableWorld
 
 _LOOK = 5e-3
@@ -29,19 +29,19 @@ def stop_device(rig: Rig) -> str | None:
     return next((name for name, device in rig.devices.items() if device is stop), None)
 
 
-class EmergencyStopContact(Step):
+class EmergencyStopContact(AcceptanceStep):
     """The contact is seen pressed, released and cut."""
 
     name = "emergency-stop"
     does = "You press and release the emergency stop and take its wire off; nothing is energised."
     expects = "Each is seen. A wire that is off reads as pressed: the contact is normally closed."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         rig = site.make_rig()
         device = stop_device(rig)
         if device is None:
-            return Outcome(said="the profile names no contact of an emergency stop")
+            return StepResult(said="the profile names no contact of an emergency stop")
         times = []
         with rig.watching_stop() as is_pressed:
             require(
@@ -64,8 +64,8 @@ class EmergencyStopContact(Step):
                 site.operator.do(stop_task(device, key, text, fault, value), world_of(rig))
                 before = rig.clock.now()
                 require(self._wait(rig, is_pressed, pressed), "emergency stop", defect)
-                times.append(Measured(f"{key} seen after", rig.clock.now() - before, "s"))
-        return Outcome(tuple(times))
+                times.append(MeasuredValue(f"{key} seen after", rig.clock.now() - before, "s"))
+        return StepResult(tuple(times))
 
     def _wait(self, rig: Rig, is_pressed: Callable[[], bool | None], wanted: bool) -> bool:
         end = rig.clock.now() + patience(rig)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from rig.commissioning.step import Step
+from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.motion import FirstMotion
 from rig.mechanisms.joint.columns import CHANNELS
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
@@ -15,7 +15,7 @@ _TRAVEL = 1e-3
 """How far the wire goes that goes furthest, m."""
 
 
-def steps() -> Sequence[Step]:
+def steps() -> Sequence[AcceptanceStep]:
     """Return the steps in their order."""
     upright, tilted = JointPose(0.0), JointPose(_TILT)
     there_and_back = JointPoses(poses=(upright, tilted, upright), rise=2.0, dwell=1.0)

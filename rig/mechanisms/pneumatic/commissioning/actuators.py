@@ -4,7 +4,7 @@ from typing import Final
 
 from rig.calibration.instruments import parse_reading
 from rig.commissioning.site import Site, world_of
-from rig.commissioning.step import Defect, Measured, Outcome, Step, require_within
+from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.hal import Vector
 from rig.mechanisms.pneumatic.commissioning.chambers import (
     HIGHER,
@@ -21,16 +21,16 @@ _SLOPE: Final = (0.7, 1.3)
 """Rise from `LOWEST` to `HIGHER` over that of the setpoint: offsets cancel."""
 
 
-class Regulators(Step):
+class RegulatorsAlone(AcceptanceStep):
     """Each chamber is filled alone, and the gauges are read."""
 
     name = "actuators"
     does = "Each chamber alone gets 8 kPa, then 14 kPa; you read which gauge moves, and how far."
     expects = "Its own gauge and its own monitor show what was asked for; no other one moves."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
-        measured: list[Measured] = []
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
+        measured: list[MeasuredValue] = []
         with energised(site) as chambers:
             channels = chambers.regulators.channels
         for number, channel in enumerate(channels):
@@ -41,11 +41,11 @@ class Regulators(Step):
             step = HIGHER - LOWEST
             rise = high.rises[number] - low.rises[number]
             measured += _find_scale(channel, rise, high.gauge - low.gauge, step, _SLOPE)
-        return Outcome(tuple(measured))
+        return StepResult(tuple(measured))
 
 
 class _Filled:
-    """What monitors and gauges have shown of one filled chamber."""
+    """Readings of monitors and gauges of one filled chamber."""
 
     def __init__(self, rises: Vector, answer: str) -> None:
         self.rises = rises
@@ -88,26 +88,28 @@ def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> No
 
 def _find_scale(
     channel: str, rise: float, gauge: float, asked: float, bounds: tuple[float, float]
-) -> list[Measured]:
+) -> list[MeasuredValue]:
     """Return gauge and monitor over what was asked for; raise if a scale is wrong."""
     at = f"{asked / 1e3:g} kPa"
-    given = Measured(f"{channel}: gauge over setpoint, {at}", gauge / asked, "1", *bounds)
-    shown = Measured(f"{channel}: monitor over gauge, {at}", rise / max(gauge, 1.0), "1", *bounds)
+    given = MeasuredValue(f"{channel}: gauge over setpoint, {at}", gauge / asked, "1", *bounds)
+    shown = MeasuredValue(
+        f"{channel}: monitor over gauge, {at}", rise / max(gauge, 1.0), "1", *bounds
+    )
     return [
         require_within(channel, given, "wrong scale of its setpoint"),
         require_within(channel, shown, "wrong scale of its monitor"),
     ]
 
 
-class Response(Step):
+class ResponseTimes(AcceptanceStep):
     """A step of every setpoint at once: how soon the monitors follow."""
 
     name = "response"
     does = "Every chamber goes from 8 kPa to 14 kPa in one step."
     expects = "Each monitor follows as fast as the profile's regulator_response says."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         model = site.profile.mechanism_settings.regulator_response
         expected = model.dead_time + 2.15 / model.bandwidth  # to 63 % at a damping of 1
         with energised(site) as chambers:
@@ -116,10 +118,10 @@ class Response(Step):
         measured = []
         for channel, took in zip(channels, times, strict=True):
             name = f"{channel}: time to 63 % of a step"
-            value = Measured(name, took, "s", high=1.8 * expected + 0.02)
+            value = MeasuredValue(name, took, "s", high=1.8 * expected + 0.02)
             defect = "sticky or slow valve: it follows much later than the profile says"
             measured.append(require_within(channel, value, defect))
-        return Outcome(tuple(measured))
+        return StepResult(tuple(measured))
 
 
 def _step_times(chambers: Chambers) -> list[float]:

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import Final, NamedTuple
 
 from rig.assembly import Rig
-from rig.commissioning.bench import Bench
+from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
 from rig.hal import DevicePicker, PressureRegulator, Vector
@@ -30,7 +30,7 @@ class Chambers(NamedTuple):
 
     Parameters
     ----------
-    bench : Bench
+    bench : StepBench
         The rig's cycle.
     regulators : PressureRegulator
         Armed.
@@ -38,7 +38,7 @@ class Chambers(NamedTuple):
         Means of the monitors, vented, Pa gauge.
     """
 
-    bench: Bench
+    bench: StepBench
     regulators: PressureRegulator
     zeros: Vector = ()
 
@@ -109,7 +109,7 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
         rig.arm()
         if not supply:
             regulators.shut_supply(True)
-        chambers = Chambers(Bench(rig), regulators)
+        chambers = Chambers(StepBench(rig), regulators)
         chambers.set_all(regulators.pressure_range[0], 0.3)
         yield chambers._replace(zeros=chambers.means())
 

@@ -2,18 +2,18 @@
 
 from collections.abc import Sequence
 
-from rig.commissioning.step import Step
-from rig.commissioning.steps.identity import Identity, OnTheBus
+from rig.commissioning.step import AcceptanceStep
+from rig.commissioning.steps.identity import OnTheBus, SettingsReadBack
 from rig.commissioning.steps.load import Load
 from rig.commissioning.steps.motion import FirstMotion
 from rig.commissioning.steps.stop import EmergencyStopContact
-from rig.mechanisms.pneumatic.commissioning.actuators import Regulators, Response
+from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, ResponseTimes
 from rig.mechanisms.pneumatic.commissioning.reactions import CablePulled, MasterDies, StopReaction
-from rig.mechanisms.pneumatic.commissioning.sensors import Encoders
+from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
 from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
 
 
-def pneumatic_course(motion: FirstMotion) -> Sequence[Step]:
+def pneumatic_course(motion: FirstMotion) -> Sequence[AcceptanceStep]:
     """Return the steps in their order, each on what the ones before have proven.
 
     Parameters
@@ -23,15 +23,15 @@ def pneumatic_course(motion: FirstMotion) -> Sequence[Step]:
     """
     return (
         OnTheBus(),
-        Identity(),
+        SettingsReadBack(),
         EmergencyStopContact(),
         SupplyAndDump(),
         StopReaction(),
         MasterDies(),
         CablePulled(),
-        Encoders(),
-        Regulators(),
-        Response(),
+        EncodersByHand(),
+        RegulatorsAlone(),
+        ResponseTimes(),
         Load(),
         motion,
     )

@@ -2,7 +2,13 @@
 
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site, patience, world_of
-from rig.commissioning.step import Measured, Outcome, Step, require, require_within
+from rig.commissioning.step import (
+    AcceptanceStep,
+    MeasuredValue,
+    StepResult,
+    require,
+    require_within,
+)
 from rig.commissioning.steps.stop import press, release, stop_device
 from rig.hal import DeviceError
 from rig.hal.world import BreakableWorld
@@ -14,21 +20,21 @@ from rig.mechanisms.pneumatic.commissioning.chambers import (
 )
 
 
-class StopReaction(Step):
+class StopReaction(AcceptanceStep):
     """The emergency stop is pressed while the chambers hold some pressure."""
 
     name = "stop-reaction"
     does = "Every chamber gets 8 kPa; you press the emergency stop."
     expects = "The chambers are vented at once."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         most = site.profile.loop.safe_within
         with energised(site) as chambers:
             rig, bench = chambers.rig, chambers.bench
             device, stop = stop_device(rig), rig.mechanism.stop_input()
             if device is None or stop is None:
-                return Outcome(said="the profile names no contact of an emergency stop")
+                return StepResult(said="the profile names no contact of an emergency stop")
             chambers.set_all(LOWEST)
             rises = chambers.rises()
             site.operator.do(press(device), world_of(rig))
@@ -37,21 +43,23 @@ class StopReaction(Step):
             start = bench.now
             bench.make_safe()
             bench.run(2.0 * most, chambers.have_fallen(0.5, rises))
-            took = Measured("vented after the press was seen", bench.now - start, "s", high=most)
+            took = MeasuredValue(
+                "vented after the press was seen", bench.now - start, "s", high=most
+            )
             site.operator.do(release(device), world_of(rig))
         require_within("emergency stop", took, "the chambers are not vented when it is pressed")
-        return Outcome((took,))
+        return StepResult((took,))
 
 
-class MasterDies(Step):
+class MasterDies(AcceptanceStep):
     """The program that is the master dies while the chambers hold some pressure."""
 
     name = "master"
     does = "Every chamber gets 8 kPa; the process that sends setpoints is killed, and one listens."
     expects = "The devices vent by themselves within their heartbeat's time."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         with energised(site) as chambers:
             bench, regulators = chambers.bench, chambers.regulators
             chambers.set_all(LOWEST)
@@ -62,12 +70,12 @@ class MasterDies(Step):
         bus = None if entry.bus is None else site.profile.buses[entry.bus].settings
         after = entry.settings.acts_after(bus)
         bound = site.profile.loop.safe_within + (0.0 if after is None else after)
-        measured = Measured("safe after the master's death", took, "s", high=bound)
+        measured = MeasuredValue("safe after the master's death", took, "s", high=bound)
         require_within(
             "watchdog", measured, f"{regulators.name} keeps its pressure when its master is dead: "
             "its watchdog is off",
         )  # fmt: skip
-        return Outcome((measured,))
+        return StepResult((measured,))
 
 
 def _fall_unheard(chambers: Chambers, tops: tuple[float, ...], within: float) -> float:
@@ -81,21 +89,21 @@ def _fall_unheard(chambers: Chambers, tops: tuple[float, ...], within: float) ->
     return bench.now - start
 
 
-class CablePulled(Step):
+class CablePulled(AcceptanceStep):
     """The bus's cable is pulled while the chambers hold some pressure."""
 
     name = "cable"
     does = "Every chamber gets 8 kPa; you pull the cable of the bus, and read the gauges."
     expects = "The program notices, and the gauges go to zero without it."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         with energised(site) as chambers:
             rig, bench = chambers.rig, chambers.bench
             channels = chambers.regulators.channels
             bus = site.profile.devices[chambers.regulators.name].bus
             if bus is None:
-                return Outcome(said="the regulators hang on no bus")
+                return StepResult(said="the regulators hang on no bus")
             chambers.set_all(LOWEST)
             site.operator.do(_pull(bus), world_of(rig))
             start, noticed = bench.now, ""
@@ -104,13 +112,13 @@ class CablePulled(Step):
             except DeviceError as error:
                 noticed = str(error)
             require(bool(noticed), f"bus {bus}", "its cable was pulled and nobody noticed")
-            found = Measured("noticed after the word was given", bench.now - start, "s")
+            found = MeasuredValue("noticed after the word was given", bench.now - start, "s")
             bench.listen(site.profile.loop.safe_within, lambda: False)
             at_zero = _at_zero(channels)
             site.operator.do(at_zero, world_of(rig))
         is_zero = site.operator.answer(at_zero).strip().lower() in ("y", "yes")
         require(is_zero, "watchdog", "the chambers keep their pressure without the cable")
-        return Outcome((found,), {"noticed": noticed})
+        return StepResult((found,), {"noticed": noticed})
 
 
 def _pull(bus: str) -> Task:

@@ -5,10 +5,16 @@ from typing import Final
 
 from rig.assembly import REGISTRY, Rig
 from rig.calibration.instruments import parse_reading
-from rig.commissioning.bench import Bench
+from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site, world_of
-from rig.commissioning.step import Measured, Outcome, Step, require, require_within
+from rig.commissioning.step import (
+    AcceptanceStep,
+    MeasuredValue,
+    StepResult,
+    require,
+    require_within,
+)
 from rig.hal import DevicePicker, LinearEncoder
 from rig.hal.world import BreakableWorld
 
@@ -20,15 +26,15 @@ _SCALE: Final = (0.8, 1.25)
 """What an encoder may show over what a gauge does: a hand and a feeler gauge are no better."""
 
 
-class Encoders(Step):
+class EncodersByHand(AcceptanceStep):
     """Each rod is pulled out a little, one at a time."""
 
     name = "sensors"
     does = "Nothing is energised; you pull each rod out by half a millimetre and gauge how far."
     expects = "Its own encoder shows it, outwards and as far as the gauge; no other one moves."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         view = REGISTRY.load("mechanism", site.profile.mechanism)
         wired = view.wiring(site.profile.mechanism_settings)
         measured = []
@@ -38,7 +44,7 @@ class Encoders(Step):
             moved = {other: after[other] - before[other] for other in wired}
             by = parse_reading(site.operator.answer(task), "m")
             measured.append(_judge(name, channel, by, moved))
-        return Outcome(tuple(measured))
+        return StepResult(tuple(measured))
 
     def _watch(
         self, site: Site, task: Task, names: tuple[str, ...]
@@ -47,7 +53,7 @@ class Encoders(Step):
         rig = site.make_rig()
         with rig:
             rig.arm(torque=False)
-            bench = Bench(rig)
+            bench = StepBench(rig)
             bench.run(0.05)
             before = _positions(rig, names)
             site.operator.do(task, world_of(rig))
@@ -78,7 +84,7 @@ def _pull(channel: str) -> Task:
     return Task(f"sensors.{channel}", text, act)
 
 
-def _judge(name: str, channel: str, by: float, moved: dict[str, float]) -> Measured:
+def _judge(name: str, channel: str, by: float, moved: dict[str, float]) -> MeasuredValue:
     """Return how far an encoder has shown a rod to move; raise for what is wrong with it."""
     others = [other for other in moved if other != name and abs(moved[other]) > _STILL * abs(by)]
     own = moved[name] / by
@@ -89,5 +95,5 @@ def _judge(name: str, channel: str, by: float, moved: dict[str, float]) -> Measu
         )  # fmt: skip
     require(abs(own) > _STILL, name, f"the rod of {channel} was pulled, and it shows nothing")
     require(own > 0.0, name, "direction reversed: the rod was pulled out, and it shows inwards")
-    shown = Measured(f"{name} over the gauge", own, "1", *_SCALE)
+    shown = MeasuredValue(f"{name} over the gauge", own, "1", *_SCALE)
     return require_within(name, shown, "wrong scale of the encoder")

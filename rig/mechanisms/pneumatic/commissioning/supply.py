@@ -1,24 +1,30 @@
 """Supply valve and dump: no air without it, and none left when it shuts."""
 
 from rig.commissioning.site import Site
-from rig.commissioning.step import Measured, Outcome, Step, require, require_within
+from rig.commissioning.step import (
+    AcceptanceStep,
+    MeasuredValue,
+    StepResult,
+    require,
+    require_within,
+)
 from rig.mechanisms.pneumatic.commissioning.chambers import LOWEST, SEEN, energised
 
 
-class SupplyAndDump(Step):
+class SupplyAndDump(AcceptanceStep):
     """The supply valve is kept shut, opened, and shut again, with setpoints that stay."""
 
     name = "supply"
     does = "Every chamber is asked for 8 kPa with the supply shut, open, and shut again."
     expects = "Pressure comes with the supply alone, and leaves by the dump valve when it shuts."
 
-    def perform(self, site: Site) -> Outcome:
-        """See `Step.perform`."""
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
         most = site.profile.loop.safe_within
         with energised(site, supply=False) as chambers:
             regulators, bench = chambers.regulators, chambers.bench
             if not regulators.shut_supply(True):
-                return Outcome(said="the profile names no supply valve")
+                return StepResult(said="the profile names no supply valve")
             chambers.set_all(LOWEST)
             leaking = max(chambers.rises())
             require(
@@ -38,9 +44,11 @@ class SupplyAndDump(Step):
             start, fallen = bench.now, chambers.have_fallen(0.5, rises)
             while not fallen() and bench.now - start <= most:
                 chambers.cycle(LOWEST)
-            took = Measured("vented by the dump valve after", bench.now - start, "s", high=most)
+            took = MeasuredValue(
+                "vented by the dump valve after", bench.now - start, "s", high=most
+            )
         require_within(
             "dump valve", took, "the chambers keep their pressure when the supply is shut: there "
             "is no dump valve, or it sticks",
         )  # fmt: skip
-        return Outcome((took,))
+        return StepResult((took,))
