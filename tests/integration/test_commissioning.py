@@ -78,7 +78,7 @@ def test_a_healthy_joint_passes_every_step(tmp_path):
 
 def test_what_has_passed_is_not_done_again(tmp_path):
     profile = unit("cylinder", 1)
-    stopped, record, _ = perform(tmp_path, profile, no_dump_valve)
+    stopped, _, _ = perform(tmp_path, profile, no_dump_valve)
     assert stopped.startswith("supply")
     again = begin(profile, [tmp_path], CommissioningFacts("virtual"), anew=False)
     assert [name for name, step in again["steps"].items() if step["passed"]] == [
