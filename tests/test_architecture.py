@@ -46,7 +46,7 @@ def belongs(module: str, package: str) -> bool:
 
 
 # (who, may import of the project only these)
-FRAMEWORKS = ("rig.experiment", "rig.report", "rig.calibration")
+FRAMEWORKS = ("rig.experiment", "rig.report", "rig.calibration", "rig.commissioning")
 RUN_FOLDER = ("rig.run_folder", "rig.run_facts", "rig.typed_json", "rig.whole_file")
 ALLOWED = [
     ("rig.hal", ("rig.hal",)),

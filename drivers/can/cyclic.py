@@ -151,6 +151,16 @@ class CyclicCanBus(ABC):
         self._errors = BusErrors(self.name, self._max_refused)
         self._another = None
 
+    def open_interface(self) -> FastCanBus:
+        """Open the interface for somebody else than this bus, which is not open; he shuts it down.
+
+        Raises
+        ------
+        ConnectionFailed
+            It is missing, down or unknown.
+        """
+        return self._open_bus()
+
     def expect_alone(self, duration: float) -> None:
         """Only listen, before the first frame is sent, and raise if the bus has a master.
 

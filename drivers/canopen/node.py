@@ -59,6 +59,8 @@ class CanopenNode:
         self.heartbeat = HeartbeatWatch(name, node, bus.settings.heartbeat_timeout)
         self.emergency = EmergencyLatch()
         self._bus = bus
+        self.written: dict[str, float] = {}
+        """What was written since `connect` and read back, raw, by its object."""
         self._sdo: Any = None
         self._armed = False
         bus.subscribe(0x700 + node, self.heartbeat.receive)
@@ -97,6 +99,7 @@ class CanopenNode:
             setting.
         """
         self.disarm()
+        self.written.clear()
         if self._sdo is None:
             self._sdo = self._bus.network.add(self.node)
         self._reset()
@@ -267,6 +270,7 @@ class CanopenNode:
                 value=_show(kept),
                 bound=_show(expected),
             )
+        self.written[f"0x{index:04X}:{sub:02X}"] = kept
 
     # Inside ---------------------------------------------------------------------------
 

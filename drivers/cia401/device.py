@@ -12,9 +12,11 @@ from typing import Any, Final
 
 from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
+from drivers.canopen.identified import IdentifiedDevice
 from drivers.canopen.inputs import CyclicInputs, layout_struct
 from drivers.canopen.mapping import pack
 from drivers.canopen.node import CanopenNode, pdo_id
+from drivers.cia401.broken_wire import broken_wire
 from drivers.cia401.channel_settings import DIGITAL_INPUT
 from drivers.cia401.codec import (
     decode_signal,
@@ -28,7 +30,6 @@ from drivers.cia401.echo import OutputEchoes
 from drivers.cia401.settings import PROFILE, Cia401Settings
 from drivers.cia401.stuck import StuckWatch
 from rig.hal import (
-    DeviceFault,
     EmergencyStopInput,
     LimitExceeded,
     PressureRegulator,
@@ -45,7 +46,7 @@ _BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wi
 _ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
 
 
-class Cia401Regulators(PressureRegulator, EmergencyStopInput):
+class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
     Channels with a lock valve follow `lock`; the others refuse it.
@@ -85,6 +86,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         lock_bits = (channel.lock_bit for channel in wiring)
         self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
         self._open = self._opened = settings.opening_bits
+        self._supply, self._shut = 1 << (settings.supply_bit or 0), 0
         self._kept = settings.kept_bits
         self._digital = 0  # of the safe state: nothing is kept open that was not opened
         self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
@@ -334,7 +336,18 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             if wanted and not bit:
                 raise ValueError(f"{self.name}: no valve locks {name}; it has no lock_bit")
             closed |= bit if wanted else 0
-        self._opened = self._open & ~closed if self._armed else self._open
+        self._opened = self._open & ~closed & ~self._shut if self._armed else self._open
+
+    def inspect(self) -> Vector:
+        """Ask for the monitors by SDO; see `PressureRegulator.inspect`."""
+        read, entries = self._node.read, self.settings.transmit_entries
+        return tuple(decode(read(*entries[k])) for k, decode, _, _ in self._monitor_lines)
+
+    def shut_supply(self, shut: bool) -> bool:
+        """Shut or open the supply valve; see `PressureRegulator.shut_supply`."""
+        self._shut = self._supply if shut and self.settings.supply_bit is not None else 0
+        self.lock((False,) * len(self.channels))
+        return self.settings.supply_bit is not None
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -350,9 +363,12 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
             return
         self._inputs.check(now)
         if not self._intact:
+            codecs, told = self._monitor_codecs, self._signals
             for k, count in enumerate(self._broken):
                 if count >= _BROKEN_AFTER:
-                    raise self._broken_wire(k)
+                    raise broken_wire(
+                        self.name, self.settings, self.channels[k], codecs[k], told[k]
+                    )
         self._echoes.check()
         setpoint, pressure = self._setpoint, self._pressure
         for k, watch in enumerate(self._following):
@@ -374,7 +390,7 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         self._echoes.reset()
         self._unheard = False
         self._setpoint = self._vented
-        self._digital = 0
+        self._digital = self._shut = 0
         self._opened = self._open
 
     def _set_safe(self) -> None:
@@ -382,19 +398,3 @@ class Cia401Regulators(PressureRegulator, EmergencyStopInput):
         counts = [encode(setpoint[k]) for k, encode in enumerate(self._encoders)]
         for pdo, data in zip(self._pdos, self._contents(counts, self._digital), strict=True):
             pdo.data = pdo.safe = data
-
-    def _broken_wire(self, k: int) -> DeviceFault:
-        signal = self.settings.channels[self.channels[k]].monitor
-        codec, unit = self._monitor_codecs[k], signal.signal_unit
-        prefix, factor = ("m", 1e3) if unit == "A" else ("", 1.0)
-        low = self._signals[k] < codec.broken_below
-        bound = codec.broken_below if low else codec.broken_above
-        return DeviceFault(
-            self.name,
-            f"the pressure monitor of {self.channels[k]} has a "
-            f"{'broken' if low else 'shorted'} wire",
-            node=self.settings.node,
-            object=str(signal.entry),
-            value=f"{factor * self._signals[k]:.2f} {prefix}{unit}",
-            bound=f"{'above' if low else 'below'} {factor * bound:.2f} {prefix}{unit}",
-        )

@@ -10,6 +10,7 @@ from math import inf
 from typing import Any, Final
 
 from drivers.canopen.bus import CanopenBus
+from drivers.canopen.identified import IdentifiedDevice
 from drivers.canopen.inputs import CyclicInputs
 from drivers.canopen.mapping import RANGES
 from drivers.canopen.node import CanopenNode
@@ -30,7 +31,7 @@ _POSITION_UNIT: Final = 1e-9  # of 0x6005:1, m
 _SPEED_UNIT: Final = 1e-5  # of 0x6005:2, m/s
 
 
-class Cia406Encoder(LinearEncoder):
+class Cia406Encoder(IdentifiedDevice, LinearEncoder):
     """One linear encoder; satisfies `rig.hal.LinearEncoder` with one channel.
 
     Parameters are those of every driver: see `rig.hal.parts.DriverParts`.

@@ -159,6 +159,24 @@ class InstalledParts:
         check_offers(f"mechanism {mechanism}: {path}", found, TuningBench)
         return found
 
+    def commissioning(self, mechanism: str, protocol: type[Thing]) -> Sequence[Thing]:
+        """Return the steps of a mechanism's acceptance test; empty if it has none.
+
+        Parameters
+        ----------
+        mechanism : str
+            Its name.
+        protocol : type
+            `rig.commissioning.step.AcceptanceStep`.
+        """
+        path = self.mechanism(mechanism).commissioning
+        if path is None:
+            return ()
+        steps: Sequence[Thing] = load(path, f"mechanism {mechanism}: ")()
+        for step in steps:
+            check_offers(f"mechanism {mechanism}: {path}", step, protocol)
+        return steps
+
     def scene(self, mechanism: str) -> type[Scene] | None:
         """Return what `rig watch` draws of a mechanism; None: it gives no picture of itself."""
         path = self.mechanism(mechanism).scene

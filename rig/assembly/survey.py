@@ -1,13 +1,15 @@
 """Who answers on a profile's CAN buses, and whether that is what the profile says."""
 
 import dataclasses
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, Protocol, cast
 
 from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
+from rig.assembly.rig import Rig
 from rig.assembly.rows import load
 from rig.config import Profile
-from rig.hal import Address, DeviceFault, DriverSettings, MonotonicClock
+from rig.hal import Address, Clock, DeviceFault, DriverSettings, FastCanBus, MonotonicClock
 from rig.hal.frames import Found
 
 
@@ -35,6 +37,12 @@ class Answer(NamedTuple):
     differences: tuple[str, ...]
 
 
+class _CanMaster(Protocol):
+    """A bus on a CAN interface; every protocol with a discovery has such ones."""
+
+    def open_interface(self) -> FastCanBus: ...
+
+
 def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     """Ask all CAN buses of a profile who is there; nothing is changed on them.
 
@@ -52,7 +60,26 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     DeviceFault
         It refuses frames.
     """
-    from drivers.can import close_bus, open_bus
+    from drivers.can import open_bus
+
+    def opened(name: str) -> FastCanBus:
+        settings = profile.buses[name].settings
+        return open_bus(dataclasses.replace(settings, **interfaces.get(name, {})))
+
+    return _survey(profile, opened, MonotonicClock())
+
+
+def survey_rig(rig: Rig) -> list[Answer]:
+    """Ask all CAN buses of a rig that is not open who is there; see `survey_buses`."""
+
+    def opened(name: str) -> FastCanBus:
+        return cast("_CanMaster", rig.buses[name]).open_interface()
+
+    return _survey(rig.profile, opened, rig.clock)
+
+
+def _survey(profile: Profile, opened: Callable[[str], FastCanBus], clock: Clock) -> list[Answer]:
+    from drivers.can import close_bus
 
     answers: list[Answer] = []
     for name, entry in profile.buses.items():
@@ -61,9 +88,9 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
             continue
         expected = expected_on(profile, name)
         numbers = [item.number for item in expected]
-        bus = open_bus(dataclasses.replace(entry.settings, **interfaces.get(name, {})))
+        bus = opened(name)
         try:
-            found: list[Found] = load(path)(bus, MonotonicClock(), numbers)
+            found: list[Found] = load(path)(bus, clock, numbers)
         except Exception as error:  # each interface has errors of its own
             raise _refusal(name, error) from error
         finally:

@@ -14,6 +14,7 @@ from rig.calibration.instruments import Readings
 from rig.calibration.page import draw_page
 from rig.calibration.procedure import AnyProcedure, Data, Excitation, Finding, Procedure
 from rig.calibration.recording import CalibrationRefused, Recording
+from rig.commissioning.permission import refuse_uncommissioned
 from rig.config import (
     Experiment,
     Profile,
@@ -85,6 +86,7 @@ def record(
     earlier: Sequence[Path] = (),
     watcher: Watcher | None = None,
     place: Callable[[str], bool] | None = None,
+    uncommissioned: str | None = None,
 ) -> tuple[Result | None, list[Path]]:
     """Record what is not recorded yet.
 
@@ -97,6 +99,8 @@ def record(
     place : callable, optional
         Told before each run what somebody has to put where by hand; returns whether it is there.
         Without it everything is taken to be in its place.
+    uncommissioned : str, optional
+        Why hardware that is not commissioned is moved all the same.
 
     Returns
     -------
@@ -106,6 +110,8 @@ def record(
         All run folders, the new ones last.
     """
     result, folders = None, list(earlier)
+    if backend is Backend.HARDWARE:
+        uncommissioned = refuse_uncommissioned(profile, uncommissioned)
     done = Recording.of(earlier).names if earlier else ()
     while True:
         excitation = procedure.excite(profile, done)
@@ -116,6 +122,7 @@ def record(
         result = run_experiment(
             plan_of(procedure, excitation), backend, out,
             on=on, watcher=watcher, report=False, heed_calibrations=False,
+            uncommissioned=uncommissioned,
         )  # fmt: skip
         folders.append(result.path)
         # What is placed by hand comes run by run, as long as each one gets somewhere.

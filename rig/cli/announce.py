@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _PREFIX = "reference."
 
 
-def may_move(plan: Plan, on: str, yes: str | None) -> bool:
+def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = None) -> bool:
     """Say what an experiment will move on hardware; return whether the operator wants it to.
 
     Raises
@@ -26,6 +26,7 @@ def may_move(plan: Plan, on: str, yes: str | None) -> bool:
         It is refused whatever the operator says.
     """
     from rig.assembly import Backend, backend_of, check_fitness
+    from rig.commissioning.permission import as_commissioned
     from rig.experiment.frozen import refuse_slow_devices
     from rig.experiment.permission import check_permitted
 
@@ -33,6 +34,9 @@ def may_move(plan: Plan, on: str, yes: str | None) -> bool:
         return True
     check_permitted(plan, Backend.HARDWARE)
     check_fitness(plan.profile)
+    plan, said = as_commissioned(plan, Backend.HARDWARE, uncommissioned)
+    for sentence in said:
+        click.echo(sentence, err=True)
     refuse_slow_devices(plan, partial(click.echo, err=True))
     for sentence in announcement(plan):
         click.echo(sentence, err=True)

@@ -13,6 +13,7 @@ import click
 
 from rig.cli.names import complete_rig, configs_option, set_option
 from rig.cli.on_option import OnBackend
+from rig.cli.status import tell_next
 from rig.cli.tables import Table, print_data, print_tables
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ _DAY = 86_400.0
     help="Put the calibration of that date in force again; without a date, list them.",
 )  # fmt: skip
 @click.option("--diff", nargs=2, metavar="A B", help="Compare two calibration files.")
+@click.option("--uncommissioned", metavar="REASON",
+              help="Why hardware that is not commissioned is moved all the same.")  # fmt: skip
 @click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
               help="Where run folders live.")  # fmt: skip
 @set_option
@@ -109,6 +112,8 @@ def calibrate(rig: str, **options: Any) -> int:
         code = _calibrate(procedure, profile, search, options)
         if code:
             return code
+    if options["on"] == "hardware":
+        tell_next(load_profile(rig, REGISTRY, options["overrides"], search), search)
     return 0
 
 
@@ -181,6 +186,7 @@ def _record(
             procedure, profile, backend, options["out"],
             on=None if on in list(Backend) else on, earlier=options["earlier"], watcher=line,
             place=None if backend.is_simulated else _Placing(asks=options["yes"] is None),
+            uncommissioned=options["uncommissioned"],
         )  # fmt: skip
 
 

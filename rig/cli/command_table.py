@@ -7,6 +7,7 @@ COMMANDS = {
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "doctor": ("rig.cli.doctor:doctor", "Say what this computer lacks for a rig."),
     "status": ("rig.cli.status:status", "Show how far a rig has come, and what comes next."),
+    "commission": ("rig.cli.commission:commission", "Test a physical rig before it is used."),
     "calibrate": ("rig.cli.calibrate:calibrate", "Find what a profile cannot know, and keep it."),
     "tune": ("rig.cli.tune:tune", "Find gains that a rig and its uncertainty bear."),
     "watch": ("rig.cli.watch:watch", "Show a run in a browser, also while it goes on."),

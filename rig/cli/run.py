@@ -58,6 +58,10 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
     "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
     help="Times real time that a simulation runs at most; with --watch: 1.",
 )  # fmt: skip
+@click.option(
+    "--uncommissioned", metavar="REASON",
+    help="All of the speed and the effort from hardware that is not commissioned; kept in the run.",
+)  # fmt: skip
 @yes_option
 def run(
     experiment: str,
@@ -74,6 +78,7 @@ def run(
     watch: bool,
     steer: bool,
     pace: float | None,
+    uncommissioned: str | None,
     yes: str | None,
 ) -> int:
     """Run EXPERIMENT and leave a run folder with log, metrics, figures and report.
@@ -99,7 +104,7 @@ def run(
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")
-    if not may_move(plan, on, yes):
+    if not may_move(plan, on, yes, uncommissioned):
         return EXIT_USAGE
     simulated = backend_of(on).is_simulated
     pace = pace or (1.0 if watch else None)
@@ -122,6 +127,7 @@ def run(
             report=not no_report,
             frames=frames,
             is_permitted=True,
+            uncommissioned=uncommissioned,
         )
         line.keep_gains()
     if as_json:
@@ -135,6 +141,11 @@ def run(
     ):
         asking = f"rig check {plan.experiment.rig} --on {on}"
         click.echo(f"who answers on the bus is told by: {asking}", err=True)
+    if backend_of(on) is Backend.HARDWARE and result.exit_code == 0 and not as_json:
+        from rig.cli.status import tell_next
+        from rig.commissioning.permission import configs_of
+
+        tell_next(plan.profile, configs_of(plan.profile))
     return result.exit_code
 
 

@@ -55,14 +55,9 @@ def status(
 
     search = find_configs(configs)
     profile = load_profile(rig, REGISTRY, overrides, search)
-    stages = [
-        _latch(profile),
-        *_calibrated(profile, search),
-        *_tuned(profile),
-        *_margins(profile),
-        *_last_runs(profile, out),
-    ]
-    following = next((stage.remedy for stage in stages if stage.remedy), "")
+    steps = way(profile, search)
+    stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
+    following = _following(steps)
     if as_json:
         shown = {"stages": [stage._asdict() for stage in stages], "next": following or None}
         print_data(json.dumps(shown, indent=2, ensure_ascii=False))
@@ -72,6 +67,45 @@ def status(
     if following:
         click.echo(f"next: {following}", err=True)
     return 0
+
+
+def way(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
+    """Return the milestones on a rig's way to hardware, in their order."""
+    return [
+        _latch(profile),
+        _commissioned(profile, search),
+        *_calibrated(profile, search),
+        *_tuned(profile),
+    ]
+
+
+def _following(stages: Sequence[Milestone]) -> str:
+    return next((stage.remedy for stage in stages if stage.remedy), "")
+
+
+def tell_next(profile: Profile, search: Sequence[Path]) -> None:
+    """Say which command comes next on a rig's way to hardware, and why."""
+    for stage in way(profile, search):
+        if stage.remedy:
+            click.echo(f"next: {stage.remedy}  ({stage.what}: {stage.state})", err=True)
+            return
+    click.echo("next: rig run EXPERIMENT --on hardware  (nothing is missing)", err=True)
+
+
+def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
+    from rig.assembly import Backend
+    from rig.commissioning.permission import verdict_of
+    from rig.commissioning.session import has_steps
+
+    if not has_steps(profile):
+        return Milestone(
+            "commissioned", f"no: there is no acceptance test of a {profile.mechanism}"
+        )
+    verdict = verdict_of(profile, Backend.HARDWARE, search)
+    if verdict.lack:
+        remedy = f"rig commission {profile.name} --on hardware --yes {profile.name}"
+        return Milestone("commissioned", f"no: {verdict.lack}", remedy)
+    return Milestone("commissioned", f"yes, {verdict.digest}")
 
 
 def _latch(profile: Profile) -> Milestone:

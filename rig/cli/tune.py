@@ -153,6 +153,9 @@ def _apply(
     bench: Workbench, request: Request, now: EnsembleVerdict, search: Sequence[Path],
     options: dict[str, Any],
 ) -> int:  # fmt: skip
+    from rig.assembly import REGISTRY
+    from rig.cli.status import tell_next
+    from rig.config import load_profile
     from rig.tuning.overlay import put_in_force
 
     facts = {
@@ -165,4 +168,5 @@ def _apply(
         facts=facts,
     )  # fmt: skip
     click.echo(str(path), err=True)
+    tell_next(load_profile(bench.profile.name, REGISTRY, (), search), search)
     return 0

@@ -3,14 +3,16 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rig.assembly import Backend
+from rig.assembly import Backend, Rig
 from rig.config import dump_resolved
 from rig.config.device_file import text_of
 from rig.experiment.command import command_of
 from rig.experiment.metrics import evaluation_as_json
 from rig.experiment.plan import Plan, constants_of
+from rig.hal import Column
 from rig.run_facts import EVALUATION
 from rig.run_folder import RunFolder
+from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 
 
 def create_folder(
@@ -77,3 +79,10 @@ def write_evaluation(plan: Plan, folder: RunFolder) -> None:
         constants_of(plan.profile),
     )
     folder.write_json(EVALUATION, content)
+
+
+def log_columns(rig: Rig) -> tuple[Column, ...]:
+    """Return what a row of the log holds, in the order of `rig.runtime.cycle.Cycle.note`."""
+    measured = [column for device in rig.devices.values() for column in device.log_columns]
+    run, timing = RUN_COLUMNS, TIMING_COLUMNS
+    return (*run, *rig.mechanism.columns, *measured, *timing, *rig.truth_columns)

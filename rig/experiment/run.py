@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from rig.assembly import Backend, Rig, build_rig
 from rig.assembly.contract_check import whose_bug
 from rig.assembly.frame_recording import FORMATS, FRAMES, convert_frames, make_frame_log
+from rig.commissioning.permission import as_commissioned
 from rig.experiment.ending import (
     EXIT_FAULT,
     EXIT_INTERRUPTED,
@@ -25,17 +26,16 @@ from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.frozen import refuse_slow_devices
 from rig.experiment.hindsight import Said, after_run
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
-from rig.experiment.new_folder import create_folder, write_evaluation
+from rig.experiment.new_folder import create_folder, log_columns, write_evaluation
 from rig.experiment.permission import check_permitted
 from rig.experiment.plan import Plan, constants_of
 from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import Column, ContractBroken, RigError
+from rig.hal import ContractBroken, RigError
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder, RunFolderError
-from rig.runtime.cycle import RUN_COLUMNS, TIMING_COLUMNS
 from rig.runtime.log import Log, LogError, read_log
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
@@ -87,6 +87,7 @@ def run_experiment(
     rehearses: bool = False,
     is_permitted: bool = False,
     command: Sequence[str] = (),
+    uncommissioned: str | None = None,
 ) -> Result:
     """Run an experiment and leave a run folder.
 
@@ -119,6 +120,8 @@ def run_experiment(
         The plan was tried with frozen setpoints before the operator was asked.
     command : sequence of str
         The command line that runs it again; default: ``rig run`` with the experiment's name.
+    uncommissioned : str, optional
+        Why a rig that is not commissioned has all of its speed and effort on hardware.
 
     Returns
     -------
@@ -135,6 +138,9 @@ def run_experiment(
     """
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
+    notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
+    if heed_calibrations:
+        plan, notes = as_commissioned(plan, backend, uncommissioned)
     latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with stop:
@@ -155,9 +161,10 @@ def run_experiment(
                 frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
             watcher.started(folder.path)
             watcher.recording(_Events(folder))
-            for sentence in doubts:
-                watcher.said(sentence)
-                _Events(folder)(None, "calibration", sentence, {})
+            for kind, sentences in (("commissioning", notes), ("calibration", doubts)):
+                for sentence in sentences:
+                    watcher.said(sentence)
+                    _Events(folder)(None, kind, sentence, {})
             stopwatch = Stopwatch(rig.clock)
             ending = _run(plan, rig, folder, watcher, stop, stopwatch, latch)
             stop.shield()  # what is left is bookkeeping; it is not to be torn either
@@ -247,7 +254,7 @@ def _run(
             loop = _make_loop(plan, rig, states, watcher)
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
             with (
-                LogRecorder(folder.log_path, _columns(rig)) as recorder,
+                LogRecorder(folder.log_path, log_columns(rig)) as recorder,
                 real_time(priority, plan.profile.loop.cpu) as refused,
             ):
                 for sentence in refused:
@@ -286,13 +293,6 @@ def _run(
         if blamed is None:
             raise
         return broken_contract(blamed)
-
-
-def _columns(rig: Rig) -> tuple[Column, ...]:
-    """Return what a row of the log holds, in the order of `rig.runtime.cycle.Cycle.note`."""
-    measured = [column for device in rig.devices.values() for column in device.log_columns]
-    run, timing = RUN_COLUMNS, TIMING_COLUMNS
-    return (*run, *rig.mechanism.columns, *measured, *timing, *rig.truth_columns)
 
 
 def _make_loop(plan: Plan, rig: Rig, states: StateMachine, watcher: Watcher) -> Loop[Any, Any, Any]:

@@ -7,6 +7,7 @@ Drivers inherit these protocols: what has a default need not be written.
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
 from rig.hal.columns import Column
@@ -74,6 +75,17 @@ class Device(Protocol):
     def listen(self) -> None:
         """Arm without energising: measure, and leave the torque off. Where it is the same, arm."""
         self.arm()
+
+    def identity(self) -> Mapping[str, int]:
+        """Ask what it is, once it is connected and not armed: serial number, firmware, by name.
+
+        Default: it cannot tell.
+        """
+        return {}
+
+    def written(self) -> Mapping[str, float]:
+        """Return what `connect` wrote and read back, raw, by the object's or register's name."""
+        return {}
 
     def doubt(self, now: float) -> str | None:
         """Return what looks wrong now, to name it if the rig gets out of bounds; else None."""
@@ -157,6 +169,25 @@ class PressureRegulator(Device, Protocol):
             if pressure - safe > _VENTED
         )
         return _not_fresh(self.name, now - t) or (f"{self.name}: {full}" if full else "")
+
+    def inspect(self) -> Vector:
+        """Ask for the monitored pressures without the cycle, Pa gauge, shape (n,).
+
+        For somebody who only listens: no setpoint and no heartbeat is sent. Default: the last ones.
+
+        Raises
+        ------
+        ConnectionFailed
+            It does not answer.
+        """
+        return self.pressure().value
+
+    def shut_supply(self, shut: bool) -> bool:
+        """Shut or open the supply from the next setpoints on, which go on; return if it has one.
+
+        For an acceptance test: whether the valve vents the rig by itself. Default: it has none.
+        """
+        return False
 
     def lock(self, shut: tuple[bool, ...]) -> None:
         """Shut or open the valves from the next setpoints on, shape (n,); ignored unless armed.

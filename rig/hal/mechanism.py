@@ -157,6 +157,11 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return None
 
     @classmethod
+    def derated(cls, settings: Settings, effort: float) -> Settings | None:
+        """Return settings with a share of its pressure or torque; None: there are none."""
+        return None
+
+    @classmethod
     def unfit(cls, settings: Settings) -> str | None:
         """Say why a profile must not move hardware; None: it may."""
         return None

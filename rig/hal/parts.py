@@ -89,6 +89,9 @@ class MechanismParts(Additions):
         The class that the loop runs, a `rig.hal.Mechanism`.
     bench : Path, optional
         A `rig.hal.bench.TuningBench`, on which `rig tune` tries gains; without it nothing is tuned.
+    commissioning : Path, optional
+        ``steps()``, the `rig.commissioning.step.AcceptanceStep`s of its acceptance test in their
+        order; without it `rig commission` cannot test the rig.
     scene : Path, optional
         A `rig.hal.scene.Scene`, which `rig watch` shows; without it the page has its scope alone.
     """
@@ -96,6 +99,7 @@ class MechanismParts(Additions):
     settings: Path
     view: Path
     bench: Path | None = None
+    commissioning: Path | None = None
     scene: Path | None = None
 
 

@@ -37,6 +37,16 @@ class Plant(Protocol):
         """
         return {}
 
+    def pull(self, channel: str, by: float) -> None:
+        """Move what a channel measures a little by hand, without energy: SI, out is positive.
+
+        Raises
+        ------
+        ValueError
+            No hand gets there.
+        """
+        raise ValueError(f"plant: nobody can move {channel} by hand")
+
     @abstractmethod
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.

@@ -6,6 +6,7 @@ import pytest
 import warm_start
 from broken_package import plug_in
 
+from rig.commissioning.record import CommissioningState
 from rig.experiment import frozen
 
 __all__ = ["plug_in"]
@@ -30,6 +31,14 @@ def _remembered_freezes(monkeypatch):
         return _FREEZES[key]
 
     monkeypatch.setattr(frozen, "longest_freeze", remembered)
+
+
+@pytest.fixture(autouse=True)
+def _commissioned(request, monkeypatch):
+    """Take every rig for a commissioned one, but in the modules that say that they commission."""
+    if not getattr(request.module, "COMMISSIONS", False):
+        passed = CommissioningState("", "")
+        monkeypatch.setattr("rig.commissioning.permission.verdict_of", lambda *_: passed)
 
 
 @pytest.fixture

@@ -10,8 +10,10 @@ from click.testing import CliRunner
 
 from rig.calibration import store
 from rig.cli.status import status
+from rig.commissioning.record import CommissioningState
 from rig.experiment.fault_latch import FaultLatch
 
+COMMISSIONS = True
 CONFIGS = Path(__file__).parents[2] / "configs"
 TODAY = datetime.now(UTC)
 PROCEDURES = {
@@ -58,13 +60,24 @@ def show(configs, *words):
     return result
 
 
+def be_commissioned(monkeypatch):
+    """Take the rig for one that has passed; how it does is seen in `test_uncommissioned.py`."""
+    passed = CommissioningState("0123abcd", "")
+    monkeypatch.setattr("rig.commissioning.permission.verdict_of", lambda *_: passed)
+
+
 def stages(configs):
     found = json.loads(show(configs, "--json").stdout)
     return {stage["what"]: stage["state"] for stage in found["stages"]}, found["next"]
 
 
-def test_a_fresh_rig_is_calibrated_first(configs):
+def test_a_fresh_rig_is_commissioned_first(configs, monkeypatch):
     found, following = stages(configs)
+    assert following == "rig commission cylinder --on hardware --yes cylinder"
+    assert found["commissioned"].startswith("no: it was never commissioned")
+    be_commissioned(monkeypatch)
+    found, following = stages(configs)
+    assert found["commissioned"] == "yes, 0123abcd"
     assert following == "rig calibrate cylinder regulators --on hardware --yes cylinder"
     assert all(found[f"calibrated: {name}"].startswith("no (") for name in PROCEDURES)
     assert found["last fault"] == "none is latched"
@@ -74,7 +87,8 @@ def test_a_fresh_rig_is_calibrated_first(configs):
     assert "next: rig calibrate cylinder regulators" in result.stderr
 
 
-def test_the_first_procedure_that_is_missing_comes_next(configs):
+def test_the_first_procedure_that_is_missing_comes_next(configs, monkeypatch):
+    be_commissioned(monkeypatch)
     keep(configs, "regulators", "encoders", "wires")
     found, following = stages(configs)
     assert following == "rig calibrate cylinder response --on hardware --yes cylinder"
@@ -82,7 +96,8 @@ def test_the_first_procedure_that_is_missing_comes_next(configs):
     assert found["calibrated: response"].startswith("no (")
 
 
-def test_a_rig_that_is_calibrated_is_tuned(configs):
+def test_a_rig_that_is_calibrated_is_tuned(configs, monkeypatch):
+    be_commissioned(monkeypatch)
     keep(configs, *PROCEDURES)
     found, following = stages(configs)
     assert following == "rig tune cylinder"
@@ -93,7 +108,8 @@ def test_a_rig_that_is_calibrated_is_tuned(configs):
     ("changes", "words"),
     [({"backend": "sim"}, "on sim"), ({"days": -1}, "expired: ")],
 )
-def test_what_hardware_does_not_take_comes_again(configs, changes, words):
+def test_what_hardware_does_not_take_comes_again(configs, monkeypatch, changes, words):
+    be_commissioned(monkeypatch)
     keep(configs, *PROCEDURES, **changes)
     found, following = stages(configs)
     assert words in found["calibrated: regulators"]

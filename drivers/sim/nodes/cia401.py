@@ -117,6 +117,8 @@ class EmulatedCia401(EmulatedNode):
         The output keeps its signal, whatever is commanded.
     ``emergency_stop`` (value: 1 pressed, 0 released, default 1)
         The e-stop contact.
+    ``stop_wire_off`` (value: 1 off, 0 on again, default 1)
+        The wire of the e-stop contact: it carries no signal while it is off.
 
     What is not said here is a parameter of `EmulatedNode`.
 
@@ -147,6 +149,7 @@ class EmulatedCia401(EmulatedNode):
         self._stop_mask = _mask(build.stop_bit)
         self._stop_active_low = build.stop_active_low
         self.stop_pressed = False
+        self.stop_wire_off = False
         self._broken: set[int] = set()
         self._stuck: set[int] = set()
         self._signals = [0.0] * len(self._regulators)
@@ -163,6 +166,7 @@ class EmulatedCia401(EmulatedNode):
         self.add_fault("wire_break", self._break_wire, self._broken.clear)
         self.add_fault("output_stuck", self._stick_output, self._stuck.clear)
         self.add_fault("emergency_stop", self._press_stop, lambda: self._press_stop(0.0))
+        self.add_fault("stop_wire_off", self._take_wire_off, lambda: self._take_wire_off(0.0))
         self.power_on()
 
     # Objects --------------------------------------------------------------------------
@@ -282,7 +286,7 @@ class EmulatedCia401(EmulatedNode):
         self._read_contacts()
 
     def _read_contacts(self) -> None:
-        closed = self.stop_pressed is not self._stop_active_low
+        closed = self.stop_pressed is not self._stop_active_low and not self.stop_wire_off
         self._digital_input.value = self._stop_mask if closed else 0
 
     def watch_inputs(self, now: float) -> None:
@@ -338,6 +342,9 @@ class EmulatedCia401(EmulatedNode):
 
     def _press_stop(self, value: float | None) -> None:
         self.stop_pressed = value is None or bool(value)
+
+    def _take_wire_off(self, value: float | None) -> None:
+        self.stop_wire_off = value is None or bool(value)
 
     def _regulator(self, fault: str, value: float | None) -> int:
         return whole_number(self.name, fault, value, 0, len(self._regulators) - 1)

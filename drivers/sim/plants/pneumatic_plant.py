@@ -328,6 +328,10 @@ class PneumaticPlant(ABC):
         else:
             self._break_channel(fault, int(number))
 
+    def pull(self, channel: str, by: float) -> None:
+        """Pull a rod out by hand, m; its wire gets slack."""
+        self._cells[WIDTH * self.channel_names.index(channel) + EXTENSION] += by
+
     def set_leaks(self, conductances: Sequence[float]) -> None:
         """Have each chamber leak as it was built: sonic conductances, m³/(s Pa)."""
         self._leaks = tuple(conductances)

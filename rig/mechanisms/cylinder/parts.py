@@ -12,6 +12,7 @@ PARTS = MechanismParts(
     view=f"{_HERE}.mechanism:AntagonisticPair",
     scene=f"{_HERE}.scene:PairScene",
     bench=f"{_HERE}.bench:PairBench",
+    commissioning=f"{_HERE}.commissioning:steps",
     controllers={
         "pid": f"{_LAWS}.pid:Pid",
         "pid-friction": f"{_LAWS}.pid_friction:PidFriction",

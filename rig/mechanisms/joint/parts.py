@@ -12,6 +12,7 @@ PARTS = MechanismParts(
     settings=f"{_HERE}.settings:JointSettings",
     view=f"{_HERE}.mechanism:SphericalJoint",
     scene=f"{_HERE}.scene:JointScene",
+    commissioning=f"{_HERE}.commissioning:steps",
     controllers={
         "pid": f"{_LAWS}:JointPid",
         "pid-friction": f"{_LAWS}:JointPidFriction",

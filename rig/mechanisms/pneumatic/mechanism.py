@@ -1,6 +1,7 @@
 """The part of the loop's view that all mechanisms with pneumatic cylinders have in common."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar, TypeVar
 
 from rig.hal import (
@@ -75,6 +76,14 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
         """Return the limits that `rig check` shows."""
         return settings.limits
+
+    @classmethod
+    def derated(cls, settings: Chosen, effort: float) -> Chosen:
+        """Return the settings with a share of the greatest pressure; see `Mechanism.derated`."""
+        limits = settings.limits
+        low, high = limits.pressure
+        pressure = low, max(effort * high, settings.base_pressure)
+        return replace(settings, limits=replace(limits, pressure=pressure))
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:

@@ -1,0 +1,122 @@
+"""`rig commission`: the acceptance test of a physical rig, step by step."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rig.cli.confirm import confirm
+from rig.cli.names import (
+    complete_rig,
+    configs_option,
+    json_option,
+    out_option,
+    set_option,
+    yes_option,
+)
+from rig.cli.on_option import OnBackend
+from rig.cli.status import tell_next
+from rig.cli.tables import Table, print_data, print_tables
+
+if TYPE_CHECKING:
+    from rig.assembly import Backend
+    from rig.commissioning.operator import Operator
+    from rig.commissioning.step import AcceptanceStep
+    from rig.config import Profile
+
+EXIT_FAILED = 3
+
+
+@click.command()
+@click.argument("rig", shell_complete=complete_rig)
+@click.option(
+    "--on", "on", type=OnBackend(), default="virtual", show_default=True, help="As for `rig run`."
+)
+@click.option(
+    "--answers", type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    help="YAML file of what to answer, by the keys that --dry-run shows.",
+)  # fmt: skip
+@click.option("--anew", is_flag=True, help="Begin again, whatever has passed before.")
+@click.option("--dry-run", is_flag=True, help="Show the steps; open nothing.")
+@click.option("--operator", default=None, help="Who tests; default: the user's name.")
+@click.option("--valid-for", type=click.IntRange(1), default=365, show_default=True, help="Days.")
+@yes_option
+@out_option
+@set_option
+@configs_option
+@json_option
+def commission(rig: str, **options: Any) -> int:
+    """Test RIG step by step before it is used, and write configs/commissioning/RIG.yaml.
+
+    Nothing is energised before its step. What has passed is kept: after a failure, mend the rig
+    and say the same again. Simulated hands do in a simulation what a person does at a rig.
+    """
+    from rig.assembly import REGISTRY, Backend, backend_of, build_rig, check_profile
+    from rig.commissioning.session import CommissioningFacts, begin, steps_of
+    from rig.commissioning.session import commission as commission_rig
+    from rig.commissioning.site import Site
+    from rig.config import load_profile
+    from rig.config.names import find_configs
+    from rig.hal import ConfigurationError
+
+    search = find_configs(options["configs"])
+    profile = load_profile(rig, REGISTRY, options["overrides"], search)
+    check_profile(profile)
+    steps = steps_of(profile)
+    if options["dry_run"]:
+        return _show(profile, steps)
+    on, backend = options["on"], backend_of(options["on"])
+    if backend is Backend.SIM:
+        raise ConfigurationError("--on sim has no buses and no drivers, so nothing to test")
+    if backend is Backend.HARDWARE and not confirm(profile.name, options["yes"]):
+        return 2
+    other = None if on in list(Backend) else on
+    site = Site(
+        profile, lambda: build_rig(profile, backend, other), _operator(backend, options["answers"]),
+        options["out"], other,
+    )  # fmt: skip
+    circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
+    record = begin(profile, search, circumstances, anew=options["anew"])
+    stopped = commission_rig(
+        site, record, steps, search[0], lambda text: click.echo(text, err=True)
+    )
+    if options["as_json"]:
+        print_data(json.dumps(record, indent=2, ensure_ascii=False, default=str))
+    if stopped is not None:
+        click.echo(f"stopped at {stopped}", err=True)
+        click.echo(f"mend it, and go on with: rig commission {profile.name} --on {on}", err=True)
+        return EXIT_FAILED
+    click.echo(f"commissioned, digest {record['digest']}: {search[0]}/commissioning", err=True)
+    if backend is Backend.HARDWARE:
+        tell_next(profile, search)
+    else:
+        click.echo(f"a rehearsal; next: rig commission {rig} --on hardware", err=True)
+    return 0
+
+
+def _operator(backend: Backend, answers: Path | None) -> Operator:
+    """Return who stands at the rig: simulated hands, a person, or answers from a file."""
+    from rig.commissioning.operator import Person, SimulatedOperator, WrittenAnswers
+    from rig.commissioning.record import read_answers
+    from rig.hal import ConfigurationError
+
+    hands: Operator
+    if backend.is_simulated:
+        hands = SimulatedOperator()
+    else:
+        if answers is None and not sys.stdin.isatty():
+            raise ConfigurationError("there is no terminal to ask: give --answers FILE")
+        hands = Person(lambda text: click.echo(f"  >>> {text}", err=True), click.prompt)
+    return hands if answers is None else WrittenAnswers(read_answers(answers), hands)
+
+
+def _show(profile: Profile, steps: Sequence[AcceptanceStep]) -> int:
+    rows = [(step.name, step.does, step.expects) for step in steps]
+    title = f"acceptance test of {profile.name}"
+    print_tables([Table(title, ("step", "what happens", "what is expected"), rows)])
+    return 0

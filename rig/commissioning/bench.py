@@ -1,0 +1,111 @@
+"""A rig that is energised for one step: its cycle without a law, a loop or a motion."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rig.assembly import Rig
+
+
+class StepBench:
+    """The cycle of an energised rig, as far as a step needs it.
+
+    Parameters
+    ----------
+    rig : Rig
+        Connected and armed.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self.rig = rig
+        self._period = rig.profile.loop.period
+        # A camera moves nothing, and is read by a mechanism alone.
+        entries = rig.profile.devices
+        self._on_buses = [rig.devices[name] for name in entries if entries[name].bus is not None]
+
+    @property
+    def now(self) -> float:
+        """The rig's time, s."""
+        return self.rig.clock.now()
+
+    def cycle(self, *, checks: bool = True) -> None:
+        """Receive, check every device, send this cycle's setpoints, and sleep.
+
+        Raises
+        ------
+        DeviceFault
+            A device or a bus is not well.
+        """
+        rig, now = self.rig, self.now
+        for bus in rig.buses.values():
+            bus.receive(now)
+        if checks:
+            for device in self._on_buses:
+                device.check(now)
+            for bus in rig.buses.values():
+                bus.check(now)
+        for bus in rig.buses.values():
+            bus.transmit(now)
+        rig.clock.sleep_until(now + self._period)
+
+    def run(self, duration: float, until: Callable[[], bool] = lambda: False) -> bool:
+        """Cycle for so long (s), or until something is so; return whether it is."""
+        end = self.now + duration
+        while not until():
+            if self.now >= end:
+                return False
+            self.cycle()
+        return True
+
+    def make_safe(self) -> None:
+        """Take the safe setpoints in the next cycle."""
+        for device in self.rig.devices.values():
+            device.make_safe()
+
+    def listen(self, duration: float, until: Callable[[], bool]) -> bool:
+        """Only listen, for so long (s) or until something is so; return whether it is."""
+        end = self.now + duration
+        while not until():
+            if self.now >= end:
+                return False
+            for bus in self.rig.buses.values():
+                bus.receive(self.now)
+            self.rig.clock.sleep_until(self.now + self._period)
+        return True
+
+    def die(self, after: float) -> None:
+        """Have the master live on for `after` (s), and then die without a word.
+
+        On a real bus another process is the master meanwhile, and is killed; this one listens. In
+        virtual time, which one process has alone, it falls silent in mid-cycle instead.
+        """
+        if self.rig.backend.is_simulated:
+            self.run(after)
+            return
+        with _master(self._transmit_on):
+            self.listen(after, lambda: False)
+
+    def _transmit_on(self) -> None:
+        clock = self.rig.clock
+        while True:
+            now = clock.now()
+            for bus in self.rig.buses.values():
+                bus.transmit(now)
+            clock.sleep_until(now + self._period)
+
+
+@contextmanager
+def _master(work: Callable[[], None]) -> Iterator[None]:
+    """Have another process do the work until the block is left, and kill it then."""
+    child = os.fork()
+    if child == 0:
+        try:
+            work()
+        finally:
+            os._exit(1)
+    try:
+        yield
+    finally:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)

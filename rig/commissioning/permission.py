@@ -1,0 +1,125 @@
+"""Whether a run on hardware may use all that its profile permits: asked before it is opened."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from rig.assembly import REGISTRY, Backend, check_profile, make_controller
+from rig.commissioning.derating import EFFORT, SPEED, SlowMotion, derated
+from rig.commissioning.record import CommissioningState, judge, load_record
+from rig.commissioning.step import AcceptanceStep
+from rig.config import Profile, find_configs
+from rig.experiment.plan import Plan
+from rig.hal import DeviceError
+
+
+class Permitted(NamedTuple):
+    """A plan as it may be carried out, and what there is to say of it.
+
+    Parameters
+    ----------
+    plan : Plan
+        As it was, or slower and weaker.
+    sentences : sequence of str
+        For the operator and the run's events.
+    """
+
+    plan: Plan
+    sentences: Sequence[str] = ()
+
+
+def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -> Permitted:
+    """Return a plan as a rig may carry it out that is commissioned, or is not.
+
+    Parameters
+    ----------
+    plan : Plan
+        Checked.
+    backend : Backend
+        What it is to run on; in simulation nothing is held back.
+    override : str, optional
+        Why the operator wants all of it from a rig that is not commissioned.
+
+    Raises
+    ------
+    DeviceError
+        Nobody knows limits for slow motions of the mechanism.
+    """
+    verdict = verdict_of(plan.profile, backend)
+    said = [f"commissioning {verdict.digest}"] if verdict.digest else []
+    if backend is not Backend.HARDWARE:
+        return Permitted(plan, said)
+    if not verdict.lack:
+        return Permitted(plan, said)
+    remedy = f"mend it with: rig commission {plan.profile.name} --on hardware"
+    if override is not None:
+        why = f"{verdict.lack}; all of the speed and the effort is used all the same: {override}"
+        return Permitted(plan, [*said, why])
+    share = f"{SPEED:g} of the speed and {EFFORT:g} of pressure and torque are used"
+    return Permitted(_held_back(plan), [*said, f"{verdict.lack}; {share}; {remedy}"])
+
+
+def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
+    """Refuse hardware that is not commissioned to what cannot be held back; return what to keep.
+
+    Raises
+    ------
+    DeviceError
+        It is not commissioned, and nobody said why it is to be used all the same.
+    """
+    verdict = verdict_of(profile, Backend.HARDWARE)
+    if not verdict.lack:
+        return f"commissioning {verdict.digest}"
+    if override is None:
+        raise DeviceError(
+            profile.name,
+            f"{verdict.lack}; mend it with: rig commission {profile.name} --on hardware, or say "
+            "why it moves all the same with --uncommissioned REASON",
+        )
+    return f"{verdict.lack}; it moves all the same: {override}"
+
+
+def verdict_of(
+    profile: Profile, backend: Backend, search: Sequence[Path] | None = None
+) -> CommissioningState:
+    """Return whether a rig is commissioned on a backend.
+
+    Parameters
+    ----------
+    profile : Profile
+        As it is now.
+    backend : Backend
+        Where it is to be used.
+    search : sequence of Path, optional
+        Folders of configurations; default: the profile's own, then the usual ones.
+    """
+    steps = REGISTRY.commissioning(profile.mechanism, AcceptanceStep)
+    record = load_record(profile.name, configs_of(profile) if search is None else search)
+    return judge(profile, record, [step.name for step in steps], backend.value)
+
+
+def configs_of(profile: Profile) -> list[Path]:
+    """Return the folders of configurations of a profile, its own first."""
+    files = profile.files
+    own = [files[0].parent.parent] if files and files[0].parent.name == "rigs" else []
+    return [*own, *find_configs()]
+
+
+def _held_back(plan: Plan) -> Plan:
+    """Return a plan with a share of its speed and its effort."""
+    profile = derated(plan.profile)
+    check_profile(profile)
+    motion = plan.motion
+    if motion.foreseen is not motion:
+        raise DeviceError(
+            profile.name,
+            "it is not commissioned, and this motion depends on what is measured: it cannot be "
+            f"slowed down; mend it with: rig commission {profile.name} --on hardware",
+        )
+    view = REGISTRY.load("mechanism", profile.mechanism)
+    experiment = replace(plan.experiment, approach=plan.experiment.approach / SPEED)
+    return plan._replace(
+        experiment=experiment, profile=profile, motion=SlowMotion(view, motion),
+        controller=make_controller(profile, experiment.controller),
+    )  # fmt: skip

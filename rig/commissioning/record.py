@@ -1,0 +1,203 @@
+"""The record of an acceptance test: a sealed file per rig, and a digest of what was tested."""
+
+import getpass
+import hashlib
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import yaml
+
+from rig.config import Profile
+from rig.config.calibration import check_seal, seal
+from rig.config.diagnostics import Problems
+from rig.config.dump import plain_of
+from rig.config.yaml_loader import read_source
+from rig.hal import ConfigurationError
+from rig.whole_file import write_whole
+
+FOLDER: Final = "commissioning"
+"""Of the configurations, beside rigs and calibrations."""
+_LATER: Final = ("simulation", "plant", "controllers", "name", "description")
+"""Keys of a profile that say nothing of the hardware, or that are found after the test."""
+
+Content = dict[str, Any]
+"""A record as plain data."""
+
+
+class CommissioningState(NamedTuple):
+    """The answer to whether a rig may be used as its profile says.
+
+    Parameters
+    ----------
+    digest : str
+        Eight characters over what was tested; empty if nothing was.
+    lack : str
+        What is missing; empty if nothing is.
+    """
+
+    digest: str
+    lack: str
+
+
+def tested_settings(profile: Profile) -> str:
+    """Return the digest of all of a profile that is tested: what calibrations found is not."""
+    plain = plain_of(_uncalibrated(profile))
+    kept = {key: value for key, value in plain.items() if key not in _LATER}
+    return _digest(kept)
+
+
+def _uncalibrated(profile: Profile) -> Profile:
+    from dataclasses import replace
+
+    devices = {
+        name: replace(entry, settings=entry.nominal, calibration=None, uncalibrated=None)
+        for name, entry in profile.devices.items()
+    }
+    return replace(
+        profile, devices=devices, mechanism_settings=profile.nominal_settings,
+        calibration=None, uncalibrated=None,
+    )  # fmt: skip
+
+
+def digest_of(settings: str, steps: Content) -> str:
+    """Return the eight characters over what was tested.
+
+    Parameters
+    ----------
+    settings : str
+        `tested_settings`.
+    steps : mapping
+        What each step has found: who the devices are, values and their bounds.
+    """
+    return _digest({"settings": settings, "program": _version(), "steps": steps})[:8]
+
+
+def _digest(content: object) -> str:
+    text = json.dumps(content, sort_keys=True, ensure_ascii=False, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _version() -> str:
+    return metadata.version("rig-controller")
+
+
+def record_path(configs: Path, rig: str) -> Path:
+    """Return where the record of a rig is."""
+    return configs / FOLDER / f"{rig}.yaml"
+
+
+def load_record(rig: str, search: Sequence[Path]) -> Content | None:
+    """Return the record of a rig; None: there is none.
+
+    Raises
+    ------
+    ConfigurationError
+        It was changed by hand, or cannot be read.
+    """
+    for configs in search:
+        path = record_path(configs, rig)
+        if path.is_file():
+            source = read_source(path)
+            problems = Problems()
+            check_seal(source, path, problems)
+            problems.raise_if_any()
+            content: Content = yaml.safe_load(source.text)
+            return content
+    return None
+
+
+def read_answers(path: Path) -> dict[str, str]:
+    """Return the answers of a file, by the keys of what is asked.
+
+    Raises
+    ------
+    ConfigurationError
+        It is no mapping of keys to answers.
+    """
+    try:
+        content = yaml.safe_load(read_source(path).text)
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"{path} is no YAML: {error}") from error
+    if not isinstance(content, dict):
+        raise ConfigurationError(f"{path} has no keys and answers")
+    return {str(key): str(value) for key, value in content.items()}
+
+
+def new_record(profile: Profile, backend: str, operator: str | None, until: str) -> Content:
+    """Return a record without any step."""
+    return {
+        "rig": profile.name,
+        "operator": operator or getpass.getuser(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "valid_until": until,
+        "backend": backend,
+        "program": _version(),
+        "settings": tested_settings(profile),
+        "digest": "",
+        "steps": {},
+    }
+
+
+def write_record(configs: Path, content: Content) -> Path:
+    """Write a record, whole or not at all.
+
+    Raises
+    ------
+    ConfigurationError
+        It cannot be written.
+    """
+    path = record_path(configs, content["rig"])
+    body = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, seal("# Written by rig commission; the last line seals it.\n" + body))
+    except OSError as error:
+        raise ConfigurationError(f"cannot write {path}: {error.strerror or error}") from error
+    return path
+
+
+def missing(content: Content, names: Sequence[str]) -> list[str]:
+    """Return the steps that a record lacks, in their order."""
+    return [name for name in names if not content["steps"].get(name, {}).get("passed")]
+
+
+def judge(
+    profile: Profile, content: Content | None, names: Sequence[str], backend: str
+) -> CommissioningState:
+    """Return whether a rig was commissioned as it is now, and what is missing.
+
+    Parameters
+    ----------
+    profile : Profile
+        As it is now.
+    content : mapping or None
+        Its record.
+    names : sequence of str
+        The steps of its acceptance test.
+    backend : str
+        On what it is to be used; a record of another one is none.
+    """
+    if content is None:
+        first = f", first of them {names[0]}" if names else ""
+        return CommissioningState("", f"it was never commissioned: all steps are missing{first}")
+    lacking = missing(content, names)
+    if lacking:
+        return CommissioningState("", f"its commissioning lacks {', '.join(lacking)}")
+    digest = content["digest"]
+    if content["backend"] != backend:
+        return CommissioningState(
+            digest, f"it was commissioned on {content['backend']}, not on {backend}"
+        )
+    if content["settings"] != tested_settings(profile):
+        return CommissioningState(digest, "its profile was changed since it was commissioned")
+    if digest != digest_of(content["settings"], content["steps"]):
+        return CommissioningState(
+            digest, "the program is another version than it was commissioned with"
+        )
+    if content["valid_until"] < datetime.now(UTC).date().isoformat():
+        return CommissioningState(digest, f"its commissioning expired on {content['valid_until']}")
+    return CommissioningState(digest, "")

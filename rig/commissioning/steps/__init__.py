@@ -1,0 +1,1 @@
+"""Steps that any rig has, whatever it moves."""

@@ -1,0 +1,142 @@
+"""Wiring and scale of each regulator, one at a time at the lowest pressures."""
+
+from typing import Final
+
+from rig.calibration.instruments import parse_reading
+from rig.commissioning.site import Site, world_of
+from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
+from rig.hal import Vector
+from rig.mechanisms.pneumatic.commissioning.chambers import (
+    HIGHER,
+    LOWEST,
+    SEEN,
+    Chambers,
+    energised,
+    gauges,
+)
+
+_FIRST: Final = (0.45, 1.4)
+"""Rise at `LOWEST` over the setpoint: hysteresis and offsets are a good part of it."""
+_SLOPE: Final = (0.7, 1.3)
+"""Rise from `LOWEST` to `HIGHER` over that of the setpoint: offsets cancel."""
+
+
+class RegulatorsAlone(AcceptanceStep):
+    """Each chamber is filled alone, and the gauges are read."""
+
+    name = "actuators"
+    does = "Each chamber alone gets 8 kPa, then 14 kPa; you read which gauge moves, and how far."
+    expects = "Its own gauge and its own monitor show what was asked for; no other one moves."
+
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
+        measured: list[MeasuredValue] = []
+        with energised(site) as chambers:
+            channels = chambers.regulators.channels
+        for number, channel in enumerate(channels):
+            low = _fill(site, number, LOWEST)
+            _find_swapped(channels, number, low)
+            measured += _find_scale(channel, low.rises[number], low.gauge, LOWEST, _FIRST)
+            high = _fill(site, number, HIGHER)
+            step = HIGHER - LOWEST
+            rise = high.rises[number] - low.rises[number]
+            measured += _find_scale(channel, rise, high.gauge - low.gauge, step, _SLOPE)
+        return StepResult(tuple(measured))
+
+
+class _Filled:
+    """Readings of monitors and gauges of one filled chamber."""
+
+    def __init__(self, rises: Vector, answer: str) -> None:
+        self.rises = rises
+        self.whose, _, shown = answer.strip().partition(" ")
+        self.gauge = parse_reading(shown, "Pa")
+
+
+def _fill(site: Site, number: int, pressure: float) -> _Filled:
+    with energised(site) as chambers:
+        channels = chambers.regulators.channels
+        setpoints = [0.0] * len(channels)
+        setpoints[number] = pressure
+        chambers.set(setpoints)
+        rises = chambers.rises()
+        task = gauges(
+            f"actuators.{channels[number]}.{pressure / 1e3:g}",
+            f"Which gauge shows most ({', '.join(channels)}), and how much? e.g. agonist 8 kPa",
+            channels,
+        )
+        site.operator.do(task, world_of(chambers.rig))
+    return _Filled(rises, site.operator.answer(task))
+
+
+def _find_swapped(channels: tuple[str, ...], number: int, filled: _Filled) -> None:
+    """Raise if another chamber or another monitor answers than the one that was asked."""
+    channel, rises = channels[number], filled.rises
+    shown = max(range(len(channels)), key=lambda k: rises[k])
+    if rises[shown] < SEEN:
+        raise Defect(channel, "no monitor shows its pressure: setpoint or monitor is not wired")
+    other = channels[shown]
+    if shown != number and filled.whose == channel:
+        raise Defect(channel, f"monitor wires swapped: the monitor of {other} shows its chamber")
+    if shown != number:
+        raise Defect(channel, f"setpoint wires swapped: the setpoint of {channel} fills {other}")
+    if filled.whose != channel:
+        raise Defect(
+            channel, f"tubes swapped: its regulator is right, and the gauge of {filled.whose} moves"
+        )
+
+
+def _find_scale(
+    channel: str, rise: float, gauge: float, asked: float, bounds: tuple[float, float]
+) -> list[MeasuredValue]:
+    """Return gauge and monitor over what was asked for; raise if a scale is wrong."""
+    at = f"{asked / 1e3:g} kPa"
+    given = MeasuredValue(f"{channel}: gauge over setpoint, {at}", gauge / asked, "1", *bounds)
+    shown = MeasuredValue(
+        f"{channel}: monitor over gauge, {at}", rise / max(gauge, 1.0), "1", *bounds
+    )
+    return [
+        require_within(channel, given, "wrong scale of its setpoint"),
+        require_within(channel, shown, "wrong scale of its monitor"),
+    ]
+
+
+class ResponseTimes(AcceptanceStep):
+    """A step of every setpoint at once: how soon the monitors follow."""
+
+    name = "response"
+    does = "Every chamber goes from 8 kPa to 14 kPa in one step."
+    expects = "Each monitor follows as fast as the profile's regulator_response says."
+
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
+        model = site.profile.mechanism_settings.regulator_response
+        expected = model.dead_time + 2.15 / model.bandwidth  # to 63 % at a damping of 1
+        with energised(site) as chambers:
+            times = _step_times(chambers)
+            channels = chambers.regulators.channels
+        measured = []
+        for channel, took in zip(channels, times, strict=True):
+            name = f"{channel}: time to 63 % of a step"
+            value = MeasuredValue(name, took, "s", high=1.8 * expected + 0.02)
+            defect = "sticky or slow valve: it follows much later than the profile says"
+            measured.append(require_within(channel, value, defect))
+        return StepResult(tuple(measured))
+
+
+def _step_times(chambers: Chambers) -> list[float]:
+    """Return after how long each monitor has gone 63 % of a step, s; it ends after a second."""
+    bench = chambers.bench
+    chambers.set_all(LOWEST)
+    low = chambers.rises()
+    start = bench.now
+    rows: list[tuple[float, Vector]] = []
+    while bench.now - start < 1.0:
+        chambers.cycle(HIGHER)
+        rows.append((bench.now - start, chambers.regulators.pressure().value))
+    high = chambers.rises()
+    times = []
+    for k, (zero, first, last) in enumerate(zip(chambers.zeros, low, high, strict=True)):
+        wanted = zero + first + 0.63 * (last - first)
+        times.append(next((t for t, pressures in rows if pressures[k] >= wanted), 1.0))
+    return times

@@ -1,0 +1,37 @@
+"""The course of the acceptance test of any mechanism with pneumatic cylinders."""
+
+from collections.abc import Sequence
+
+from rig.commissioning.step import AcceptanceStep
+from rig.commissioning.steps.identity import OnTheBus, SettingsReadBack
+from rig.commissioning.steps.load import Load
+from rig.commissioning.steps.motion import FirstMotion
+from rig.commissioning.steps.stop import EmergencyStopContact
+from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, ResponseTimes
+from rig.mechanisms.pneumatic.commissioning.reactions import CablePulled, MasterDies, StopReaction
+from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
+from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
+
+
+def pneumatic_course(motion: FirstMotion) -> Sequence[AcceptanceStep]:
+    """Return the steps in their order, each on what the ones before have proven.
+
+    Parameters
+    ----------
+    motion : FirstMotion
+        The mechanism's own, which comes last.
+    """
+    return (
+        OnTheBus(),
+        SettingsReadBack(),
+        EmergencyStopContact(),
+        SupplyAndDump(),
+        StopReaction(),
+        MasterDies(),
+        CablePulled(),
+        EncodersByHand(),
+        RegulatorsAlone(),
+        ResponseTimes(),
+        Load(),
+        motion,
+    )

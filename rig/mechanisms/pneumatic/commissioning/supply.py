@@ -1,0 +1,54 @@
+"""Supply valve and dump: no air without it, and none left when it shuts."""
+
+from rig.commissioning.site import Site
+from rig.commissioning.step import (
+    AcceptanceStep,
+    MeasuredValue,
+    StepResult,
+    require,
+    require_within,
+)
+from rig.mechanisms.pneumatic.commissioning.chambers import LOWEST, SEEN, energised
+
+
+class SupplyAndDump(AcceptanceStep):
+    """The supply valve is kept shut, opened, and shut again, with setpoints that stay."""
+
+    name = "supply"
+    does = "Every chamber is asked for 8 kPa with the supply shut, open, and shut again."
+    expects = "Pressure comes with the supply alone, and leaves by the dump valve when it shuts."
+
+    def perform(self, site: Site) -> StepResult:
+        """See `AcceptanceStep.perform`."""
+        most = site.profile.loop.safe_within
+        with energised(site, supply=False) as chambers:
+            regulators, bench = chambers.regulators, chambers.bench
+            if not regulators.shut_supply(True):
+                return StepResult(said="the profile names no supply valve")
+            chambers.set_all(LOWEST)
+            leaking = max(chambers.rises())
+            require(
+                leaking < SEEN, "supply valve",
+                f"pressure rises by {leaking / 1e3:.1f} kPa while it is shut: it does not shut",
+            )  # fmt: skip
+            regulators.shut_supply(False)
+            chambers.set_all(LOWEST)
+            rises = chambers.rises()
+            for channel, rise in zip(regulators.channels, rises, strict=True):
+                require(
+                    rise > SEEN, channel,
+                    f"its pressure does not rise with the supply open ({rise / 1e3:.1f} kPa of "
+                    f"{LOWEST / 1e3:g}): the supply does not open, or its regulator is stuck",
+                )  # fmt: skip
+            regulators.shut_supply(True)
+            start, fallen = bench.now, chambers.have_fallen(0.5, rises)
+            while not fallen() and bench.now - start <= most:
+                chambers.cycle(LOWEST)
+            took = MeasuredValue(
+                "vented by the dump valve after", bench.now - start, "s", high=most
+            )
+        require_within(
+            "dump valve", took, "the chambers keep their pressure when the supply is shut: there "
+            "is no dump valve, or it sticks",
+        )  # fmt: skip
+        return StepResult((took,))

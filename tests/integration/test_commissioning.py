@@ -1,0 +1,89 @@
+"""The acceptance test: healthy rigs pass, and each planted defect is found where it has to be."""
+
+import pytest
+from planted import PLANTED, drawn_unit, no_dump_valve, rig_with
+
+from rig.assembly import REGISTRY
+from rig.commissioning.operator import SimulatedOperator
+from rig.commissioning.session import CommissioningFacts, begin, commission, steps_of
+from rig.commissioning.site import Site
+from rig.config import find_configs, load_profile
+
+ENOUGH = {"pressure": 20e3, "way": 1e-3}
+
+
+def perform(out, profile, plant=None, seed=0, skip=()):
+    seen = dict.fromkeys(ENOUGH, 0.0)
+    site = Site(profile, rig_with(profile, seen, plant, seed), SimulatedOperator(), out)
+    steps = [step for step in steps_of(profile) if step.name not in skip]
+    record = begin(profile, [out], CommissioningFacts("virtual"), anew=True)
+    said = []
+    return commission(site, record, steps, out, said.append), record, seen
+
+
+def unit(rig, seed):
+    return drawn_unit(load_profile(rig, REGISTRY, (), find_configs(None)), seed)
+
+
+def find(tmp_path, rig, plant, seed):
+    step, words = PLANTED[plant]
+    stopped, record, seen = perform(tmp_path, unit(rig, seed), plant, seed)
+    assert stopped is not None, "nothing was found"
+    assert stopped.startswith(f"{step}: "), stopped
+    assert words in stopped
+    assert record["digest"] == ""
+    for what, most in ENOUGH.items():
+        assert seen[what] <= most, f"{plant.__name__}: {what} {seen[what]}"
+
+
+SOON = ("foreign_node", "normally_open", "no_dump_valve", "watchdog_off", "encoder_reversed")
+
+
+@pytest.mark.parametrize(
+    "plant",
+    [plant for plant in PLANTED if plant.__name__ in SOON],
+    ids=lambda plant: plant.__name__,
+)
+def test_a_planted_defect_is_found_at_its_step_before_anything_moves(tmp_path, plant):
+    find(tmp_path, "cylinder", plant, 1)
+
+
+def test_a_healthy_rig_is_not_refused(tmp_path):
+    stopped, record, _ = perform(tmp_path, unit("cylinder", 0), skip=("first-motion",))
+    assert stopped is None
+    assert all(step["passed"] for step in record["steps"].values())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 4))
+@pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
+def test_every_planted_defect_is_found_however_it_is_drawn(tmp_path, plant, seed):
+    find(tmp_path, "cylinder", plant, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.lengthy
+def test_no_healthy_rig_of_a_thousand_is_refused(tmp_path):
+    for seed in range(1000):
+        stopped, _, _ = perform(tmp_path, unit("cylinder", seed), skip=("first-motion",))
+        assert stopped is None, f"seed {seed}: {stopped}"
+
+
+@pytest.mark.slow
+def test_a_healthy_joint_passes_every_step(tmp_path):
+    stopped, record, _ = perform(tmp_path, unit("joint", 0))
+    assert stopped is None
+    assert len(record["digest"]) == 8
+
+
+def test_what_has_passed_is_not_done_again(tmp_path):
+    profile = unit("cylinder", 1)
+    stopped, _, _ = perform(tmp_path, profile, no_dump_valve)
+    assert stopped.startswith("supply")
+    again = begin(profile, [tmp_path], CommissioningFacts("virtual"), anew=False)
+    assert [name for name, step in again["steps"].items() if step["passed"]] == [
+        "bus", "identity", "emergency-stop",
+    ]  # fmt: skip
+    changed = unit("cylinder-low-speed", 1)
+    other = begin(changed, [tmp_path], CommissioningFacts("virtual"), anew=False)
+    assert other["steps"] == {}
