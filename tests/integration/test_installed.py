@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 ALONE = 'mount --bind "$1" "$1" && mount -o remount,bind,ro "$1" && shift && exec "$@"'
-BRIEF = ["--set", "reference.tones=[{frequency: 0.2 Hz, periods: 1}]"]
+BRIEF = ["--set", "reference.tones=[{frequency: 0.2 Hz, periods: 2}]"]
 
 pytestmark = pytest.mark.slow
 
