@@ -22,7 +22,7 @@ sys.dont_write_bytecode = False
 
 # What passed once passes again: the same examples in every run. Others are drawn with
 # `--hypothesis-profile=default`.
-hypothesis.settings.register_profile("repeatable", derandomize=True, print_blob=True)
+hypothesis.settings.register_profile("repeatable", derandomize=True, print_blob=True, deadline=None)
 hypothesis.settings.load_profile("repeatable")
 
 APART = ("benchmark", "slow")

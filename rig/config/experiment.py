@@ -15,10 +15,10 @@ from rig.config.document import (
     parse_overrides,
     with_plain_quantities,
 )
-from rig.config.located import Node
+from rig.config.located import Node, places_of
 from rig.config.models import Experiment, MetricSpec, ReferenceEntry
 from rig.config.named_settings import Registry, controller_names
-from rig.config.names import find_file, is_name
+from rig.config.names import find_file, is_name, is_path, list_files
 from rig.config.profile import load_profile
 from rig.config.settings import build
 from rig.hal import ConfigurationError
@@ -28,6 +28,8 @@ EXPERIMENT_KEYS: Final = (
     "figures", "law",
 )  # fmt: skip
 """Top-level keys of an experiment."""
+_OWN: Final = ("figures", "reference")
+"""Those of them that the rules of a plan name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,6 +123,7 @@ def load_experiment(
         metrics={name: spec for name, spec in metrics.items() if spec is not None},
         figures=head.figures,
         files=document.files,
+        places=_places(root),
     )
 
 
@@ -158,6 +161,12 @@ def _metric(node: Node, problems: Problems) -> MetricSpec | None:
     return build(MetricSpec, with_plain_quantities(node, ("max", "min"), problems), problems)
 
 
+def _places(root: Node) -> dict[str, str]:
+    """Return where each key stands; of the file's own keys those that messages call by name."""
+    places = dict(places_of(root))
+    return places | {f"experiment.{key}": places[key] for key in _OWN if key in places}
+
+
 def _check_names(
     head: ExperimentHead,
     root: Node,
@@ -165,6 +174,11 @@ def _check_names(
     problems: Problems,
     search: Sequence[Path],
 ) -> None:
+    rigs = list_files("rigs", search) if search and not is_path(head.rig) else {head.rig: None}
+    if head.rig not in rigs:
+        place, _ = root.descend(("rig",))
+        hint = nearest(head.rig, rigs)
+        problems.add(place.mark, f"no rig is called {shown(head.rig)}", hint)
     if head.controller not in controller_names(registry):
         place, _ = root.descend(("controller",))
         problems.add(

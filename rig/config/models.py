@@ -310,6 +310,8 @@ class Experiment:
         Names of the figures to draw.
     files : tuple of Path
         Everything that was read for it; no part of its value.
+    places : dict
+        Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
     """
 
     name: str
@@ -321,3 +323,4 @@ class Experiment:
     metrics: dict[str, MetricSpec]
     figures: tuple[str, ...]
     files: tuple[Path, ...] = field(default=(), compare=False)
+    places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)

@@ -21,6 +21,7 @@ from rig.config import (
 )
 from rig.config.dump import setting_of
 from rig.config.experiment import rig_of
+from rig.config.located import places_named
 from rig.config.models import MetricSpec
 from rig.config.setting import written
 from rig.experiment.dry_measures import try_measures
@@ -149,7 +150,8 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         _check_metrics(experiment, motion, profile, columns)
         _check_figures(experiment, profile.mechanism)
     except ConfigurationError as error:
-        raise type(error)(f"{experiment.name}: {error}") from error
+        text = places_named(str(error), experiment.places)
+        raise type(error)(f"{experiment.name}: {text}") from error
     return Plan(experiment, profile, controller, motion)
 
 

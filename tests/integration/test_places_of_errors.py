@@ -2,6 +2,7 @@
 
 import random
 import re
+from pathlib import Path
 
 import pytest
 import yaml
@@ -49,6 +50,57 @@ def test_null_takes_back_what_a_base_gives(tmp_path):
     check_profile(profile)
     monitor = profile.devices["regulators"].settings.channels["agonist"].monitor
     assert monitor.voltage is None and monitor.current == (4e-3, 20e-3)
+
+
+def drawn_breaches(chance):
+    """Return texts that break a rule between two parts, each with what stands at its places."""
+    node, pressure = chance.randrange(1, 127), chance.randrange(700, 5000)
+    bore, rod = sorted(chance.uniform(5.0, 30.0) for _ in range(2))
+    name = "".join(chance.choices("abcdefgh", k=8))
+    ends = chance.sample(["agonist", "antagonist"], 2)
+    return {
+        "nodes": ("devices:\n" + "".join(f"  encoder-{e}: {{node: {node}}}\n" for e in ends),
+                  [f"encoder-{e}: {{node" for e in ends]),
+        "pressure": (f"cylinder: {{limits: {{pressure: [0, {pressure} kPa]}}}}\n",
+                     ["limits: {pressure", "regulators:"]),
+        "rod": (f"cylinder:\n  rod: {rod} mm\n  bore: {bore} mm\n", ["rod: ", "bore: "]),
+        "role": (f"cylinder: {{encoder_{ends[0]}: {name}}}\n", [f"encoder_{ends[0]}: {name}"]),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("kind", ["nodes", "pressure", "rod", "role"])
+def test_a_drawn_breach_names_both_ends(kind, seed, tmp_path, capsys):
+    chance = random.Random(seed)
+    text, ends = drawn_breaches(chance)[kind]
+    blank = "# nothing\n" * chance.randrange(30)
+    _, err = said_of(tmp_path, f"{blank}extends: cylinder\n{blank}{text}", capsys)
+    places = re.findall(r"(\S+\.yaml):(\d+):(\d+)", err)
+    shown = [
+        Path(file).read_text().splitlines()[int(line) - 1][int(column) - 1 :]
+        for file, line, column in places
+    ]
+    for end in ends:
+        key = end.partition("{")[2] or end
+        assert any(key in line or end in line for line in shown), (end, shown, err)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_drawn_name_that_an_experiment_gets_wrong_has_its_place(seed, tmp_path, capsys):
+    chance = random.Random(seed)
+    wrong = "".join(chance.choices("qwxz", k=7))
+    base = (find_configs()[0] / "experiments" / "cylinder-sine.yaml").read_text()
+    before = {"rig": r"^rig: .*$", "controller": r"^controller: .*$", "figures": r"^figures: .*$"}
+    for key, pattern in before.items():
+        value = f"[{wrong}]" if key == "figures" else wrong
+        text, count = re.subn(pattern, f"{key}: {value}", base, flags=re.MULTILINE)
+        assert count == 1
+        path = tmp_path / "sine.yaml"
+        path.write_text(text)
+        assert invoke(["check", str(path)]) == 2
+        err = capsys.readouterr().err
+        line = 1 + text[: text.index(wrong)].count("\n")
+        assert re.search(rf"{re.escape(str(path))}:{line}:\d+", err), err
 
 
 PAIRS = {
