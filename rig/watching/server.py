@@ -174,7 +174,7 @@ class WatchServer:
             if not looks:
                 await asyncio.wait_for(socket.close(code=4401, message=b"token"), 1.0)
                 return socket
-            await Viewer(socket, transport, self._studio, steers).serve()
+            await Viewer(socket, transport, self._studio, steers, self.tokens.look).serve()
         except TimeoutError:
             transport.abort()
         finally:

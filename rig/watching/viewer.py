@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from rig.watching.followed_run import Times, Values
+    from rig.watching.picture import Plain
 
 PATIENCE = 10.0
 """A page that has not said for so long what it has heard is dropped, s."""
@@ -47,6 +48,8 @@ class Viewer:
         What is shown.
     steers : bool
         Whether the page may change gains.
+    look : str
+        The token for looking, which a link to a moment carries whoever copies it.
     """
 
     def __init__(
@@ -55,9 +58,10 @@ class Viewer:
         transport: asyncio.Transport,
         studio: Studio,
         steers: bool,
+        look: str,
     ) -> None:
         self._socket, self._transport = socket, transport
-        self._studio, self._steers = studio, steers
+        self._studio, self._steers, self._look = studio, steers, look
         self._sent = self._heard = 0
         self._heard_at = monotonic()
         self._columns: NDArray[np.intp] = np.empty(0, np.intp)
@@ -92,7 +96,7 @@ class Viewer:
                 return
             if self._described != studio.generation:
                 self._described = studio.generation
-                await self._say(studio.described() | {"steers": self._steers})
+                await self._say(self._described_to_it())
             await self._push_events()
             if tick % _STATUS_EVERY == 0:
                 await self._say(studio.status())
@@ -101,6 +105,9 @@ class Viewer:
                 await self._send(frames)
             tick += 1
             await studio.next_tick()
+
+    def _described_to_it(self) -> "Plain":
+        return self._studio.described() | {"steers": self._steers, "look": self._look}
 
     async def _push_events(self) -> None:
         run = self._studio.run

@@ -1,6 +1,7 @@
 """The page in a real browser: what it shows is the log, and what it asks for happens."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -73,6 +74,19 @@ def logged_at(folder, t, column=PLOTTED):
     return log.column(column)[row]
 
 
+def agree(page, told):
+    """Say yes if a change is asked again, and wait until it is the loop's."""
+    sure = page.locator("#gain-said button")
+    said = page.locator("#gain-said").filter(has_text=told)
+    sync_api.expect(sure.or_(said)).to_be_visible(timeout=20_000)
+    if sure.count():
+        sure.click()
+    sync_api.expect(said).to_be_visible(timeout=20_000)
+    begun = page.evaluate("board.events.findLast((event) => event.kind === 'tuning').t")
+    ramp = float(told.split()[1])
+    until(page, f"board.status.t > {begun + ramp + 0.2}", 40)
+
+
 def pixels(page):
     """Return what the scene's canvas shows."""
     return page.evaluate("document.getElementById('scene').toDataURL()")
@@ -107,12 +121,17 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
         until(page, "document.getElementById('gain-said').textContent.includes('has to')")
         gain.fill("90")
         row.get_by_text("set").click()
-        sure = page.locator("#gain-said button")
-        sync_api.expect(sure.or_(page.get_by_text("asked for"))).to_be_visible(timeout=20_000)
-        if sure.count():
-            sure.click()
-        until(page, "board.events.some((event) => event.kind === 'tuning')")
-        time.sleep(1.6)
+        agree(page, "within 1 s")
+
+        # It is undone within the time that is chosen, and there is nothing more to be undone.
+        page.locator("#ramp").select_option("0.2")
+        row.get_by_text("undo").click()
+        agree(page, "within 0.2 s")
+        assert row.get_by_text("undo").is_disabled()
+
+        # A link that is given away permits to look, also if it comes from a page that steers.
+        assert page.evaluate("board.described.look") == run.look.partition("#")[2]
+        assert page.evaluate("board.token") == run.steer.partition("#")[2]
 
         page.get_by_role("button", name="STOP").click()
         assert run.process.wait(20) == 130
@@ -124,11 +143,13 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
     assert "stopped by the operator" in str(folder.manifest["message"])
     assert read_log(folder.log_path).complete
     changes = [event for event in folder.events() if event["kind"] == "tuning"]
-    (change,) = changes
+    change, undone = changes
+    assert [undone["data"]["new"], undone["data"]["old"]] == [change["data"]["old"], 90.0]
+    assert undone["t"] > change["t"] + 1.0
     assert change["data"]["key"] == "position_rate"
     assert change["data"]["new"] == 90.0
     assert change["data"]["who"]
-    assert "position_rate: 90.0" in (folder.path / "gains.yaml").read_text()
+    assert f"position_rate: {undone['data']['new']}" in (folder.path / "gains.yaml").read_text()
 
     # Played again, it says what was seen live.
     with (
@@ -204,6 +225,17 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
         page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
         page.mouse.wheel(0, -400)
         until(page, "board.still[1] - board.still[0] < 0.4")
+        # A favourite is found first, also by the next page.
+        page.locator(".pane .tools button").first.click()
+        last = page.locator("#found input").last.get_attribute("name")
+        page.locator("#found .star").last.click()
+        assert page.locator("#found input").first.get_attribute("name") == last
+        page.reload()
+        until(page, "board.panes.length > 0")
+        page.locator(".pane .tools button").first.click()
+        assert page.locator("#found input").first.get_attribute("name") == last
+        page.locator("#picker").get_by_role("button", name="done").click()
+
         count = page.locator(".pane").count()
         page.locator(".pane .tools button", has_text="×").last.click()
         page.get_by_role("button", name="save layout").click()
@@ -214,21 +246,40 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
         assert page.locator(".pane").count() == count
 
 
-def test_a_level_that_is_crossed_holds_the_page_still(tmp_path):
+WAYS = {
+    "↕": lambda a, b: (a < 4e-3) != (b < 4e-3),
+    "↑": lambda a, b: (a < 4e-3) & (b >= 4e-3),
+    "↓": lambda a, b: (a >= 4e-3) & (b < 4e-3),
+    ">": lambda a, b: b > 4e-3,
+    "<": lambda a, b: b < 4e-3,
+}
+
+
+def test_each_kind_of_trigger_holds_the_page_still(tmp_path):
     with (
         browser() as opened,
         watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run,
         page_of(opened, run.look) as page,
     ):
         assert page.evaluate("board.isLive")
-        page.evaluate("board.panes[0].trigger = 4.0")  # mm; the sine goes to 9
-        until(page, "!board.isLive", 40)
-        head = page.evaluate("board.head")
-        assert page.evaluate("board.window()[1] - board.window()[0]") >= 10.0
+        heads = {}
+        tool = page.locator(".pane").first.get_by_role("button", name=re.compile("^hold"))
+        for number, way in enumerate(WAYS, start=1):
+            page.locator("#live").click()
+            until(page, "board.isLive && board.live.count > 0")
+            for _ in range(number):
+                tool.click()
+            assert tool.inner_text() == f"hold {way}"
+            page.evaluate("board.panes[0].trigger.level = 4.0")  # mm; the sine goes to 9
+            until(page, "!board.isLive", 40)
+            heads[way] = page.evaluate("board.head")
+            assert page.evaluate("board.window()[1] - board.window()[0]") >= 10.0
+            assert tool.inner_text() == "hold"
     log = read_log(run.folder / "log.mcap")
-    above = log.column(PLOTTED) > 4e-3
-    crossing = log.t[1:][above[1:] != above[:-1]]
-    assert np.abs(crossing - head).min() < 5e-3
+    position = log.column(PLOTTED)
+    for way, fires in WAYS.items():
+        fired = log.t[1:][fires(position[:-1], position[1:])]
+        assert np.abs(fired - heads[way]).min() < 5e-3
 
 
 def test_stop_works_while_everything_else_on_the_page_does_not(tmp_path):

@@ -10,6 +10,7 @@ export class Gains {
     this.list = document.getElementById("gains");
     this.said = document.getElementById("gain-said");
     this.hold = document.getElementById("hold");
+    this.ramp = document.getElementById("ramp");
     this.listen();
   }
 
@@ -30,7 +31,10 @@ export class Gains {
     const row = document.createElement("div");
     const name = document.createElement("span");
     name.textContent = gain.key;
-    name.title = `${number(gain.low)} … ${number(gain.high)}; now ${number(gain.value)}`;
+    const tell = (now) => {
+      name.title = `${number(gain.low)} … ${number(gain.high)}; now ${number(now)}`;
+    };
+    tell(gain.value);
     const value = document.createElement("input");
     value.type = "number";
     value.step = "any";
@@ -40,16 +44,18 @@ export class Gains {
     const undo = document.createElement("button");
     [set.type, undo.type] = ["button", "button"];
     [set.textContent, undo.textContent] = ["set", "undo"];
-    const past = [gain.value];
-    const send = (wanted) => this.send(gain.key, wanted);
+    const past = []; // what it was before each change that the loop made
+    undo.disabled = true;
     set.addEventListener("click", () => {
-      past.push(Number(value.value));
-      send(Number(value.value));
+      if (value.value !== "") this.send(gain.key, Number(value.value));
     });
-    undo.addEventListener("click", () => {
-      if (past.length > 1) past.pop();
-      value.value = past[past.length - 1];
-      send(past[past.length - 1]);
+    undo.addEventListener("click", () => this.send(gain.key, past[past.length - 1]));
+    this.rows.set(gain.key, (change) => {
+      if (past.length && change.new === past[past.length - 1]) past.pop();
+      else past.push(change.old);
+      value.value = change.new;
+      undo.disabled = !past.length;
+      tell(change.new);
     });
     row.append(name, value, set, undo);
     return row;
@@ -57,7 +63,13 @@ export class Gains {
 
   send(key, value, sure = false) {
     this.asked = [key, value];
-    this.link.say({ type: "gain", key, value, ramp: 1.0, sure });
+    this.link.say({ type: "gain", key, value, ramp: Number(this.ramp.value), sure });
+  }
+
+  // The loop has the last word: what it changed is what there is to be undone.
+  heard(event) {
+    if (event.data?.accepted) this.rows.get(event.data.key)?.(event.data);
+    this.said.textContent = event.message;
   }
 
   // What needs to be asked again is asked in the page, not by a dialogue that would cover the stop.

@@ -1,5 +1,6 @@
 // The page as a whole: what is shown of which moment, and who is told of it.
 
+import { Favourites } from "./favourites.js";
 import { Gains } from "./gains.js";
 import { Link } from "./link.js";
 import { forget } from "./look.js";
@@ -75,6 +76,7 @@ class Board {
     element("stage").hidden = this.columns.length > 0 && !message.scene.shapes?.length;
     element("scene-note").textContent = message.scene.trouble ?? "";
     this.gains.describe(message.gains, message.steers, !message.simulated);
+    for (const event of this.events) if (event.kind === "tuning") this.gains.heard(event);
     if (this.columns.length) this.lay(this.layout());
   }
 
@@ -131,6 +133,7 @@ class Board {
       entry.addEventListener("click", () => event.t !== null && this.jump(event.t));
       list.prepend(entry);
       if (event.kind === "fault" && event.t !== null && this.isLive) this.jump(event.t);
+      if (event.kind === "tuning") this.gains.heard(event);
     }
     if (this.events.length > 2000) this.events.splice(0, this.events.length - 2000);
     this.markEvents();
@@ -148,17 +151,16 @@ class Board {
     }
   }
 
-  // The page holds still where a pane's first channel crosses its level: what was before it counts.
+  // The page holds still where a pane's trigger says so: what was before it counts.
   watchTriggers(fresh) {
     const table = this.live;
     for (const pane of this.panes) {
       const column = table.values[table.place.get(pane.seen[0])];
-      if (pane.trigger === null || !column) continue;
+      if (!pane.trigger || !column) continue;
       const [scale] = shown(this.columns[pane.seen[0]]);
       for (let row = Math.max(table.count - fresh, 1); row < table.count; row += 1) {
-        const [a, b] = [column[row - 1] * scale - pane.trigger, column[row] * scale - pane.trigger];
-        if (a < 0 !== b < 0) {
-          pane.trigger = null;
+        if (pane.trigger.fires(column[row - 1] * scale, column[row] * scale)) {
+          pane.setTrigger(null);
           this.jump(table.t[row]);
           return;
         }
@@ -252,11 +254,19 @@ class Board {
 
   pick(pane) {
     const list = element("found");
+    const favourites = new Favourites(this.described.rig);
     const show = () => {
       const wanted = element("search").value.toLowerCase();
-      list.replaceChildren(...this.columns.map((column, k) => [column, k])
-        .filter(([column]) => `${column[0]} ${column[2]}`.toLowerCase().includes(wanted))
-        .map(([column, k]) => this.choice(pane, column, k)));
+      const found = this.columns.map((column, k) => [column, k])
+        .filter(([column]) => `${column[0]} ${column[2]}`.toLowerCase().includes(wanted));
+      const ordered = [true, false].flatMap((first) => (
+        found.filter(([column]) => favourites.has(column[0]) === first)
+      ));
+      list.replaceChildren(...ordered.map(([column, k]) => {
+        const entry = this.choice(pane, column, k);
+        entry.append(favourites.star(column[0], show));
+        return entry;
+      }));
     };
     element("picker-title").textContent = `Channels of ${pane.title}`;
     element("search").oninput = show;
@@ -533,9 +543,9 @@ class Board {
     element("link").addEventListener("click", () => {
       const [from, to] = this.window();
       const moment = `&t=${this.head.toFixed(4)}&w=${(to - from).toFixed(4)}`;
-      const address = `${location.origin}/#${this.token}${moment}`;
-      navigator.clipboard?.writeText(address);
-      history.replaceState(null, "", address);
+      // Whoever is sent a link may look, also if this page may steer.
+      navigator.clipboard?.writeText(`${location.origin}/#${this.described.look}${moment}`);
+      history.replaceState(null, "", `#${this.token}${moment}`);
     });
     document.addEventListener("keydown", (event) => {
       if (event.key === " " && event.target === document.body) {

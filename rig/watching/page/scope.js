@@ -1,6 +1,7 @@
 // One pane of the scope: traces of one quantity over time, or one over another.
 
 import { color, prepare, watermark } from "./look.js";
+import { Trigger } from "./trigger.js";
 import { number, shown, tick, ticks } from "./units.js";
 
 const LEFT = 50;
@@ -36,7 +37,7 @@ export class Pane {
     this.columns = described.columns.slice();
     this.hidden = new Set();
     this.isXY = described.xy ?? false;
-    this.trigger = null; // a level of the first channel, as it is shown
+    this.trigger = null; // its level is that of the first channel, as it is shown
     this.build();
   }
 
@@ -51,6 +52,7 @@ export class Pane {
     const tools = document.createElement("div");
     tools.className = "tools";
     this.tool(tools, "channels", "choose channels", () => this.board.pick(this));
+    this.holder = this.tool(tools, "hold", "hold the page still at a level", () => this.turnTrigger());
     this.tool(tools, "xy", "first channel across, second up", () => { this.isXY = !this.isXY; });
     this.tool(tools, "csv", "save what is shown", () => this.board.save(this));
     this.tool(tools, "×", "close this pane", () => this.board.close(this));
@@ -71,6 +73,7 @@ export class Pane {
     button.title = title;
     button.addEventListener("click", act);
     tools.append(button);
+    return button;
   }
 
   listen() {
@@ -83,7 +86,7 @@ export class Pane {
       this.board.cursor = this.isXY ? null : at(event);
     });
     this.canvas.addEventListener("pointerdown", (event) => {
-      if (event.shiftKey) this.setTrigger(event.clientY);
+      if (event.shiftKey) this.dropTrigger(event.clientY);
       else if (event.pointerType === "touch") this.board.cursor = at(event);
       else this.drag = at(event);
     });
@@ -98,14 +101,25 @@ export class Pane {
     this.canvas.addEventListener("dblclick", (event) => this.board.jump(at(event)));
   }
 
-  setTrigger(clientY) {
-    if (!this.upwards || this.trigger !== null) {
-      this.trigger = null;
-      return;
-    }
+  // The tool goes through the ways of a trigger, from one in the middle to none.
+  turnTrigger() {
+    if (this.trigger) this.setTrigger(this.trigger.next);
+    else if (this.upwards) this.setTrigger(new Trigger(0.5 * (this.upwards[0] + this.upwards[1])));
+  }
+
+  // Shift and a click put the level there.
+  dropTrigger(clientY) {
+    if (!this.upwards) return;
     const y = clientY - this.canvas.getBoundingClientRect().top - TOP;
     const share = y / Math.max(this.canvas.clientHeight - TOP - BOTTOM, 1);
-    this.trigger = this.upwards[1] - share * (this.upwards[1] - this.upwards[0]);
+    const level = this.upwards[1] - share * (this.upwards[1] - this.upwards[0]);
+    this.setTrigger(new Trigger(level, this.trigger?.way));
+  }
+
+  setTrigger(trigger) {
+    this.trigger = trigger;
+    this.holder.textContent = trigger ? `hold ${trigger.way}` : "hold";
+    this.holder.title = trigger ? trigger.title : "hold the page still at a level";
   }
 
   timeAt(x) {
@@ -188,7 +202,6 @@ export class Pane {
     const y = (value) => area.y + (range[1] - value) / (range[1] - range[0]) * area.h;
     this.frame(context, area, [from, to], range, x, y, "s");
     this.drawEvents(context, area, x, from, to);
-    this.drawBounds(context, area, range, y);
     context.save();
     context.beginPath();
     context.rect(area.x, area.y, area.w, area.h);
@@ -201,8 +214,9 @@ export class Pane {
     context.globalAlpha = 1;
     for (const k of this.seen) this.trace(context, table, k, first, last, x, y);
     context.restore();
+    this.drawBounds(context, area, range, y);
     this.upwards = range;
-    if (this.trigger !== null) this.drawTrigger(context, area, y(this.trigger));
+    if (this.trigger) this.drawTrigger(context, area, y(this.trigger.level));
     this.line(context, area, x(this.board.playhead()), "quiet");
     if (this.board.cursor !== null) this.line(context, area, x(this.board.cursor), "ink");
   }
@@ -282,9 +296,11 @@ export class Pane {
           context.textAlign = "right";
           context.textBaseline = above ? "top" : "bottom";
           const text = `${above ? "▲" : "▼"} limit ${number(value)} ${unit}`;
-          context.globalAlpha = 0.75;
+          const long = context.measureText(text).width + 6;
+          context.fillStyle = color("card");
+          context.fillRect(area.x + area.w - long, above ? area.y : area.y + area.h - 15, long, 15);
+          context.fillStyle = color("limit");
           context.fillText(text, area.x + area.w - 4, above ? area.y + 2 : area.y + area.h - 2);
-          context.globalAlpha = 1;
         }
       }
     }
@@ -321,7 +337,7 @@ export class Pane {
     context.setLineDash([]);
     context.textAlign = "left";
     context.textBaseline = "bottom";
-    context.fillText(`hold at ${number(this.trigger)}`, area.x + 4, at - 2);
+    context.fillText(`hold ${this.trigger.way} ${number(this.trigger.level)}`, area.x + 4, at - 2);
   }
 
   // Where there are more rows than pixels, each pixel gets the least and the greatest of its rows.
