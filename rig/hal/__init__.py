@@ -40,7 +40,7 @@ from rig.hal.freeze import Freeze
 from rig.hal.mechanism import Margin, Mechanism
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.picking import DevicePicker, pick_device
-from rig.hal.plant import MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
+from rig.hal.plant import HandledPlant, MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
 from rig.hal.reading import Reading
 from rig.hal.targets import Targets
 
@@ -71,6 +71,7 @@ __all__ = [
     "Frame",
     "FrameLoad",
     "Freeze",
+    "HandledPlant",
     "Law",
     "LimitExceeded",
     "LinearEncoder",

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self, runtime_checkable
 
 
 class Plant(Protocol):
@@ -37,16 +37,6 @@ class Plant(Protocol):
         """
         return {}
 
-    def pull(self, channel: str, by: float) -> None:
-        """Move what a channel measures a little by hand, without energy: SI, out is positive.
-
-        Raises
-        ------
-        ValueError
-            No hand gets there.
-        """
-        raise ValueError(f"plant: nobody can move {channel} by hand")
-
     @abstractmethod
     def inject(self, fault: str, value: float | None = None) -> None:
         """Make a fault happen now.
@@ -68,6 +58,15 @@ class MeasuredPlant:
     def channel_value(self, channel: int) -> float:
         """Return what a sensor at one of `Plant.channel_names` measures now, SI."""
         return 0.0
+
+
+@runtime_checkable
+class HandledPlant(Plant, Protocol):
+    """A plant that simulated hands can move, as an acceptance test asks a person to."""
+
+    @abstractmethod
+    def pull(self, channel: str, by: float) -> None:
+        """Move what a channel measures a little by hand, without energy: SI, out is positive."""
 
 
 class RestorablePlant(Plant, Protocol):

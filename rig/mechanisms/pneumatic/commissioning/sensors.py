@@ -15,7 +15,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
-from rig.hal import DevicePicker, LinearEncoder
+from rig.hal import ConfigurationError, DevicePicker, HandledPlant, LinearEncoder
 from rig.hal.world import BreakableWorld
 
 _PULL: Final = 0.5e-3
@@ -77,6 +77,8 @@ def _has_settled(rig: Rig, names: tuple[str, ...], before: dict[str, float]) -> 
 
 def _pull(channel: str) -> Task:
     def act(world: BreakableWorld) -> str:
+        if not isinstance(world.plant, HandledPlant):
+            raise ConfigurationError(f"the simulated plant has nobody who could pull {channel}")
         world.plant.pull(channel, _PULL)
         return f"{_PULL * 1e3:g} mm"
 
