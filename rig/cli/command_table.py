@@ -4,6 +4,7 @@ COMMANDS = {
     "run": ("rig.cli.run:run", "Run an experiment and leave a run folder."),
     "compare": ("rig.cli.compare:compare", "Run an experiment under several controllers."),
     "sweep": ("rig.cli.sweep:sweep", "Run an experiment under many settings, resumable."),
+    "new": ("rig.cli.new:new", "Write an experiment, rig, law or driver to begin with."),
     "check": ("rig.cli.check:check", "Check a profile and show what it says."),
     "doctor": ("rig.cli.doctor:doctor", "Say what this computer lacks for a rig."),
     "status": ("rig.cli.status:status", "Show how far a rig has come, and what comes next."),

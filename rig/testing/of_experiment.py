@@ -17,12 +17,13 @@ class OfExperiment:
     Attributes
     ----------
     configs, experiment : Path and str
-        The folder of the configurations, and the experiment.
+        The folder of the configurations (None: ``configs`` where pytest runs, then the program's
+        own), and the experiment.
     options : tuple of str
         ``a.b=c``, as on the command line: another controller, say.
     """
 
-    configs: ClassVar[Path]
+    configs: ClassVar[Path | None]
     experiment: ClassVar[str]
     options: ClassVar[tuple[str, ...]] = ()
 

@@ -97,14 +97,14 @@ class _Rows:
 
 
 def rehearse(
-    configs: Path, experiment: str, options: Sequence[str] = (), seconds: float = 2.0
+    configs: Path | None, experiment: str, options: Sequence[str] = (), seconds: float = 2.0
 ) -> Rehearsal:
     """Go through the beginning of an experiment on `sim`.
 
     Parameters
     ----------
-    configs : Path
-        The folder of the configurations.
+    configs : Path, optional
+        The folder of the configurations; None: those in the working directory, and our own.
     experiment : str
         Its name.
     options : sequence of str

@@ -60,22 +60,22 @@ def metrics_of(path):
     return {m["name"]: m for m in json.loads((path / "metrics.json").read_text())["metrics"]}
 
 
-def beside_the_source(folder):
-    """Return paths on which the package is as if installed: its source, and what pip would write.
+def beside_the_source(folder, project=PROJECT, source=SOURCE):
+    """Return paths on which a package is as if installed: its source, and what pip would write.
 
     That is the quick way; the slow one has pip build and install it.
     """
-    info = folder / f"{PROJECT['name'].replace('-', '_')}-{PROJECT['version']}.dist-info"
+    info = folder / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {PROJECT['name']}\nVersion: {PROJECT['version']}\n"
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
     )
     sections = (
         f"[{group}]\n" + "".join(f"{name} = {value}\n" for name, value in points.items())
-        for group, points in PROJECT["entry-points"].items()
+        for group, points in project["entry-points"].items()
     )
     (info / "entry_points.txt").write_text("\n".join(sections))
-    return [ROOT, folder, SOURCE]
+    return [ROOT, folder, source]
 
 
 def in_an_environment(folder):

@@ -1,0 +1,1 @@
+"""Files to begin with: an experiment, a rig, a control law or a driver of one's own."""

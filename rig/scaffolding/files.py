@@ -1,0 +1,73 @@
+"""An experiment or a rig to begin with: one file, with a comment for what a reader asks first."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rig.config.names import find_file, list_files
+from rig.config.yaml_loader import read_plain, read_source
+from rig.hal import ConfigurationError
+
+_OWN: Final = re.compile(r"^(name|description):.*\n", re.MULTILINE)
+
+
+def experiment_text(name: str, rig: str, search: Sequence[Path], like: str | None = None) -> str:
+    """Return an experiment that runs at once: one of a rig's, under another name.
+
+    Parameters
+    ----------
+    name, rig : str
+        Its name, and the rig's.
+    search : sequence of Path
+        Folders of configurations.
+    like : str, optional
+        The experiment to begin with; default: the first of the rig.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such experiment, or none of the rig.
+    """
+    if like is None:
+        own = [e for e, path in list_files("experiments", search).items() if _rig_of(path) == rig]
+        if not own:
+            raise ConfigurationError(f"no experiment is of the rig {rig!r}; name one with --like")
+        like = own[0]
+    text = read_source(find_file(like, "experiments", search)).text
+    return (
+        f"# Begun as {like}. What a word means, `rig explain WORD` says; what is wrong, all at\n"
+        f"# once, `rig check {name}.yaml`.\n"
+        f"name: {name}\n"
+        f"description: What it is for, in one sentence\n{_OWN.sub('', text)}"
+    )
+
+
+def _rig_of(path: Path) -> object:
+    try:
+        content = read_plain(path)
+    except ConfigurationError:
+        return None
+    return content.get("rig") if isinstance(content, dict) else None
+
+
+def profile_text(name: str, like: str, search: Sequence[Path]) -> str:
+    """Return a profile that is another one's in all, whose lines follow as comments.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such profile.
+    """
+    text = _OWN.sub("", read_source(find_file(like, "rigs", search)).text)
+    lines = [f"# {line}".rstrip() for line in text.splitlines()]
+    return (
+        f"# Begun as {like}, whose values hold where this file says nothing: they follow below.\n"
+        "# Take the # away from what differs, and from the lines above that it belongs to. What a\n"
+        "# key means, `rig explain KEY` says; what holds, and who says so,\n"
+        f"# `rig check {name}.yaml --values`. `plant:` is the simulated rig: say there, too, what\n"
+        "# is true of yours.\n"
+        f"extends: {like}\n"
+        f"name: {name}\n"
+        "description: What it is, in one sentence\n\n" + "\n".join(lines) + "\n"
+    )

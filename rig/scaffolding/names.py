@@ -1,0 +1,40 @@
+"""A name in the three forms that files need."""
+
+import keyword
+import re
+from typing import Final, NamedTuple
+
+from rig.hal import ConfigurationError
+
+_NAME: Final = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+class Spelling(NamedTuple):
+    """A name as profiles, modules and classes have it.
+
+    Parameters
+    ----------
+    dashed, module, class_name : str
+        ``fast-pi``, ``fast_pi``, ``FastPi``.
+    """
+
+    dashed: str
+    module: str
+    class_name: str
+
+
+def spell(name: str) -> Spelling:
+    """Return a name in its three forms.
+
+    Raises
+    ------
+    ConfigurationError
+        Files, modules or classes cannot be called so.
+    """
+    module = name.replace("-", "_")
+    if not _NAME.fullmatch(name) or len(name) > 40 or keyword.iskeyword(module):
+        raise ConfigurationError(
+            f"{name!r} is no name for files and modules: small letters and digits, words apart by "
+            "dashes, as in fast-pi"
+        )
+    return Spelling(name, module, "".join(part.capitalize() for part in name.split("-")))

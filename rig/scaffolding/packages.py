@@ -1,0 +1,132 @@
+"""A package to begin with: a control law or a driver, with its test and an experiment that runs."""
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Final, Literal
+
+from rig.hal import ConfigurationError
+from rig.scaffolding.names import Spelling, spell
+
+PackageKind = Literal["controller", "driver"]
+
+_TEMPLATES: Final = "rig.scaffolding.templates"
+_PLACEHOLDER: Final = {"controller": spell("my-law"), "driver": spell("my-sensor")}
+_ENTRY: Final = {
+    "controller": """\
+[project.entry-points."rig.additions"]
+{0}-for-cylinder = "{1}.parts:FOR_CYLINDER"
+""",
+    "driver": """\
+[project.entry-points."rig.drivers"]
+{0} = "{1}.parts:PARTS"
+""",
+}
+_PROFILE: Final = {
+    "controller": """\
+extends: cylinder
+description: The pair of cylinders, with a law of our own beside the others
+controllers:
+  {0}:                      # the settings of your law
+    proportional: 1e8 Pa/m
+    integral: 5e8 Pa/(m s)
+    derivative: 5e6 Pa s/m
+""",
+    "driver": """\
+extends: cylinder
+description: The pair of cylinders, with a sensor of our own that is logged
+loop:
+  rate: 500 Hz              # one more node would not fit the bus at 1 kHz
+devices:
+  {0}:
+    driver: {0}
+    bus: can0
+    node: 0x30
+    full_scale: 100
+""",
+}
+_EXPERIMENT: Final = """\
+description: A slow sine, as a first run of {0}
+rig: {0}-rig
+controller: {1}
+reference: {{kind: sine, amplitude: 5 mm, tones: [{{frequency: 0.25 Hz, periods: 2}}]}}
+metrics:
+  tracking_rms: {{max: 3 mm}}
+figures: [tracking, error, pressures]
+"""
+_PROJECT: Final = """\
+[build-system]
+requires = ["hatchling>=1.26"]
+build-backend = "hatchling.build"
+
+[project]
+name = "{0}"
+version = "0.1.0"
+requires-python = ">=3.11"
+dependencies = ["rig-controller"]
+
+# The name on the left is the one that profiles use; behind it stands the row in parts.py.
+{1}
+[tool.hatch.build.targets.wheel]
+packages = ["src/{2}"]
+"""
+
+
+def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
+    """Return the files of a package, by their paths in its folder.
+
+    Raises
+    ------
+    ConfigurationError
+        Nothing can be called so.
+    """
+    spelling = spell(name)
+    source = Path("src", spelling.module)
+    made = {Path("pyproject.toml"): _project(kind, spelling)}
+    for template in files(f"{_TEMPLATES}.{kind}").iterdir():
+        if not template.name.endswith(".py"):
+            continue
+        text = _renamed(kind, template.read_text(encoding="utf-8"), spelling)
+        if template.name == "suite.py":
+            made[Path("tests", f"test_{spelling.module}.py")] = text
+        else:
+            made[source / template.name] = text
+    law = name if kind == "controller" else "cascade"
+    made[Path("configs", "rigs", f"{name}-rig.yaml")] = _PROFILE[kind].format(name)
+    made[Path("configs", "experiments", f"{name}-sine.yaml")] = _EXPERIMENT.format(name, law)
+    if kind == "controller":
+        made[Path("tests", "conftest.py")] = (
+            '"""The suites of the rig controller, for this law."""\n\n'
+            'pytest_plugins = "rig.testing.plugin"\n'
+        )
+    return made
+
+
+def write_files(folder: Path, made: dict[Path, str]) -> None:
+    """Write files below a folder that is not there yet.
+
+    Raises
+    ------
+    ConfigurationError
+        It is there already, or cannot be written.
+    """
+    if folder.exists():
+        raise ConfigurationError(f"{folder} is there already; nothing was written")
+    try:
+        for path, text in made.items():
+            target = folder / path
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConfigurationError(f"cannot write {folder}: {error.strerror or error}") from error
+
+
+def _project(kind: PackageKind, spelling: Spelling) -> str:
+    entry = _ENTRY[kind].format(spelling.dashed, spelling.module)
+    return _PROJECT.format(spelling.dashed, entry, spelling.module)
+
+
+def _renamed(kind: PackageKind, text: str, spelling: Spelling) -> str:
+    text = text.replace(f"{_TEMPLATES}.{kind}", spelling.module)
+    for old, new in zip(_PLACEHOLDER[kind], spelling, strict=True):
+        text = text.replace(old, new)
+    return text

@@ -1,0 +1,1 @@
+"""Packages that work as they are, and that `rig new` copies under another name."""

@@ -1,0 +1,1 @@
+"""A control law for an antagonistic pair of cylinders."""

@@ -1,0 +1,54 @@
+"""What a profile says of the sensor, and what its frames mean."""
+
+from dataclasses import dataclass
+from typing import Annotated, Final
+
+from annotated_types import Gt, Interval
+
+from drivers.canopen.described import DescribedNode, Quantity
+from drivers.canopen.device_settings import CanopenDeviceSettings
+from drivers.canopen.mapping import Entry
+from rig.hal import Address
+
+PROFILE: Final = 401
+INPUT: Final = Entry(0x6401, 1, "i16")
+"""The first analogue input."""
+UNIT: Final = "N"
+"""Of what the sensor measures, for the log."""
+
+
+@dataclass(frozen=True, slots=True)
+class MySensorSettings(CanopenDeviceSettings):
+    """A sensor on an analogue input.
+
+    Parameters
+    ----------
+    node : int
+        Its number on the bus.
+    full_scale : float
+        What 32767 counts are, in the unit of the sensor.
+    measures : str
+        The plant's channel that a simulated one shows.
+    """
+
+    node: Annotated[int, Interval(ge=1, le=127)]
+    full_scale: Annotated[float, Gt(0)] = 100.0
+    measures: str = "agonist"
+
+    @property
+    def gain(self) -> float:
+        """What one count is."""
+        return self.full_scale / 32767.0
+
+    def channel_names(self) -> tuple[str, ...]:
+        """Return the plant's channel that it is mounted on."""
+        return (self.measures,)
+
+    def addresses(self, device: str, serial: int | None) -> tuple[Address, ...]:
+        """Return the one node."""
+        return (Address(device, self.node, PROFILE, serial=serial),)
+
+    def describe_nodes(self, name: str) -> tuple[DescribedNode, ...]:
+        """Return that the node sends its input with every SYNC."""
+        quantities = {INPUT: Quantity("value", UNIT, self.gain)}
+        return (DescribedNode(name, self.node, (), ((INPUT,),), True, quantities),)

@@ -1,0 +1,85 @@
+"""`rig new`: what it writes runs at once, and passes its own test."""
+
+import random
+import tomllib
+
+import pytest
+from stranger_lab import Lab, beside_the_source
+
+from rig.assembly import REGISTRY
+from rig.cli import invoke
+from rig.config.names import find_configs, list_files
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("mechanism", ["arm", "cylinder", "joint", "legs"])
+def test_an_experiment_of_any_rig_is_valid(here, capsys, mechanism):
+    assert mechanism in REGISTRY.names("mechanism")
+    assert invoke(["new", "experiment", "first-try", "--rig", mechanism]) == 0
+    assert invoke(["check", "first-try.yaml"]) == 0
+    text = (here / "first-try.yaml").read_text()
+    assert f"rig: {mechanism}" in text
+    assert text.count("\nname: ") == 1
+    assert "rig check first-try.yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rig_begins_as_any_other(here, capsys, seed):
+    like = random.Random(seed).choice(list(list_files("rigs", find_configs())))
+    assert invoke(["new", "rig", "our-own", "--like", like]) == 0
+    assert invoke(["check", "our-own.yaml"]) == 0
+    text = (here / "our-own.yaml").read_text()
+    assert f"extends: {like}" in text
+    # What is said of it is said as a comment.
+    assert sum(not line.startswith("#") and bool(line) for line in text.splitlines()) == 3
+
+
+def project_of(folder):
+    return tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+
+
+@pytest.mark.parametrize(("kind", "name"), [("controller", "slow-pi"), ("driver", "grip-force2")])
+def test_a_package_runs_at_once_and_passes_its_own_test(here, kind, name):
+    assert invoke(["new", kind, name]) == 0
+    folder = here / name
+    assert "my_" not in "".join(path.read_text() for path in folder.rglob("*.py"))
+    paths = beside_the_source(here / "installed", project_of(folder), folder / "src")
+    lab = Lab(folder, paths)
+    run = lab.run(f"{name}-sine", "--on", "sim", "--no-report")
+    assert (run / "log.mcap").exists()
+    tested = lab.python_run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
+    assert tested.returncode == 0, tested.stdout
+    assert " passed" in tested.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("controller", "Fast"), "no name for files"),
+        (("controller", "../x"), "no name for files"),
+        (("driver", "class"), "no name for files"),
+        (("mechanism", "seesaw"), "rig/README.md"),
+        (("experiment", "mine", "--rig", "nobody"), "no experiment is of the rig"),
+        (("rig", "mine", "--like", "cylindr"), "did you mean cylinder?"),
+        (("controller", "mine", "--like", "x"), "for experiments and rigs"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_nothing_written(here, capsys, words, said):
+    assert invoke(["new", *words]) == 2
+    assert said in capsys.readouterr().err
+    assert list(here.iterdir()) == []
+
+
+def test_what_is_there_stays(here, capsys):
+    (here / "mine.yaml").write_text("precious")
+    assert invoke(["new", "experiment", "mine"]) == 2
+    assert (here / "mine.yaml").read_text() == "precious"
+    assert invoke(["new", "driver", "sensor"]) == 0
+    before = sorted(here.rglob("*"))
+    assert invoke(["new", "controller", "sensor"]) == 2
+    assert sorted(here.rglob("*")) == before
