@@ -97,7 +97,9 @@ def new_figure(width: float, height: float) -> "Figure":
     return Figure(figsize=(width / 25.4, height / 25.4))
 
 
-def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
+def save(
+    figure: "Figure", folder: Path, name: str, origin: str, *, has_table: bool = False
+) -> list[Path]:
     """Write a figure as PNG, SVG and PDF, and what it shows as CSV; return the paths.
 
     Parameters
@@ -110,6 +112,8 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
         Theirs, without suffix.
     origin : str
         Where its data come from, written at its edge: a figure is passed on without its folder.
+    has_table : bool
+        The folder has a table of that name already, which the figure is drawn from.
 
     Raises
     ------
@@ -131,8 +135,9 @@ def save(figure: "Figure", folder: Path, name: str, origin: str) -> list[Path]:
         for path, date in ((svg, "Date"), (pdf, "CreationDate")):
             with whole_file(path) as temporary:
                 figure.savefig(temporary, metadata={date: None})
-        with whole_file(table) as temporary:
-            temporary.write_text(table_of(figure), encoding="utf-8")
+        if not has_table:
+            with whole_file(table) as temporary:
+                temporary.write_text(table_of(figure), encoding="utf-8")
     except OSError as error:
         raise RunFolderError(
             f"cannot write figures to {folder}: {error.strerror or error}"

@@ -25,7 +25,7 @@ def draw(sweep: "Sweep", metric: str | None, title: str, say: Callable[[str], No
     try:
         with paper_style():
             figure = sweep.figure(metric)
-            save(figure, sweep.folder, "sweep", title)
+            save(figure, sweep.folder, "sweep", title, has_table=True)
         write_page(sweep, metric, title)
     except (RigError, OSError) as error:
         say(f"there is no figure: {error}")

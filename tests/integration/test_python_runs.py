@@ -184,7 +184,7 @@ def test_a_fault_is_an_exception_with_its_run(out):
         ({"seed": -3}, "^seed=-3: seed is -3, expected at least 0"),
         (
             {"controller": "pdi"},
-            r"(?s)^controller='pdi': no .*mean pid\? .*: cascade, pid, pid-friction, super-twist",
+            r"(?s)^controller='pdi': no controller is called 'pdi'.*did you mean pid\?$",
         ),
         ({"controller": "pdi", "rig": "arm"}, "are: dls, esc, esc-paper, inv"),
         ({"controller": object()}, "it has no"),

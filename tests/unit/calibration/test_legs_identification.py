@@ -1,6 +1,7 @@
 """The legs' zeros and scales from made-up readings in a jig; and who puts them there."""
 
 import math
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -126,9 +127,12 @@ def test_each_pose_is_a_run_of_its_own_and_waits_for_somebody(profile, monkeypat
         told.append(what)
         return len(told) < 3
 
-    _, folders = session.record(procedure, profile, Backend.HARDWARE, tmp_path, place=place)
+    whole = partial(
+        session.record, procedure, profile, Backend.HARDWARE, tmp_path, uncommissioned="a test"
+    )
+    _, folders = whole(place=place)
     assert ran == ["straight", "crouched"]
     assert told[2] == "put both legs into the jig's pose 'splayed', without torque"
-    _, folders = session.record(procedure, profile, Backend.HARDWARE, tmp_path, earlier=folders)
+    _, folders = whole(earlier=folders)
     assert ran == ["straight", "crouched", "splayed"]
     assert len(folders) == 3

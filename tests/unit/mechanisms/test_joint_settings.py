@@ -1,7 +1,7 @@
 """What a profile may say of the joint, and which devices can do it."""
 
 import math
-from dataclasses import fields
+from dataclasses import asdict, fields
 
 import pytest
 from joint_fakes import (
@@ -22,6 +22,7 @@ from pneumatic_fakes import (
     FakeRegulators,
 )
 
+from rig.config.settings import adapter
 from rig.hal import ConfigurationError
 from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.mechanism import SphericalJoint
@@ -90,10 +91,11 @@ def test_a_joint_that_cannot_be_is_refused(changes, message):
 
 @pytest.mark.parametrize("name", ["pressure", "tension"])
 def test_a_range_has_its_lower_end_below_its_upper_one(name):
-    joint_limits(**{name: (1.0, 1.0 + 1e-9)})
+    """A profile is held to it with the type of the limits, so that it is told beside all else."""
+    adapter(JointLimits).validate_python(asdict(joint_limits(**{name: (1.0, 1.0 + 1e-9)})))
     for empty in ((1.0, 1.0), (1.0, 0.5)):
         with pytest.raises(ValueError, match=rf"{name}: the lower limit"):
-            joint_limits(**{name: empty})
+            adapter(JointLimits).validate_python(asdict(joint_limits(**{name: empty})))
     assert joint_settings().area == pytest.approx(181.427e-6, rel=1e-5)
 
 

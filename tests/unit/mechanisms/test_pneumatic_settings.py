@@ -1,5 +1,7 @@
 """What a profile may say of pneumatic cylinders, and which devices can do it."""
 
+from dataclasses import asdict
+
 import pytest
 from pneumatic_fakes import (
     HIGHEST,
@@ -13,6 +15,7 @@ from pneumatic_fakes import (
     pair_settings,
 )
 
+from rig.config.settings import adapter
 from rig.hal import ConfigurationError
 from rig.mechanisms.cylinder.settings import FrictionModel
 from rig.mechanisms.pneumatic.devices import check_pneumatics
@@ -74,10 +77,12 @@ def test_friction_at_rest_is_at_least_that_of_sliding():
 
 @pytest.mark.parametrize("name", ["position", "pressure"])
 def test_a_range_has_its_lower_end_below_its_upper_one(name):
-    pair_limits(**{name: (0.0, 1e-9)})
+    """A profile is held to it with the type of the limits, so that it is told beside all else."""
+    limits = pair_limits(**{name: (0.0, 1e-9)})
+    adapter(type(limits)).validate_python(asdict(limits))
     for empty in ((0.0, 0.0), (1e-9, 0.0)):
         with pytest.raises(ValueError, match=rf"{name}: the lower limit"):
-            pair_limits(**{name: empty})
+            adapter(type(limits)).validate_python(asdict(pair_limits(**{name: empty})))
 
 
 @pytest.mark.parametrize(
