@@ -97,3 +97,14 @@ def run_session(page, folder):
 def test_commands_print_what_the_page_shows(page, tmp_path):
     wrong = run_session(page, tmp_path)
     assert not wrong, "\n\n".join(wrong)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", ["arm-shoulder", "cylinder-sine --controller"])
+def test_figures_are_what_their_commands_make(part):
+    """The rest takes a quarter of an hour: ``python .readme/figures.py --check``."""
+    made = subprocess.run(
+        [sys.executable, ROOT / ".readme" / "figures.py", "--check", part],
+        check=False, capture_output=True, text=True,
+    )  # fmt: skip
+    assert made.returncode == 0, made.stdout + made.stderr
