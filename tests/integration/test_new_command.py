@@ -43,6 +43,7 @@ def project_of(folder):
     return tomllib.loads((folder / "pyproject.toml").read_text())["project"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), [("controller", "slow-pi"), ("driver", "grip-force2")])
 def test_a_package_runs_at_once_and_passes_its_own_test(here, kind, name):
     assert invoke(["new", kind, name]) == 0
