@@ -18,15 +18,15 @@ def install(folder):
     """Install the program into an environment that sees the packages of this one."""
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
     python = folder / "bin" / "python"
+    (own,) = folder.glob("lib/python*/site-packages")
+    around = {path: None for path in sys.path if path.endswith("site-packages")}
+    around |= dict.fromkeys((sysconfig.get_path("purelib"), sysconfig.get_path("platlib")))
+    (own / "around.pth").write_text("\n".join(around))  # what builds it is there, too
     options = ["--quiet", "--no-index", "--no-deps", "--no-build-isolation"]
     subprocess.run(
         [sys.executable, "-m", "pip", "--python", python, "install", *options, ROOT],
         check=True, env={**os.environ, "PIP_DISABLE_PIP_VERSION_CHECK": "1"},
     )  # fmt: skip
-    (own,) = folder.glob("lib/python*/site-packages")
-    around = {path: None for path in sys.path if path.endswith("site-packages")}
-    around |= dict.fromkeys((sysconfig.get_path("purelib"), sysconfig.get_path("platlib")))
-    (own / "around.pth").write_text("\n".join(around))
     return own
 
 
