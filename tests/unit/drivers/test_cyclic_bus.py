@@ -132,6 +132,18 @@ def test_opening_twice_opens_once_and_what_is_subscribed_is_accepted():
     assert interface.accepted == [0x21]
 
 
+def test_an_interface_for_somebody_else_leaves_the_bus_as_it_was():
+    bus = Bus()
+    bus.subscribe(0x21, lambda data, now: None)
+    lent = bus.open_interface()
+    assert (lent.accepted, lent.shut) == (None, 0)
+    bus.open()
+    assert bus.interfaces[0] is lent
+    assert bus.interfaces[1].accepted == [0x21]
+    bus.close()
+    assert lent.shut == 0
+
+
 def test_an_identifier_has_one_owner():
     bus = Bus()
     bus.subscribe(0x185, lambda data, now: None)
