@@ -25,6 +25,58 @@ class Equivalent(NamedTuple):
 
 
 EQUIVALENTS: tuple[Equivalent, ...] = (
+    *(
+        Equivalent(
+            "rig/mechanisms/cylinder/mechanism.py",
+            "if not math.isfinite(position + p_agonist + p_antagonist):",
+            f"{before} -> {before[: before.rindex('+')]}-{before[before.rindex('+') + 1 :]}",
+            "what is not finite stays so under either sign; finite readings are far from overflow",
+        )
+        for before in ("position + p_agonist + p_antagonist", "position + p_agonist")
+    ),
+    *(
+        Equivalent(
+            f"rig/mechanisms/{mechanism}/mechanism.py",
+            line,
+            change,
+            "nothing asks for it before the first reading was checked",
+        )
+        for mechanism, line, changes in (
+            (
+                "cylinder",
+                "self._extensions = (settings.home, settings.home)",
+                ("self._extensions = (settings.home, settings.home) -> pass",),
+            ),
+            ("cylinder", "self._position = self._now = 0.0", ("0.0 -> 1.0",)),
+            (
+                "joint",
+                "self._tensions: Quadruple = (0.0,) * 4",
+                ("self._tensions: Quadruple = (0.0,) * 4 -> pass", "0.0 -> 1.0", "4 -> 5"),
+            ),
+            (
+                "joint",
+                "self._rods: Quadruple = (0.0,) * 4",
+                ("self._rods: Quadruple = (0.0,) * 4 -> pass", "0.0 -> 1.0", "4 -> 5"),
+            ),
+            ("joint", "self._now = 0.0", ("0.0 -> 1.0",)),
+        )
+        for change in changes
+    ),
+    Equivalent(
+        "rig/mechanisms/joint/mechanism.py",
+        "self._tensions_at.compile()",
+        "self._tensions_at.compile() -> pass",
+        "it is compiled at its first call instead",
+    ),
+    *(
+        Equivalent(
+            "rig/mechanisms/joint/mechanism.py",
+            "estimate = JointEstimate(_ZERO, _ZERO, 0.0, state.rods, (0.0,) * 4)",
+            change,
+            "the tensions of an estimate are not logged",
+        )
+        for change in ("0.0 -> 1.0", "4 -> 5")
+    ),
     Equivalent(
         "rig/mechanisms/joint/watch.py",
         "if not math.isfinite(sum(rods) + sum(pressures)):",

@@ -94,7 +94,6 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         # What every cycle looks at, at hand.
         self._lower, self._upper = limits.position
         self._oldest_reading = limits.reading_age
-        self._home = settings.home
         self._position_agonist = encoder_agonist.position
         self._position_antagonist = encoder_antagonist.position
         self._pressure = regulators.pressure
@@ -252,7 +251,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
             cause = self._tracking.suspicion(self._now)
             if cause is not None:
                 return SafetyError(f"{cause} ({error})")
-        return self._watch.explain(error, self._extensions)
+        return self._watch.explain(error)
 
     def diagnose(self, fault: Exception, logged: "Logged") -> tuple[Suspect, ...]:
         """Return what explains the end of a log best; see `Mechanism.diagnose`."""

@@ -84,6 +84,7 @@ class PairWatch:
         self._speed_from: Two | None = None
         self._slack_at = 0.0
         self._usual: float | None = None
+        # What each encoder says, where the other rod was when it first said so, and since when.
         self._still: list[tuple[float, float, float]] = []
         self._step = self._then = 0.0
         self._explained: Exception | None = None
@@ -112,6 +113,8 @@ class PairWatch:
         change = self._change(mismatch, agonist, antagonist, now)
         pulls = self._area * agonist, self._area * antagonist
         self._history.append(_Readings(extensions, pulls, change))
+        if not self._still:
+            self._still = [(extensions[k], extensions[1 - k], now) for k in range(2)]
         self._check_rods(mismatch, change)
         self._check_frozen(extensions, now)
         self._pressures.check((agonist, antagonist), now)
@@ -119,7 +122,7 @@ class PairWatch:
         self._work.check(rods, (agonist, antagonist), lambda: None)
         self._check_speed(position, now)
 
-    def explain(self, error: Exception, extensions: Two) -> Exception:
+    def explain(self, error: Exception) -> Exception:
         """Return an error of a device or limit with the cause that the rest of the pair shows."""
         cause = None
         if isinstance(error, DeviceFault) and error.device in self._encoders:
@@ -154,9 +157,7 @@ class PairWatch:
                 raise self._explained
 
     def _check_frozen(self, extensions: Two, now: float) -> None:
-        """Raise if one rod says the same while the other moves; `_still`: what, where and since."""
-        if not self._still:
-            self._still = [(extensions[k], extensions[1 - k], now) for k in range(2)]
+        """Raise if one rod says the same while the other moves."""
         for k in range(2):
             here, there = extensions[k], extensions[1 - k]
             said, other, since = self._still[k]

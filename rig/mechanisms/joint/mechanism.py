@@ -392,6 +392,6 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             *self._watch.margins(),
             Margin("reading age", 1.0 - self._age / limits.reading_age),
             Margin("pressure", 1.0 - max(applied) / limits.pressure[1]),
-            Margin("slack wire", min(self._tensions) / lower - 1.0 if lower else 1.0),
+            Margin("slack wire", min(self._tensions) / lower - 1.0 if lower else math.inf),
             key=lambda margin: margin.fraction,
         )

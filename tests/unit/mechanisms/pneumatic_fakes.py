@@ -175,11 +175,14 @@ class PairBench:
         """Put the pair, m."""
         self.place(-position, position)
 
+    def refresh(self, now):
+        for device in (self.regulators, self.agonist, self.antagonist, self.stop):
+            device.t = now
+
     def cycle(self, now, fresh=True):
         """Read and check, all readings being of now if they are fresh."""
         if fresh:
-            for device in (self.regulators, self.agonist, self.antagonist, self.stop):
-                device.t = now
+            self.refresh(now)
         state = self.pair.read(now)
         self.pair.check(state, now)
         return state

@@ -166,9 +166,9 @@ def test_the_nearest_limit_is_told(place, late, applied, nearest):
 
 def test_the_middle_of_a_lopsided_range_is_furthest_from_its_limits():
     bench = PairBench(pair_settings(pair_limits(position=(-0.25 * REACH, 0.75 * REACH))))
-    bench.move_to(0.5 * REACH)
+    bench.move_to(0.625 * REACH)
     state = bench.pair.read(0.0)
-    assert bench.pair.worst_margin(state, PairCommand(0.0, 0.0), 0.0) == ("position", 0.5)
+    assert bench.pair.worst_margin(state, PairCommand(0.0, 0.0), 0.0) == ("position", 0.25)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

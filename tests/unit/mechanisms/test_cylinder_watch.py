@@ -12,6 +12,7 @@ from pneumatic_fakes import (
     REACH,
     SPEED,
     TINY,
+    PairBench,
     pair_limits,
     pair_settings,
 )
@@ -197,7 +198,7 @@ def run(*ways, before=9, pressures=(BASE, BASE)):
     for _ in range(before - 1):
         rods.cycle(0.0, 0.0)  # what counts is the pull now
     rods.cycle(*(-way for way in ways), pressures)
-    return rods.watch.explain(FAST, (0.0, 0.0))
+    return rods.watch.explain(FAST)
 
 
 def test_rods_that_both_run_in_have_lost_a_wire():
@@ -239,7 +240,7 @@ def test_a_run_is_what_the_last_four_cycles_added_to_the_four_before(seed):
             rods.cycle(*place)
         ways = (places[-5] - places[-1]) - (places[-9] - places[-5])
         runs = ways.max() >= WAY and ways.min() >= 0.1 * ways.max()
-        said = rods.watch.explain(FAST, (0.0, 0.0))
+        said = rods.watch.explain(FAST)
         assert (said is not FAST) == runs
         if runs:
             told += 1
@@ -265,7 +266,7 @@ def most_off(rods):
 
 
 def test_a_limit_that_is_passed_has_the_suspicion_of_a_regulator():
-    said = suspicious(0.0, 0.0).watch.explain(FAST, (0.0, 0.0))
+    said = suspicious(0.0, 0.0).watch.explain(FAST)
     assert isinstance(said, SafetyError)
     assert str(said).startswith("regulators: the regulator of antagonist is stuck")
     assert str(said).endswith(f" ({FAST})")
@@ -275,7 +276,7 @@ def test_a_limit_that_was_explained_already_is_left_alone():
     rods = suspicious(0.0, 0.0)
     with pytest.raises(LimitExceeded) as caught:
         rods.cycle(2 * WIDE, 2 * WIDE, (BASE, BASE - 0.6 * most_off(rods)))
-    assert rods.watch.explain(caught.value, (0.0, 0.0)) is caught.value
+    assert rods.watch.explain(caught.value) is caught.value
 
 
 def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
@@ -284,16 +285,16 @@ def test_an_encoder_that_jumps_where_its_rod_ran_is_explained():
     for way, explained in ((ran + TINY, True), (ran - TINY, False)):
         for sign in (1.0, -1.0):
             rods = suspicious(sign * way, 0.0)
-            said = rods.watch.explain(jumps[0], (0.0, 0.0))
+            said = rods.watch.explain(jumps[0])
             assert (str(said).startswith("regulators: ")) is explained
-            assert rods.watch.explain(jumps[1], (0.0, 0.0)) is jumps[1]  # its own stood
+            assert rods.watch.explain(jumps[1]) is jumps[1]  # its own stood
     other = DeviceFault("regulators", "it is gone")
     rods = suspicious(2 * ran, 2 * ran)
-    assert rods.watch.explain(other, (0.0, 0.0)) is other
-    assert rods.watch.explain(ValueError("no"), (0.0, 0.0)).args == ("no",)
+    assert rods.watch.explain(other) is other
+    assert rods.watch.explain(ValueError("no")).args == ("no",)
     fresh = Rods()
     fresh.cycle(0.0, 0.0)
-    assert fresh.watch.explain(jumps[0], (0.0, 0.0)) is jumps[0]
+    assert fresh.watch.explain(jumps[0]) is jumps[0]
 
 
 def test_a_wire_comes_before_a_regulator_and_a_regulator_before_a_push():
@@ -302,12 +303,12 @@ def test_a_wire_comes_before_a_regulator_and_a_regulator_before_a_push():
     low = (BASE, BASE - 0.6 * most_off(rods))
     for _ in range(9):
         rods.cycle(0.0, 0.0, low)
-    assert rods.watch.explain(FAST, (0.0, 0.0)) is not FAST
+    assert rods.watch.explain(FAST) is not FAST
     rods.cycle(-WAY, -WAY, low)
     for error in (jump, FAST):
-        assert "is slack or cut: its rod runs in" in str(rods.watch.explain(error, (0.0, 0.0)))
+        assert "is slack or cut: its rod runs in" in str(rods.watch.explain(error))
     rods = suspicious(WAY, -WAY)
-    assert str(rods.watch.explain(jump, (0.0, 0.0))).startswith("regulators: ")
+    assert str(rods.watch.explain(jump)).startswith("regulators: ")
 
 
 def test_a_push_pulls_one_rod_out_and_the_other_runs_in_by_a_tenth():
@@ -317,7 +318,7 @@ def test_a_push_pulls_one_rod_out_and_the_other_runs_in_by_a_tenth():
         for _ in range(4):
             rods.cycle(0.0, 0.0)
         rods.cycle(WAY, -other * WAY)
-        assert (rods.watch.explain(jump, (0.0, 0.0)) is not jump) is is_push
+        assert (rods.watch.explain(jump) is not jump) is is_push
     rods.cycle(WAY, -2.0 * WAY)
     assert rods.watch._explain_push(0) is None  # its rod stood
 
@@ -422,3 +423,14 @@ def test_the_speed_starts_anew_after_a_restart():
         watch.restart()
         state = PairState(0.1 * k, position, BASE, BASE)
         watch.check(state, (HOME, HOME), 0.1 * k)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("k", [0, 1])
+def test_rods_that_disagree_when_they_are_first_read_are_a_fault(k, way):
+    bench = PairBench()
+    off = [0.0, 0.0]
+    off[k] = way * 2.1 * MISMATCH
+    bench.place(*off)
+    with pytest.raises(LimitExceeded, match="mismatch of the two rods"):
+        bench.cycle(0.0)
