@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 from typing import Final
 
-_TERMINAL: Final = re.compile(r"/dev/(?:tty[A-Z]|pts/|rfcomm|cu\.).*")
+_TERMINAL: Final = re.compile(r"/dev/(?:tty[A-Za-z]|pts/|rfcomm|cu\.).*")
 
 
 def check_terminal(path: str) -> None:
