@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         RigError,
         SafetyError,
     )
+    from rig.runtime.log_tail import LogTail
     from rig.runtime.stop import StopRequests
     from rig.scripting.calibrating import calibrate
     from rig.scripting.checking import check
@@ -51,6 +52,7 @@ _OFFERED = {
     "replay": "rig.scripting.replaying",
     "sweep": "rig.sweeping.api",
     "SweepInterrupted": "rig.sweeping.result",
+    "LogTail": "rig.runtime.log_tail",
     "StopRequests": "rig.runtime.stop",
     **dict.fromkeys(_ENDS, "rig.scripting.errors"),
     **dict.fromkeys(("RigError", "ConfigurationError", "DeviceError", "SafetyError"), "rig.hal"),
@@ -60,6 +62,7 @@ __all__ = [
     "BoundMissed",
     "ConfigurationError",
     "DeviceError",
+    "LogTail",
     "MeasureFailed",
     "NotEnergised",
     "RigError",

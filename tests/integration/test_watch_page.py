@@ -286,6 +286,25 @@ def test_each_kind_of_trigger_holds_the_page_still(tmp_path):
         assert np.abs(fired - heads[way]).min() < 5e-3
 
 
+def test_the_choice_of_windows_says_how_wide_the_window_is(tmp_path):
+    with (
+        browser() as opened,
+        watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run,
+        page_of(opened, run.look) as page,
+    ):
+        shown = "document.getElementById('window').selectedOptions[0].textContent"
+        assert page.evaluate(shown) == "10 s"  # live
+        for asked, said in (("2, 4", "2 s"), ("1, 4.14", "3.1 s"), ("0, board.status.t", "all")):
+            page.evaluate(f"board.hold({asked})")
+            assert page.evaluate(shown) == said
+        page.locator("#window").select_option("2")
+        assert page.evaluate("board.window()[1] - board.window()[0]") == pytest.approx(2.0)
+        page.evaluate("board.zoom(1.5, board.head)")
+        assert page.evaluate(shown) == "3 s"
+        page.locator("#live").click()
+        assert page.evaluate(shown) == "10 s"
+
+
 def test_stop_works_while_everything_else_on_the_page_does_not(tmp_path):
     """Without its program, without a token: the form alone, and it lies over all."""
     with (

@@ -305,6 +305,17 @@ class Board {
     this.head = this.status?.t ?? 0;
     if (this.panes.length) this.subscribe();
     element("live").classList.add("on");
+    this.tellWidth();
+  }
+
+  // The choice of windows says how wide the one that is shown is, whatever has made it so.
+  tellWidth() {
+    const [from, to] = this.window();
+    const isWhole = this.still !== null && from <= 0 && to >= (this.status?.t ?? Infinity);
+    const [choice, width] = [element("window"), element("width")];
+    const given = [...choice.options].find((one) => Math.abs(Number(one.value) / (to - from) - 1) < 1e-6);
+    width.textContent = `${Number((to - from).toPrecision(2))} s`;
+    choice.value = isWhole ? "0" : given?.value ?? width.value;
   }
 
   hold(from, to) {
@@ -312,6 +323,7 @@ class Board {
     this.still = [from, Math.max(to, from + 1e-3)];
     this.head = Math.min(Math.max(this.head, from), to);
     element("live").classList.remove("on");
+    this.tellWidth();
     this.view();
   }
 
@@ -333,6 +345,7 @@ class Board {
     const [from, to] = this.window();
     if (this.isLive) {
       this.span = Math.min(Math.max(this.span * factor, 0.05), KEEP);
+      this.tellWidth();
       return;
     }
     this.hold(about - (about - from) * factor, about + (to - about) * factor);
