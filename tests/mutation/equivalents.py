@@ -27,6 +27,15 @@ class Equivalent(NamedTuple):
 EQUIVALENTS: tuple[Equivalent, ...] = (
     *(
         Equivalent(
+            "rig/mechanisms/pneumatic/alarms/tracking.py",
+            f"{word} value {sign} furthest:",
+            f"value {sign} furthest -> value {sign}= furthest",
+            "an extreme that is put where it is stays there",
+        )
+        for word, sign in (("if", ">"), ("elif", "<"))
+    ),
+    *(
+        Equivalent(
             "rig/mechanisms/cylinder/mechanism.py",
             "if not math.isfinite(position + p_agonist + p_antagonist):",
             f"{before} -> {before[: before.rindex('+')]}-{before[before.rindex('+') + 1 :]}",

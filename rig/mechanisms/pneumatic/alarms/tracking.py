@@ -21,21 +21,25 @@ class _Turns:
 
     def __init__(self, distance: float) -> None:
         self._distance = distance
-        self._low, self._high = math.inf, -math.inf
+        self._furthest = -math.inf
         self._rises = True
 
     def update(self, value: float) -> float | None:
         """Take the next value; return an extreme once the signal has come back from it."""
-        self._high = max(self._high, value)
-        self._low = min(self._low, value)
-        if self._rises and self._high - value > self._distance:
-            self._rises = False
-            self._low = value
-            return self._high
-        if not self._rises and value - self._low > self._distance:
+        furthest = self._furthest
+        if self._rises:
+            if value > furthest:
+                self._furthest = value
+            elif furthest - value > self._distance:
+                self._rises = False
+                self._furthest = value
+                return furthest
+        elif value < furthest:
+            self._furthest = value
+        elif value - furthest > self._distance:
             self._rises = True
-            self._high = value
-            return self._low
+            self._furthest = value
+            return furthest
         return None
 
 
