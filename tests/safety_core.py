@@ -54,13 +54,18 @@ SAFETY_CORE = {
         "mechanisms/test_cylinder_duties.py",
         "mechanisms/test_cylinder_limits.py",
     ),
-    "rig/mechanisms/joint/watch.py": ("mechanisms/test_joint_watch.py",),
+    "rig/mechanisms/joint/watch.py": (
+        "mechanisms/test_joint_compiling.py",
+        "mechanisms/test_joint_watch.py",
+    ),
     "rig/mechanisms/joint/mechanism.py": (
         "mechanisms/test_joint_commands.py",
+        "mechanisms/test_joint_compiling.py",
         "mechanisms/test_joint_duties.py",
         "mechanisms/test_joint_readings.py",
     ),
     "rig/mechanisms/joint/alarms/wires.py": (
+        "mechanisms/test_joint_compiling.py",
         "mechanisms/test_joint_wire_alarm.py",
         "mechanisms/test_joint_wire_blame.py",
         "mechanisms/test_joint_wire_lead.py",

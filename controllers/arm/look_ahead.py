@@ -12,7 +12,6 @@ from controllers.arm.axis_path import FINEST, AxisPath, axis_path_of_line
 from controllers.arm.esc import Esc, EscSettings
 from controllers.arm.law import ArmLaw, Motion, MotionEnd, collected
 from controllers.arm.plan import Sample
-from controllers.arm.pose_trajectory import PoseTrajectory
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, retime_within
 from controllers.arm.trajectories import StraightTrajectory
@@ -79,6 +78,8 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         """Return the joints along the path, whatever the time."""
         if isinstance(trajectory, StraightTrajectory) and not trajectory.turns_back:
             return axis_path_of_line(self.arm, trajectory)
+        from controllers.arm.pose_trajectory import PoseTrajectory  # half a second, with scipy
+
         if isinstance(trajectory, PoseTrajectory):
             return axis_path_of_line(self.arm, trajectory)
         samples, period = self._fine(trajectory, _FINE), _FINE

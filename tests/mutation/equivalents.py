@@ -71,12 +71,6 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         )
         for change in changes
     ),
-    Equivalent(
-        "rig/mechanisms/joint/mechanism.py",
-        "self._tensions_at.compile()",
-        "self._tensions_at.compile() -> pass",
-        "it is compiled at its first call instead",
-    ),
     *(
         Equivalent(
             "rig/mechanisms/joint/mechanism.py",
@@ -119,15 +113,6 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) + 1e-09 -> "
         "0.5 * (math.sqrt(1.0 + 8.0 * left / step) - 1.0) - 1e-09",
         "where the number of falls changes, the speed from either number is the same",
-    ),
-    *(
-        Equivalent(
-            "rig/mechanisms/joint/alarms/wires.py",
-            f"self.{one}.compile()",
-            f"self.{one}.compile() -> pass",
-            "it is compiled at its first call instead",
-        )
-        for one in ("_kinematics", "_diagnosis")
     ),
     Equivalent(
         "rig/mechanisms/joint/alarms/wires.py",

@@ -103,7 +103,6 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
             None if camera is None else camera.name,
         )
         self._tensions_at = TensionDistribution(settings.geometry)
-        self._tensions_at.compile()
         self._checked = False
         # Bound once: what every cycle asks for.
         self._homes = tuple([settings.home + offset for offset in settings.wire_offsets])
@@ -218,7 +217,12 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         return PoseTargets(checker(settings, controller))
 
     def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
-        """Take the controller whose estimate is logged, and the motion if its poses are known."""
+        """Take the controller whose estimate is logged, and the motion if its poses are known.
+
+        It will run now, so that it is compiled: `rig check` does not come here.
+        """
+        self._watch.compile()
+        self._tensions_at.compile()
         self.controller = controller
         self.motion = motion if isinstance(motion, PosedMotion) else None
 

@@ -115,8 +115,6 @@ class WireWatch:
         self.residual = 0.0
         self._kinematics = ForwardKinematics(geometry)
         self._diagnosis = ForwardKinematics(geometry)
-        self._kinematics.compile()
-        self._diagnosis.compile()
         self._limits = limits
         self._frozen = frozen
         self._encoders = tuple(encoders)
@@ -128,6 +126,11 @@ class WireWatch:
         self._changed_at: list[float]
         self._residual_then: list[float]
         self._small_at: list[float]
+
+    def compile(self) -> None:
+        """Make the searches for a pose fast, which takes a second where nothing is kept of it."""
+        self._kinematics.compile()
+        self._diagnosis.compile()
 
     def check(
         self, rods: Quadruple, unstretched: Quadruple, pressures: Quadruple, now: float
