@@ -217,11 +217,8 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         return PoseTargets(checker(settings, controller))
 
     def attach(self, controller: EstimatingPoseController, motion: Motion[JointReference]) -> None:
-        """Take the controller whose estimate is logged, and the motion if its poses are known.
-
-        It will run now, so that it is compiled: `rig check` does not come here.
-        """
-        self._watch.compile()
+        """Take the controller whose estimate is logged, and the motion if its poses are known."""
+        self._watch.compile()  # it will run now: `rig check` does not come here
         self._tensions_at.compile()
         self.controller = controller
         self.motion = motion if isinstance(motion, PosedMotion) else None
