@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from controllers.gait.geometry import LegGeometry
 from controllers.gait.leg_postures import leg_posture
+from controllers.gait.turning import FLAT, Attitude, rotation_of
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,9 @@ class LinkCentres(NamedTuple):
         return total
 
 
-def link_centres(geometry: LegGeometry, q: Array, waist: Array) -> LinkCentres:
+def link_centres(
+    geometry: LegGeometry, q: Array, waist: Array, yaw: Array | None = None
+) -> LinkCentres:
     """Return the links' centres under an upright waist.
 
     Parameters
@@ -48,24 +51,33 @@ def link_centres(geometry: LegGeometry, q: Array, waist: Array) -> LinkCentres:
         Joint angles, rad.
     waist : ndarray, shape (n, 3)
         Its position in the ground's frame, m.
+    yaw : ndarray, shape (n,), optional
+        Its heading, rad; straight ahead if not given.
     """
     m = geometry.masses
-    body = waist + np.array((m.upper_body_forward, 0.0, m.upper_body_height))
-    masses, positions = [m.upper_body], [body]
+    body = np.array((m.upper_body_forward, 0.0, m.upper_body_height))
+    masses, seen = [m.upper_body], [np.broadcast_to(body, waist.shape)]
     for leg in (0, 1):
         at = leg_posture(geometry, leg, q)
         masses += [m.hip_yaw + m.hip_roll, m.thigh, m.shank, m.ankle, m.foot]
-        positions += [
-            waist + at.hip,
-            waist + at.hip + m.thigh_centre * geometry.thigh * at.thigh,
-            waist + at.knee + m.shank_centre * geometry.shank * at.shank,
-            waist + at.ankle,
-            waist + at.ankle - m.foot_depth * at.foot[..., 2],
+        seen += [
+            at.hip,
+            at.hip + m.thigh_centre * geometry.thigh * at.thigh,
+            at.knee + m.shank_centre * geometry.shank * at.shank,
+            at.ankle,
+            at.ankle - m.foot_depth * at.foot[..., 2],
         ]
-    return LinkCentres(np.array(masses), np.stack(positions, axis=1))
+    positions = np.stack(seen, axis=1)
+    if yaw is not None:
+        s, c = np.sin(yaw)[:, None], np.cos(yaw)[:, None]
+        x, y, z = np.moveaxis(positions, 2, 0)
+        positions = np.stack((c * x - s * y, s * x + c * y, z), axis=2)
+    return LinkCentres(np.array(masses), waist[:, None] + positions)
 
 
-def zero_moment_point(links: LinkCentres, period: float, response_time: float) -> Array:
+def zero_moment_point(
+    links: LinkCentres, period: float, response_time: float, ground: Array | None = None
+) -> Array:
     """Return the point of the ground about which the robot's weight and inertia have no moment.
 
     The links are point masses. Accelerations are central differences over the response time.
@@ -78,6 +90,8 @@ def zero_moment_point(links: LinkCentres, period: float, response_time: float) -
         s.
     response_time : float
         s.
+    ground : ndarray, shape (n,), optional
+        Its height at each instant, m; 0 if not given.
 
     Returns
     -------
@@ -94,9 +108,8 @@ def zero_moment_point(links: LinkCentres, period: float, response_time: float) -
     middle = padded[wide:-wide]
     acceleration = (padded[2 * wide :] - 2.0 * middle + padded[: -2 * wide]) / (wide * period) ** 2
     lift = links.masses[:, None] * (acceleration[..., 2:] + GRAVITY)
-    moment = lift * middle[..., :2] - (
-        links.masses[:, None] * middle[..., 2:] * acceleration[..., :2]
-    )
+    height = middle[..., 2:] if ground is None else middle[..., 2:] - ground[:, None, None]
+    moment = lift * middle[..., :2] - links.masses[:, None] * height * acceleration[..., :2]
     point: Array = np.sum(moment, axis=1) / np.sum(lift, axis=1)
     return point
 
@@ -129,7 +142,10 @@ def standing_knee_torque(geometry: LegGeometry, leg: int, q: Array, waist: Array
 
 
 def support_polygon(
-    geometry: LegGeometry, feet: tuple[tuple[float, ...], ...], standing: tuple[bool, bool]
+    geometry: LegGeometry,
+    feet: tuple[tuple[float, ...], ...],
+    standing: tuple[bool, bool],
+    attitudes: tuple[Attitude, Attitude] = (FLAT, FLAT),
 ) -> Array:
     """Return the corners of what the robot stands on, anticlockwise.
 
@@ -138,24 +154,39 @@ def support_polygon(
     geometry : LegGeometry
         For the soles.
     feet : tuple of tuple of float
-        Where right and left sole are, under the ankle, m; the soles point ahead.
+        Where right and left sole are, under the ankle, m.
     standing : tuple of bool
         Which of them bear.
+    attitudes : tuple of tuple of float
+        Roll, pitch and yaw of the soles, rad.
 
     Returns
     -------
     ndarray, shape (k, 2)
         The convex hull, m.
     """
-    sole = geometry.sole
     corners = [
-        (foot[0] + along, foot[1] + across)
-        for foot, stands in zip(feet, standing, strict=True)
+        corner
+        for foot, stands, attitude in zip(feet, standing, attitudes, strict=True)
         if stands
-        for along in (-sole.back, sole.front)
-        for across in (-sole.half_width, sole.half_width)
+        for corner in sole_corners(geometry, foot, attitude)
     ]
     return _hull(corners)
+
+
+def sole_corners(
+    geometry: LegGeometry, foot: tuple[float, ...], attitude: Attitude
+) -> list[tuple[float, float]]:
+    """Return the corners of a sole seen from above, anticlockwise, m."""
+    sole = geometry.sole
+    (a, b, _), (c, d, _), _ = rotation_of(attitude)
+    rectangle = (
+        (-sole.back, -sole.half_width),
+        (sole.front, -sole.half_width),
+        (sole.front, sole.half_width),
+        (-sole.back, sole.half_width),
+    )
+    return [(foot[0] + a * x + b * y, foot[1] + c * x + d * y) for x, y in rectangle]
 
 
 def margin(polygon: Array, points: Array) -> Array:

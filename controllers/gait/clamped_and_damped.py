@@ -19,6 +19,7 @@ from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
 from controllers.gait.laws import NoSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.time_laws import ConstantPathPace
+from controllers.gait.turning import rotation_of
 from controllers.gait.types import GaitModel, Joints, LegsCommand
 
 Array = NDArray[np.float64]
@@ -94,20 +95,23 @@ class DampedLaw(RivalLaw[DampedGaitSettings]):
     name = "dls"
 
     def _next(self, curve: PhaseCurve) -> Joints:
-        waist = np.array(curve.phase.waist_at(curve.path))
+        phase, xi = curve.phase, curve.path
+        waist = np.array(phase.waist_at(xi))
         joints: list[float] = []
         for leg in (0, 1):
-            foot = np.array(curve.phase.foot_at(leg, curve.path))
+            sole = np.array(rotation_of(phase.attitude_at(leg, xi)))
+            seen = sole.T @ (waist - np.array(phase.foot_at(leg, xi)))
+            turned = sole.T @ np.array(rotation_of((0.0, 0.0, phase.yaw_at(xi))))
             first, second, third, fourth, fifth, sixth = self._joints[6 * leg : 6 * leg + 6]
             angles = (first, second, third, fourth, fifth, sixth)
-            joints += self._leg(leg, angles, waist - foot)
+            joints += self._leg(leg, angles, seen, turned)
         return tuple(joints)
 
-    def _leg(self, leg: int, q: LegAngles, waist: Array) -> list[float]:
+    def _leg(self, leg: int, q: LegAngles, waist: Array, turned: Array) -> list[float]:
         geometry = self.model.geometry
         position, rotation = waist_from_foot(geometry, leg, q)
-        R = np.array(rotation)
-        # The rotation vector that is left to upright, for small angles.
+        R = np.array(rotation) @ turned.T
+        # The rotation vector that is left to the wanted one, for small angles.
         lean = 0.5 * np.array((R[1, 2] - R[2, 1], R[2, 0] - R[0, 2], R[0, 1] - R[1, 0]))
         scale = np.repeat((1.0 / geometry.thigh, 1.0), 3)
         error = scale * np.concatenate((waist - position, lean))

@@ -2,16 +2,20 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
+from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.motions import WalkSettings
 from controllers.gait.plan import GaitPlan
 from controllers.motion import InfeasibleMotion
+
+Walk = TypeVar("Walk", WalkSettings, FootstepsSettings)
 
 _RESOLUTION = 2e-3
 """Relative, of the speed that is found."""
 
 
-def fastest(prepare: Callable[[WalkSettings], GaitPlan], walk: WalkSettings) -> WalkSettings:
+def fastest(prepare: Callable[[Walk], GaitPlan], walk: Walk) -> Walk:
     """Return a walk at the highest speed for which a plan can be made.
 
     Parameters
@@ -19,7 +23,7 @@ def fastest(prepare: Callable[[WalkSettings], GaitPlan], walk: WalkSettings) -> 
     prepare : callable
         Makes a plan or raises `InfeasibleMotion`; what bounds the speed is up to it: joint
         rates, and the margin of the zero-moment point.
-    walk : WalkSettings
+    walk : WalkSettings or FootstepsSettings
         It is only ever made faster.
 
     Raises
@@ -41,7 +45,7 @@ def fastest(prepare: Callable[[WalkSettings], GaitPlan], walk: WalkSettings) -> 
     return replace(walk, speed=slow)
 
 
-def _possible(prepare: Callable[[WalkSettings], GaitPlan], walk: WalkSettings) -> bool:
+def _possible(prepare: Callable[[Walk], GaitPlan], walk: Walk) -> bool:
     try:
         prepare(walk)
     except InfeasibleMotion:

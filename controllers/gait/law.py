@@ -15,10 +15,11 @@ from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arc_lengths import Arcs, measure
 from controllers.gait.fastest import fastest
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
-from controllers.gait.motions import LegsMotion, WalkSettings
+from controllers.gait.footsteps import FootstepsSettings, LegsMotion
+from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
-from controllers.gait.plan import GaitPlan, PlannedPhase, judge_balance
+from controllers.gait.plan import GaitPlan, PlannedPhase, Way, judge_balance
 from controllers.gait.time_laws import TimeLaw
 from controllers.gait.types import (
     GaitModel,
@@ -104,7 +105,7 @@ class GaitLaw(
             robot would be out of balance; with phase, instant, number and bound.
         """
         try:
-            if isinstance(motion, WalkSettings) and motion.fastest:
+            if isinstance(motion, WalkSettings | FootstepsSettings) and motion.fastest:
                 motion = fastest(self._prepare_within_rates, motion)
             return self._prepare(motion)
         except InfeasibleMotion:
@@ -189,14 +190,7 @@ class GaitLaw(
             numbers.append(self._number)
             path.append(curve.path)
         q = np.array(joints)
-        walked = [timed[number].phase for number in numbers]
-        waist = np.array([phase.waist_at(xi) for phase, xi in zip(walked, path, strict=True)])
-        feet = np.array(
-            [
-                (phase.foot_at(0, xi), phase.foot_at(1, xi))
-                for phase, xi in zip(walked, path, strict=True)
-            ]
-        )
+        way = _way([(timed[number].phase, xi) for number, xi in zip(numbers, path, strict=True)])
         planned = tuple(
             PlannedPhase(
                 phase=entry.phase,
@@ -218,10 +212,12 @@ class GaitLaw(
             q_dot=np.diff(q, axis=0, prepend=q[:1]) / self.period,
             path=np.array(path),
             phase_number=np.array(numbers),
-            waist=waist,
-            feet=feet,
+            waist=way.waist,
+            feet=way.feet,
+            yaw=way.yaw,
+            attitudes=way.attitudes,
             balance=judge_balance(
-                self.model.geometry, self.model.balance, self.period, planned, q, waist
+                self.model.geometry, self.model.balance, self.period, planned, q, way
             ),
         )
 
@@ -274,6 +270,16 @@ def check_rates(plan: GaitPlan, speed: float) -> None:
             f"rad/s, beyond its limit of {limit:.4g} rad/s; at a speed of "
             f"{0.999 * speed * limit / worst:.4g} instead of {speed:.4g} it would fit."
         )
+
+
+def _way(places: Sequence[tuple[GaitPhase, float]]) -> Way:
+    """Return where waist and feet are at these phases and path parameters."""
+    return Way(
+        np.array([phase.waist_at(xi) for phase, xi in places]),
+        np.array([phase.yaw_at(xi) for phase, xi in places]),
+        np.array([[phase.foot_at(leg, xi) for leg in (0, 1)] for phase, xi in places]),
+        np.array([[phase.attitude_at(leg, xi) for leg in (0, 1)] for phase, xi in places]),
+    )
 
 
 def _on_grid(

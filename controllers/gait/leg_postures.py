@@ -56,13 +56,34 @@ def leg_posture(geometry: LegGeometry, leg: int, q: Array) -> LegPosture:
     return LegPosture(hip, knee_at, ankle_at, sole_at, thigh, shank, foot)
 
 
-def waist_from_foot(posture: LegPosture) -> Array:
-    """Return the waist's position in the foot's frame, shape (n, 3), m."""
+def rotations(attitudes: Array) -> Array:
+    """Return the rotations ground from sole, shape (n, 3, 3).
+
+    Parameters
+    ----------
+    attitudes : ndarray, shape (n, 3)
+        Roll, pitch and yaw, rad.
+    """
+    roll, pitch, yaw = attitudes.T
+    turned: Array = _rotation(yaw, 0, 1) @ _rotation(pitch, 2, 0) @ _rotation(roll, 1, 2)
+    return turned
+
+
+def waist_from_foot(posture: LegPosture, attitudes: Array) -> Array:
+    """Return the waist's position from the sole in the ground's frame, shape (n, 3), m.
+
+    Parameters
+    ----------
+    posture : LegPosture
+        The leg seen from the waist.
+    attitudes : ndarray, shape (n, 3)
+        Roll, pitch and yaw of its sole on the ground, rad.
+    """
     seen: Array = -np.einsum("nji,nj->ni", posture.foot, posture.sole)
-    return seen
+    return np.asarray(np.einsum("nij,nj->ni", rotations(attitudes), seen), dtype=np.float64)
 
 
-def mismatch(geometry: LegGeometry, q: Array, feet: Array) -> Array:
+def mismatch(geometry: LegGeometry, q: Array, feet: Array, attitudes: Array) -> Array:
     """Return by how much the two feet disagree on where the waist is, m.
 
     Parameters
@@ -72,9 +93,14 @@ def mismatch(geometry: LegGeometry, q: Array, feet: Array) -> Array:
     q : ndarray, shape (n, 12)
         Joint angles, rad.
     feet : ndarray, shape (n, 2, 3)
-        Where right and left sole are, flat, m.
+        Where right and left sole are, m.
+    attitudes : ndarray, shape (n, 2, 3)
+        How they lie: roll, pitch and yaw, rad.
     """
-    right, left = (feet[:, leg] + waist_from_foot(leg_posture(geometry, leg, q)) for leg in (0, 1))
+    right, left = (
+        feet[:, leg] + waist_from_foot(leg_posture(geometry, leg, q), attitudes[:, leg])
+        for leg in (0, 1)
+    )
     apart: Array = np.linalg.norm(right - left, axis=1)
     return apart
 

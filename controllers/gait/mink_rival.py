@@ -11,6 +11,7 @@ from annotated_types import Gt
 from controllers.gait.clamped_and_damped import RivalLaw
 from controllers.gait.geometry import AXIS_NAMES, JOINTS, LEGS, LegGeometry
 from controllers.gait.phase_curve import PhaseCurve
+from controllers.gait.turning import rotation_of
 from controllers.gait.types import GaitModel, Joints
 from controllers.motion import InfeasibleMotion
 
@@ -72,9 +73,12 @@ class MinkLaw(RivalLaw[MinkSettings]):
     def _next(self, curve: PhaseCurve) -> Joints:
         phase, xi, mink = curve.phase, curve.path, self._mink
         waist = np.array(phase.waist_at(xi))
+        heading = np.array(rotation_of((0.0, 0.0, phase.yaw_at(xi))))
         for leg, task in enumerate(self._tasks):
-            sole = np.array(phase.foot_at(leg, xi)) - waist
-            task.set_target(mink.SE3.from_translation(sole))
+            target = np.eye(4)
+            target[:3, :3] = heading.T @ np.array(rotation_of(phase.attitude_at(leg, xi)))
+            target[:3, 3] = heading.T @ (np.array(phase.foot_at(leg, xi)) - waist)
+            task.set_target(mink.SE3.from_matrix(target))
         rates = mink.solve_ik(
             self._configuration,
             self._tasks,

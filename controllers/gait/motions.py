@@ -12,7 +12,8 @@ from controllers.gait.phases import GaitPhase
 from controllers.motion import InfeasibleMotion
 
 Duration = Annotated[float, Unit("s"), Gt(0)]
-_NEARLY_STRAIGHT = math.radians(1.0)
+NEARLY_STRAIGHT = math.radians(1.0)
+"""rad; of the straightest knee, if nothing else is asked for."""
 
 Knee = Annotated[float, Unit("rad"), Ge(0), Le(1.5)]
 
@@ -26,6 +27,10 @@ class GaitRequest(ABC):
     def distance(self) -> float:
         """How far the waist is to go, m."""
         return 0.0
+
+    def advance(self, geometry: LegGeometry) -> float:
+        """Return the same for legs of these dimensions, m."""
+        return self.distance
 
     @property
     def bob(self) -> "BobSettings | None":
@@ -59,7 +64,7 @@ class BobSettings:
     """
 
     support_knee: Annotated[float, Unit("rad"), Interval(ge=math.radians(0.5), le=1.0)] = (
-        _NEARLY_STRAIGHT
+        NEARLY_STRAIGHT
     )
     share: Annotated[float, Interval(gt=0.0, le=0.5)] = 0.15
 
@@ -111,7 +116,7 @@ class WalkSettings(GaitRequest):
     step: Annotated[float, Unit("m"), Gt(0), Le(1.0)] = 0.040
     lift: Annotated[float, Unit("m"), Gt(0), Le(0.1)] = 0.020
     sway: Annotated[float, Interval(ge=0.0, le=2.0)] = 1.0
-    knee_min: Knee = _NEARLY_STRAIGHT
+    knee_min: Knee = NEARLY_STRAIGHT
     first_shift_time: Duration = 3.0
     shift_time: Duration = 6.0
     swing_time: Duration = 9.0
@@ -241,7 +246,3 @@ class SquatSettings(GaitRequest):
             phases.append(GaitPhase(f"down {number}", time, both, down, (0.0, 0.0, -depth), feet))
             phases.append(GaitPhase(f"up {number}", time, both, up, (0.0, 0.0, depth), feet))
         return tuple(phases)
-
-
-LegsMotion = WalkSettings | SquatSettings
-"""Any motion that a law can prepare."""

@@ -1,7 +1,7 @@
 """Both legs as one system on one phase's path, one step at a time.
 
 While the waist is upright each leg has three rates that count, so the state is six angles and the
-path parameter. A step follows the ray, along the joints' arc length or along the path's length.
+path parameter; where waist or feet turn, the hips' joints follow from these. A step follows the ray, along the joints' arc length or along the path's length.
 The curve is the same either way; the joints' length is the parameter that stays regular at a
 straight knee.
 """
@@ -81,8 +81,8 @@ class PhaseCurve:
         """
         right, left = self._legs
         try:
-            angles = inverse(self._geometry, right.at(xi))
-            return angles + inverse(self._geometry, left.at(xi))
+            angles = inverse(self._geometry, right.at(xi), right.rotation(xi))
+            return angles + inverse(self._geometry, left.at(xi), left.rotation(xi))
         except InfeasibleMotion as error:
             raise InfeasibleMotion(
                 f"{self.phase.name}, {100.0 * xi:.1f} % of the way: {error}"

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from controllers.compiled import PlainNumbers, inlined
 from controllers.gait.phases import LegPath
+from controllers.gait.turning import hip_angles, hip_in_foot, hip_rates, hip_velocity
 from controllers.gait.types import Joints
 from controllers.singularity.one_path import one_rate, two_starts
 from controllers.singularity.two_link import two_link_frame, two_link_parts
@@ -117,7 +118,38 @@ def _tangent(path: LegPath, xi: float) -> tuple[float, float, float]:
         if s < 1.0:
             slope = bob * 6.0 * s * (1.0 - s) / share
             z += slope if xi < 0.5 else -slope
+    if path.turning.present:
+        hip = _place(path, xi)
+        return hip_velocity(path.turning, xi, hip, x, y, z)
     return x, y, z
+
+
+@inlined
+def _place(path: LegPath, xi: float) -> tuple[float, float, float]:
+    # As LegPath.at of a path that turns.
+    x = path.start[0] + xi * path.travel[0]
+    y = path.start[1] + xi * path.travel[1]
+    z = path.start[2] + xi * path.travel[2] - path.lift * math.sin(math.pi * xi)
+    if path.bob != 0.0:
+        s = min(min(xi, 1.0 - xi) / path.share, 1.0)
+        z += path.bob * s * s * (3.0 - 2.0 * s)
+    return hip_in_foot(path.turning, xi, x, y, z)
+
+
+@inlined
+def _hip(
+    path: LegPath, xi: float, knee: float, ankle_pitch: float, roll: float
+) -> tuple[float, float, float]:
+    """Return hip yaw, roll and pitch of a leg that turns, rad."""
+    yaw, across, pitch = hip_angles(path.turning, xi, roll)
+    return yaw, across, pitch - knee - ankle_pitch
+
+
+@inlined
+def _square(path: LegPath, xi: float, roll: float, a: float, b: float, c: float, p: float) -> float:
+    """Return the squared norm of the rates of a leg that turns, of three of them and the path's."""
+    yaw, across, pitch = hip_rates(path.turning, xi, roll, c, p)
+    return a * a + b * b + c * c + yaw * yaw + across * across + (pitch - a - b) ** 2
 
 
 @inlined
@@ -149,9 +181,15 @@ def _ray(
             path = 0.0
         a, b, c = ours * a, ours * b, ours * c
         d, e, f = theirs * d, theirs * e, theirs * f
-    norm = math.sqrt(
-        a * a + b * b + (a + b) ** 2 + d * d + e * e + (d + e) ** 2 + 2.0 * (c * c + f * f)
-    )
+    if phase.right.turning.present:
+        norm = math.sqrt(
+            _square(phase.right, xi, y[2], a, b, c, path)
+            + _square(phase.left, xi, y[5], d, e, f, path)
+        )
+    else:
+        norm = math.sqrt(
+            a * a + b * b + (a + b) ** 2 + d * d + e * e + (d + e) ** 2 + 2.0 * (c * c + f * f)
+        )
     if norm == 0.0:
         outcome = NOTHING_MOVES
     return a, b, c, d, e, f, path, norm, outcome
@@ -240,6 +278,18 @@ def follow(
     p = 1.0 / period
     a, b, c = p * (z[0] - y[0]), p * (z[1] - y[1]), p * (z[2] - y[2])
     d, e, f = p * (z[3] - y[3]), p * (z[4] - y[4]), p * (z[5] - y[5])
+    if phase.right.turning.present:
+        u, v, w = _hip(phase.right, z[6], z[0], z[1], z[2])
+        k, m, n = _hip(phase.left, z[6], z[3], z[4], z[5])
+        return CurveStep(
+            (u, v, w, z[0], z[1], z[2], k, m, n, z[3], z[4], z[5]),
+            (
+                p * (u - joints[0]), p * (v - joints[1]), p * (w - joints[2]), a, b, c,
+                p * (k - joints[6]), p * (m - joints[7]), p * (n - joints[8]), d, e, f,
+            ),
+            z[6],
+            outcome,
+        )  # fmt: skip
     return CurveStep(
         (0.0, -z[2], -z[0] - z[1], z[0], z[1], z[2], 0.0, -z[5], -z[3] - z[4], z[3], z[4], z[5]),
         (0.0, -c, -a - b, a, b, c, 0.0, -f, -d - e, d, e, f),

@@ -6,7 +6,20 @@ from typing import NamedTuple
 
 from controllers.compiled import PlainNumbers
 from controllers.gait.geometry import LegGeometry
-from controllers.gait.kinematics import Vector
+from controllers.gait.kinematics import UPRIGHT, Rotation, Vector
+from controllers.gait.turning import (
+    FLAT,
+    Attitude,
+    LegTurning,
+    PhaseTurning,
+    attitude_at,
+    eased,
+    hip_in_foot,
+    hip_velocity,
+    rotation_of,
+)
+
+_UNTURNED = LegTurning()
 
 
 @dataclass(frozen=True)
@@ -25,6 +38,9 @@ class LegPath(PlainNumbers):
         Of the waist between rise and fall, m.
     share : float
         Of the path in which the bob rises, and again falls.
+    turning : LegTurning
+        If present, `start` and `travel` are the waist's from the sole's start, in the ground's
+        frame, and the curve is seen from a foot that turns.
     """
 
     start: Vector
@@ -32,6 +48,7 @@ class LegPath(PlainNumbers):
     lift: float
     bob: float
     share: float
+    turning: LegTurning = _UNTURNED
 
     def at(self, xi: float) -> Vector:
         """Return the hip centre from the ankle, m."""
@@ -40,7 +57,8 @@ class LegPath(PlainNumbers):
             z -= self.lift * math.sin(math.pi * xi)
         if self.bob:
             z += self.bob * _plateau(xi, self.share)
-        return (x + xi * dx, y + xi * dy, z + xi * dz)
+        x, y, z = x + xi * dx, y + xi * dy, z + xi * dz
+        return hip_in_foot(self.turning, xi, x, y, z) if self.turning.present else (x, y, z)
 
     def tangent(self, xi: float) -> Vector:
         """Return the derivative of `at`, m."""
@@ -49,7 +67,20 @@ class LegPath(PlainNumbers):
             z -= self.lift * math.pi * math.cos(math.pi * xi)
         if self.bob:
             z += self.bob * _plateau_slope(xi, self.share)
+        if self.turning.present:
+            return hip_velocity(self.turning, xi, self.at(xi), x, y, z)
         return (x, y, z)
+
+    def rotation(self, xi: float) -> Rotation:
+        """Return the rotation foot from waist."""
+        turning = self.turning
+        if not turning.present:
+            return UPRIGHT
+        sole = rotation_of(attitude_at(turning, xi))
+        yaw = turning.yaw + xi * turning.turn
+        s, c = math.sin(yaw), math.cos(yaw)
+        first, second, third = zip(*sole, strict=True)
+        return tuple([(c * a + s * b, c * b - s * a, d) for a, b, d in (first, second, third)])  # type: ignore[return-value]
 
 
 class GaitPhase(NamedTuple):
@@ -75,6 +106,9 @@ class GaitPhase(NamedTuple):
         How much higher the waist is in the middle of the phase, m.
     bob_share : float
         Of the path in which it rises, and again falls.
+    turning : PhaseTurning, optional
+        How waist and feet turn, and where the foot goes that does not stand; `step` then counts
+        for nothing. None: straight ahead on level ground.
     """
 
     name: str
@@ -87,6 +121,7 @@ class GaitPhase(NamedTuple):
     lift: float = 0.0
     bob: float = 0.0
     bob_share: float = 0.15
+    turning: PhaseTurning | None = None
 
     def legs(self, geometry: LegGeometry) -> tuple[LegPath, LegPath]:
         """Return the path of the right and of the left hip from its ankle."""
@@ -96,6 +131,15 @@ class GaitPhase(NamedTuple):
     def _leg(self, geometry: LegGeometry, leg: int) -> LegPath:
         swings = not self.standing[leg]
         (wx, wy, wz), (tx, ty, tz), (fx, fy, fz) = self.waist, self.waist_travel, self.feet[leg]
+        if self.turning is not None:
+            return LegPath(
+                (wx - fx, wy - fy, wz - fz),
+                self.waist_travel,
+                self.lift if swings else 0.0,
+                self.bob,
+                self.bob_share,
+                self._turning(geometry, leg),
+            )
         return LegPath(
             (wx - fx, wy + geometry.side(leg) - fy, wz - fz - geometry.ankle_height),
             (tx - (self.step if swings else 0.0), ty, tz),
@@ -103,6 +147,39 @@ class GaitPhase(NamedTuple):
             self.bob,
             self.bob_share,
         )
+
+    def _turning(self, geometry: LegGeometry, leg: int) -> LegTurning:
+        its = self.turning
+        if its is None:
+            return _UNTURNED
+        swings = not self.standing[leg]
+        return LegTurning(
+            True,
+            geometry.side(leg),
+            geometry.ankle_height,
+            its.yaw,
+            its.turn,
+            its.feet[leg],
+            its.foot_turn if swings else FLAT,
+            its.foot_travel if swings else (0.0, 0.0, 0.0),
+        )
+
+    @property
+    def attitudes(self) -> tuple[Attitude, Attitude]:
+        """How the right and the left sole lie at the start, rad."""
+        return (FLAT, FLAT) if self.turning is None else self.turning.feet
+
+    def yaw_at(self, xi: float) -> float:
+        """Return the waist's heading, rad."""
+        return 0.0 if self.turning is None else self.turning.yaw + xi * self.turning.turn
+
+    def attitude_at(self, leg: int, xi: float) -> Attitude:
+        """Return how a sole lies, rad."""
+        its = self.turning
+        if its is None or self.standing[leg]:
+            return FLAT if its is None else its.feet[leg]
+        (r, p, y), (dr, dp, dy), e = its.feet[leg], its.foot_turn, eased(xi)
+        return (r + e * dr, p + e * dp, y + e * dy)
 
     def waist_at(self, xi: float) -> Vector:
         """Return the waist's position, m."""
@@ -115,7 +192,11 @@ class GaitPhase(NamedTuple):
         x, y, z = self.feet[leg]
         if self.standing[leg]:
             return (x, y, z)
-        return (x + xi * self.step, y, z + self.lift * math.sin(math.pi * xi))
+        lift = self.lift * math.sin(math.pi * xi)
+        if self.turning is None:
+            return (x + xi * self.step, y, z + lift)
+        (dx, dy, dz), e = self.turning.foot_travel, eased(xi)
+        return (x + e * dx, y + e * dy, z + xi * dz + lift)
 
 
 def _plateau(xi: float, share: float) -> float:

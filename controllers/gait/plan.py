@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 
 from controllers.gait.balance import link_centres, margin, support_polygon, zero_moment_point
 from controllers.gait.geometry import KNEES, LegGeometry
-from controllers.gait.leg_postures import leg_posture, mismatch, quantised, waist_from_foot
+from controllers.gait.leg_postures import (
+    leg_posture,
+    mismatch,
+    quantised,
+    waist_from_foot,
+)
 from controllers.gait.phases import GaitPhase
 from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import BalanceSettings, LegsReference
@@ -51,6 +56,27 @@ class PlannedPhase(NamedTuple):
     path_length: float
     joint_length: float
     pace: PaceSummary
+
+
+class Way(NamedTuple):
+    """Where waist and feet are at each sample.
+
+    Parameters
+    ----------
+    waist : ndarray, shape (n, 3)
+        m.
+    yaw : ndarray, shape (n,)
+        Heading of the waist, rad.
+    feet : ndarray, shape (n, 2, 3)
+        Right and left sole under the ankle, m.
+    attitudes : ndarray, shape (n, 2, 3)
+        Roll, pitch and yaw of the soles, rad.
+    """
+
+    waist: Array
+    yaw: Array
+    feet: Array
+    attitudes: Array
 
 
 class Balance(NamedTuple):
@@ -99,6 +125,10 @@ class GaitPlan:
         In the ground's frame, m.
     feet : ndarray, shape (n, 2, 3)
         Right and left sole under the ankle, m.
+    yaw : ndarray, shape (n,)
+        Heading of the waist, rad.
+    attitudes : ndarray, shape (n, 2, 3)
+        Roll, pitch and yaw of right and left sole, rad.
     balance : Balance
         Centre of mass, zero-moment point and margins.
     """
@@ -114,6 +144,8 @@ class GaitPlan:
     phase_number: NDArray[np.int64]
     waist: Array
     feet: Array
+    yaw: Array
+    attitudes: Array
     balance: Balance
 
     @property
@@ -146,14 +178,17 @@ class GaitPlan:
             Of the servos, rad; 0 judges the plan as it is.
         """
         q = quantised(self.q, resolution) if resolution else self.q
-        return float(np.max(mismatch(self.geometry, q, self.feet)))
+        return float(np.max(mismatch(self.geometry, q, self.feet, self.attitudes)))
 
     def odometry(self) -> Array:
         """Return where the joints alone put the waist, shape (n, 3), m.
 
         Forward kinematics from the foot that stands, each foot standing where it landed.
         """
-        seen = [waist_from_foot(leg_posture(self.geometry, leg, self.q)) for leg in (0, 1)]
+        seen = [
+            waist_from_foot(leg_posture(self.geometry, leg, self.q), self.attitudes[:, leg])
+            for leg in (0, 1)
+        ]
         feet = [self.feet[0, leg].copy() for leg in (0, 1)]
         waist = np.empty_like(self.waist)
         for planned in self.phases:
@@ -175,6 +210,11 @@ class GaitPlan:
         """How far the joints carry the waist ahead, m."""
         waist = self.odometry()
         return float(waist[-1, 0] - waist[0, 0])
+
+    @property
+    def turns(self) -> bool:
+        """Whether the waist or a foot ever turns or tilts."""
+        return bool(np.any(self.yaw) or np.any(self.attitudes))
 
     @property
     def peak_rates(self) -> Array:
@@ -244,20 +284,25 @@ def judge_balance(
     period: float,
     phases: tuple[PlannedPhase, ...],
     q: Array,
-    waist: Array,
+    way: Way,
 ) -> Balance:
     """Return centre of mass, zero-moment point and their margins at every sample.
 
-    Where one phase ends and the next begins the stricter support of both counts.
+    Where one phase ends and the next begins the stricter support of both counts. On feet at two
+    heights the zero-moment point is taken in the level midway between them.
     """
-    links = link_centres(geometry, q, waist)
+    links = link_centres(geometry, q, way.waist, way.yaw)
     centre = links.centre
-    zero_moment = zero_moment_point(links, period, settings.response_time)
+    ground = np.zeros(len(q))
+    for planned in phases:
+        bearing = [foot[2] for foot, on in zip(planned.phase.feet, planned.phase.standing, strict=True) if on]
+        ground[planned.first : planned.last + 1] = sum(bearing) / len(bearing)
+    zero_moment = zero_moment_point(links, period, settings.response_time, ground)
     static = np.full(len(q), math.inf)
     nearer = np.full(len(q), math.inf)
     for planned in phases:
         phase = planned.phase
-        polygon = support_polygon(geometry, phase.feet, phase.standing)
+        polygon = support_polygon(geometry, phase.feet, phase.standing, phase.attitudes)
         during = slice(planned.first, planned.last + 1)
         of_centre = margin(polygon, centre[during, :2])
         of_both = np.minimum(of_centre, margin(polygon, zero_moment[during]))

@@ -89,6 +89,7 @@ class LegsPlant:
             floor_friction=settings.floor_friction,
             timestep=settings.timestep,
             deviations=self.deviations,
+            terrain=settings.terrain,
         )
         self.data = mujoco.MjData(self.model)
         self._step: Any = mujoco.mj_step
@@ -109,8 +110,10 @@ class LegsPlant:
         self._soles = data.site_xpos
         self._push = Push(data.xfrc_applied[model.body("waist").id, :3], LEVEL, "push")
         self.known_faults = ("floor_slippery", "floor_grips", *self._push.known_faults)
-        self._floor = model.geom_friction[model.geom("floor").id]
-        self._grip = float(self._floor[0])
+        blocks = [model.geom(f"terrain_{k}").id for k in range(len(settings.terrain))]
+        self._ground = [model.geom("floor").id, *blocks]
+        self._friction = model.geom_friction
+        self._grip = float(self._friction[self._ground[0], 0])
         self._sole_geoms = (model.geom("right_sole").id, model.geom("left_sole").id)
         self._damping_share = settings.servo.damping / settings.servo.stiffness
         self._reach = np.full(len(CHANNELS), math.inf)
@@ -215,12 +218,12 @@ class LegsPlant:
         if fault.endswith(".push"):
             self._push.begin(fault, value, self._stepped)
         elif fault == "floor_grips":
-            self._floor[0] = self._grip
+            self._friction[self._ground, 0] = self._grip
         else:
             friction = _SLIPPERY if value is None else value
             if not 0.0 <= friction < math.inf:
                 raise ValueError(f"plant: a floor's friction is no {friction:g}")
-            self._floor[0] = friction
+            self._friction[self._ground, 0] = friction
 
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it."""

@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 from xml.etree.ElementTree import Element, tostring
 
-from drivers.sim.plants.legs_settings import LegServoSettings
+from drivers.sim.plants.legs_settings import LegServoSettings, TerrainBlock
 from drivers.sim.plants.mjcf import add
 
 if TYPE_CHECKING:
@@ -94,6 +94,8 @@ _LINK_WIDTH = 0.05
 """Across a leg's links, m: for their inertia. E."""
 _BODY_SIZE = (0.10, 0.16, 0.24)
 """Of the upper body, m: for its inertia. E."""
+_BLOCK_DEPTH = 0.4
+"""Of what is on the floor, down its own axis, m: it goes well below."""
 _CONTACT = (0.01, 1.0)
 """Time in which the floor pushes a sole out, s, and damping ratio."""
 
@@ -105,6 +107,7 @@ def build_model(
     floor_friction: float,
     timestep: float,
     deviations: LegDeviations = NOMINAL,
+    terrain: tuple[TerrainBlock, ...] = (),
 ) -> "mujoco.MjModel":
     """Return the whole robot with its floor.
 
@@ -123,11 +126,13 @@ def build_model(
         s.
     deviations : LegDeviations
         Of this unit.
+    terrain : tuple of TerrainBlock
+        What is on the floor: geoms ``terrain_0`` and so on.
     """
     import mujoco
 
     return mujoco.MjModel.from_xml_string(
-        describe(geometry, servo, floor_friction, timestep, deviations)
+        describe(geometry, servo, floor_friction, timestep, deviations, terrain)
     )
 
 
@@ -137,6 +142,7 @@ def describe(
     floor_friction: float,
     timestep: float,
     deviations: LegDeviations = NOMINAL,
+    terrain: tuple[TerrainBlock, ...] = (),
 ) -> str:
     """Return the same as MJCF text; its form is the same in all of MuJoCo's versions."""
     root = Element("mujoco", model="legs")
@@ -153,6 +159,8 @@ def describe(
         friction=(floor_friction * deviations.floor, 0.005, 0.0001),
         solref=_CONTACT,
     )
+    for number, block in enumerate(terrain):
+        _add_block(world, number, block, floor_friction * deviations.floor)
     masses = geometry.masses
     waist = add(world, "body", name="waist")
     add(waist, "freejoint", name="waist")
@@ -186,6 +194,28 @@ def describe(
                 forcerange=(-peak, peak),
             )
     return tostring(root, encoding="unicode")
+
+
+def _add_block(world: Element, number: int, block: TerrainBlock, friction: float) -> None:
+    s, c = math.sin(block.slope), math.cos(block.slope)
+    half, deep = 0.5 * block.length / c, 0.5 * _BLOCK_DEPTH
+    # The middle of its upper side, and from there half its depth down its own axis.
+    at = (
+        block.start + 0.5 * block.length + deep * s,
+        0.0,
+        block.height + 0.5 * block.length * s / c - deep * c,
+    )
+    add(
+        world,
+        "geom",
+        name=f"terrain_{number}",
+        type="box",
+        size=(half, 1.0, deep),
+        pos=at,
+        euler=(0.0, -block.slope, 0.0),
+        friction=(friction, 0.005, 0.0001),
+        solref=_CONTACT,
+    )
 
 
 def _add_leg(

@@ -36,6 +36,26 @@ class LegServoSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class TerrainBlock:
+    """A tread or a ramp on the level floor, across the robot's way.
+
+    Parameters
+    ----------
+    start, length : float
+        Where it begins ahead of where the robot stands ready, and how far it goes, m.
+    height : float
+        Of its upper side at its beginning, m.
+    slope : float
+        Of its upper side, rad; positive upwards ahead.
+    """
+
+    start: Annotated[float, Unit("m"), Interval(ge=-10.0, le=10.0)]
+    length: Annotated[float, Unit("m"), Interval(gt=0.0, le=20.0)]
+    height: Annotated[float, Unit("m"), Interval(ge=-0.5, le=2.0)] = 0.0
+    slope: Annotated[float, Unit("rad"), Interval(ge=-0.5, le=0.5)] = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class LegsPlantSettings:
     """The legs, their upper body and the floor.
 
@@ -57,6 +77,8 @@ class LegsPlantSettings:
         Lean of the waist beyond which the robot has fallen, rad.
     timestep : float
         Of the integration, s.
+    terrain : tuple of TerrainBlock
+        On the floor; of the floor's friction.
     """
 
     servo: LegServoSettings = field(default_factory=LegServoSettings)
@@ -67,6 +89,7 @@ class LegsPlantSettings:
     stand: tuple[Annotated[float, Unit("rad")], ...] = ()
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
+    terrain: tuple[TerrainBlock, ...] = ()
 
     def variant(self) -> None:
         """Return nothing: there is one kind of pair of legs only."""

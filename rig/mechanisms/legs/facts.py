@@ -8,7 +8,7 @@ from controllers.gait.arc_lengths import measure
 from controllers.gait.balance import standing_knee_torque
 from controllers.gait.geometry import KNEES
 from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings
-from controllers.gait.leg_postures import leg_posture
+from controllers.gait.leg_postures import leg_posture, rotations
 from controllers.gait.plan import GaitPlan
 from controllers.gait.time_laws import LimitedNormPace
 from rig.hal.motion import Fact
@@ -128,10 +128,14 @@ def _astray(plan: GaitPlan) -> int:
 
 
 def _tilt(plan: GaitPlan) -> float:
-    """Return the greatest angle between a sole and the ground's axes, under an upright waist."""
+    """Return the greatest angle between a sole and how it was to lie, under an upright waist."""
     worst = 0.0
+    heading = np.zeros((len(plan.yaw), 3))
+    heading[:, 2] = plan.yaw
+    waist = rotations(heading)
     for leg in (0, 1):
-        turned = leg_posture(plan.geometry, leg, plan.q).foot
+        wanted = np.swapaxes(waist, 1, 2) @ rotations(plan.attitudes[:, leg])
+        turned = np.swapaxes(wanted, 1, 2) @ leg_posture(plan.geometry, leg, plan.q).foot
         # Of a rotation matrix, the part that is not symmetric is sin(angle) times the axis.
         sines = 0.5 * np.stack(
             [turned[:, 2, 1] - turned[:, 1, 2], turned[:, 0, 2] - turned[:, 2, 0],

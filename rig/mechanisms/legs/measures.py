@@ -47,6 +47,42 @@ def knee_torque_mean(windows: Windows) -> float:
     return float(pooled(windows, bearing).mean())
 
 
+def feet_astray_end(windows: Windows) -> float:
+    """Return how far the worse foot in the end is from where it was planned, m.
+
+    Seen from both feet at the start: where the robot stood ready is no part of its walk.
+    """
+    window = windows[-1]
+    measured, planned = (
+        from_first_stance(
+            np.stack(
+                [
+                    np.column_stack([window.column(f"{source}.{leg}_foot_{axis}") for axis in "xyz"])
+                    for leg in ("right", "left")
+                ],
+                axis=1,
+            )
+        )
+        for source in ("truth", "reference")
+    )
+    return float(np.linalg.norm(measured[-1] - planned[-1], axis=1).max())
+
+
+def from_first_stance(feet: "Array") -> "Array":
+    """Return feet as seen from midway between them at the first sample, shape (n, 2, 3), m.
+
+    Parameters
+    ----------
+    feet : ndarray, shape (n, 2, 3)
+        Right and left sole under the ankle, m.
+    """
+    right, left = feet[0]
+    across = (left - right)[:2] / np.linalg.norm((left - right)[:2])
+    turned = np.array(((across[1], -across[0], 0.0), (across[0], across[1], 0.0), (0.0, 0.0, 1.0)))
+    seen: Array = (feet - 0.5 * (right + left)) @ turned.T
+    return seen
+
+
 def saturated_share(windows: Windows) -> float:
     """Return the share of the time in which a servo is at its torque or its speed."""
     return float((pooled(windows, lambda window: window.column("truth.saturated")) > 0.5).mean())
@@ -66,6 +102,9 @@ def _following_error(window: Window) -> "Array":
 LEGS_MEASURES: dict[str, Measure] = {
     "fell": Measure(greatest(column("truth.fell")), "", "1 if the robot fell"),
     "advance_measured": Measure(advance_measured, "m", "how far the waist went ahead"),
+    "feet_astray_end": Measure(
+        feet_astray_end, "m", "how far the worse foot ends from its planned print"
+    ),
     "slip_max": Measure(greatest(columns("truth.slip_")), "m", "how far the worse foot slipped"),
     "knee_torque_max": Measure(
         greatest(_knees("truth.torque")), "N m", "greatest torque of either knee"

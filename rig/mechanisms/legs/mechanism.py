@@ -47,6 +47,8 @@ class PlannedGait(PlannedMotion[LegsReference]):
             plan.balance.margin,
             plan.phase_number,
             plan.path,
+            plan.yaw,
+            plan.attitudes.reshape(len(plan.t), 6),
         ]
         super().__init__(np.column_stack(columns).tolist())
         self.facts = plan_facts(plan, fine, distance, flat)
@@ -90,6 +92,12 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         Column("plan.margin", "m", "the nearer of both inside the support polygon"),
         Column("plan.phase", "", "number of the phase"),
         Column("plan.path", "", "path parameter in it, 0 … 1"),
+        Column("reference.waist_yaw", "rad", "planned heading of the waist"),
+        *(
+            Column(f"reference.{leg}_foot_{angle}", "rad", "how the planned sole lies")
+            for leg in ("right", "left")
+            for angle in ("roll", "pitch", "yaw")
+        ),
     )
 
     def __init__(
@@ -136,7 +144,8 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         flat = None
         if reference.bob is not None:
             flat = controller.at_period(period).prepare(reference.without_bob())
-        return PlannedGait(controller.prepare(reference), fine, reference.distance, flat)
+        distance = reference.advance(settings.geometry)
+        return PlannedGait(controller.prepare(reference), fine, distance, flat)
 
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
@@ -198,7 +207,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
-        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 17
+        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 24
         if reference.follow:
             self._followed += 1
         return (*self.joint_row(state, reference, command, applied), *planned)

@@ -23,6 +23,7 @@ PARTS = MechanismParts(
     references={
         "legs-walk": f"{_HERE}.references:WalkSettings",
         "legs-squat": f"{_HERE}.references:SquatSettings",
+        "legs-footsteps": f"{_HERE}.references:FootstepsSettings",
     },
     plants={
         "legs": PlantModel(

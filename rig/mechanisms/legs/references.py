@@ -4,6 +4,7 @@ The laws plan them, so they stand with the laws. A motion of another package inh
 `GaitRequest`.
 """
 
+from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.motions import GaitRequest, SquatSettings, WalkSettings
 
-__all__ = ["GaitRequest", "SquatSettings", "WalkSettings"]
+__all__ = ["FootstepsSettings", "GaitRequest", "SquatSettings", "WalkSettings"]

@@ -1,0 +1,43 @@
+"""Footprints from numbers: straight on, aside, round a bend, up and down."""
+
+import math
+
+from controllers.gait.footsteps import Foot, Footstep, StepNumbers
+from controllers.gait.geometry import LegGeometry
+
+
+def number_footsteps(geometry: LegGeometry, numbers: StepNumbers) -> tuple[Footstep, ...]:
+    """Return the footprints of numbers.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        For the width of the stance.
+    numbers : StepNumbers
+        How they go on.
+    """
+    width = 2.0 * geometry.hip_half_spacing if numbers.width is None else numbers.width
+    other: Foot = "left" if numbers.first == "right" else "right"
+    x = y = heading = height = 0.0
+    steps: list[Footstep] = []
+
+    def put(foot: Foot) -> None:
+        side = 0.5 * width if foot == "left" else -0.5 * width
+        s, c = math.sin(heading), math.cos(heading)
+        steps.append(Footstep(foot, x - s * side, y + c * side, heading, height))
+
+    foot = numbers.first
+    for number in range(numbers.count):
+        foot = numbers.first if numbers.together or number % 2 == 0 else other
+        # Half of the turn before the way and half after it: places on a circle.
+        middle = heading + 0.5 * numbers.turn
+        s, c = math.sin(middle), math.cos(middle)
+        x += c * numbers.length - s * numbers.aside
+        y += s * numbers.length + c * numbers.aside
+        heading, height = heading + numbers.turn, height + numbers.rise
+        put(foot)
+        if numbers.together and (numbers.close or number < numbers.count - 1):
+            put(other)
+    if numbers.close and not numbers.together:
+        put(other if foot == numbers.first else numbers.first)
+    return tuple(steps)

@@ -1,0 +1,284 @@
+"""From footprints to the phases of a walk, each step checked for what can be said beforehand."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from controllers.bisection import bisect
+from controllers.gait.footstep_checks import check_phase
+from controllers.gait.geometry import LEGS, LegGeometry
+from controllers.gait.kinematics import Vector
+from controllers.gait.phases import GaitPhase
+from controllers.gait.turning import FLAT, Attitude, PhaseTurning, rotation_of
+from controllers.motion import InfeasibleMotion
+
+if TYPE_CHECKING:
+    from controllers.gait.footsteps import Footstep, FootstepsSettings
+
+_ROUNDS = 12
+_STAYS = 1e-3
+"""m and rad; a foot that goes no farther comes down where it stood."""
+
+
+class Sole(NamedTuple):
+    """A footprint: the point under the ankle, m, and how the sole lies, rad."""
+
+    at: Vector
+    attitude: Attitude
+
+    def ankle(self, geometry: LegGeometry) -> Vector:
+        """Return where the ankle is, m."""
+        up = [row[2] for row in rotation_of(self.attitude)]
+        x, y, z = (
+            a + geometry.ankle_height * b for a, b in zip(self.at, up, strict=True)
+        )
+        return (x, y, z)
+
+
+class Stance(NamedTuple):
+    """The waist over one foot, while the other one goes from a print to the next.
+
+    Parameters
+    ----------
+    leg : int
+        That swings: 0 right, 1 left.
+    support : Sole
+        On which the robot stands.
+    before, after : Sole
+        Of the foot that swings.
+    over : tuple of float
+        x and y of the waist, and the height of the standing ankle, m.
+    yaw : float
+        Heading of the waist, rad.
+    """
+
+    leg: int
+    support: Sole
+    before: Sole
+    after: Sole
+    over: Vector
+    yaw: float
+
+
+@dataclass(frozen=True)
+class _Walk:
+    """Footprints with the stances that lead over them."""
+
+    stances: tuple[Stance, ...]
+    start: tuple[Sole, Sole]
+    end: tuple[Sole, Sole]
+
+
+def plan_footsteps(
+    geometry: LegGeometry, settings: "FootstepsSettings", steps: "Sequence[Footstep]"
+) -> tuple[GaitPhase, ...]:
+    """Return the phases of a walk over footprints.
+
+    Parameters
+    ----------
+    geometry : LegGeometry
+        The legs.
+    settings : FootstepsSettings
+        How to walk.
+    steps : sequence of Footstep
+        Where the feet come down.
+
+    Raises
+    ------
+    InfeasibleMotion
+        A step is out of reach, turns a joint out of its range, or brings the foot against the
+        other one or the edge of where it is to stand; with its number, the number and its bound,
+        and how much of the step would fit.
+    """
+    walk = _walk(geometry, settings, steps)
+    hip = _hip_height(geometry, settings, walk)
+    phases, numbers = _phases(geometry, settings, steps, walk, hip)
+    for phase, number in zip(phases, numbers, strict=True):
+        try:
+            check_phase(geometry, phase)
+        except InfeasibleMotion as error:
+            hint = _what_fits(geometry, settings, steps, number, hip)
+            raise InfeasibleMotion(f"step {number}, {error}{hint}") from error
+    return phases
+
+
+def _walk(
+    geometry: LegGeometry, settings: "FootstepsSettings", steps: "Sequence[Footstep]"
+) -> _Walk:
+    spacing = geometry.hip_half_spacing
+    feet = [Sole((0.0, -spacing, 0.0), FLAT), Sole((0.0, spacing, 0.0), FLAT)]
+    start, stances, yaw = (feet[0], feet[1]), [], 0.0
+    for number, step in enumerate(steps, 1):
+        leg = LEGS.index(step.foot)
+        before, support = feet[leg], feet[1 - leg]
+        # The shorter way round: a heading of 350 degrees is one of -10.
+        heading = before.attitude[2] + math.remainder(step.heading - before.attitude[2], math.tau)
+        after = Sole((step.x, step.y, step.height), (step.roll, step.pitch, heading))
+        gone = math.dist(before.at, after.at), math.dist(before.attitude, after.attitude)
+        if max(gone) < _STAYS:
+            raise InfeasibleMotion(
+                f"step {number}: the {step.foot} foot would come down where it stands; leave it "
+                "out, or let it go a millimetre at least."
+            )
+        yaw = support.attitude[2]
+        x, y, z = support.ankle(geometry)
+        out = (settings.sway - 1.0) * geometry.side(1 - leg)
+        s, c = math.sin(yaw), math.cos(yaw)
+        midway = [0.5 * (a + b) - e for a, b, e in zip(before.at, after.at, (x, y, z), strict=True)]
+        along = c * midway[0] + s * midway[1]
+        ahead = settings.ahead + min(max(along, -settings.follow), settings.follow)
+        over = (x + c * ahead - s * out, y + s * ahead + c * out, z)
+        stances.append(Stance(leg, support, before, after, over, yaw))
+        feet[leg] = after
+    return _Walk(tuple(stances), start, (feet[0], feet[1]))
+
+
+def _hip_height(geometry: LegGeometry, settings: "FootstepsSettings", walk: _Walk) -> float:
+    """Return the hips' height above the standing ankle, m: the step that needs the lowest sets it.
+
+    Along a straight way of the waist a hip is farthest from its ankle at an end, so these count.
+    """
+    reach = geometry.distance(settings.knee_min)
+    lowest = math.inf
+    for number, stance in enumerate(walk.stances, 1):
+        s, c = math.sin(stance.yaw), math.cos(stance.yaw)
+        x, y, height = stance.over
+        for leg, sole in (
+            (1 - stance.leg, stance.support),
+            (stance.leg, stance.before),
+            (stance.leg, stance.after),
+        ):
+            side = geometry.side(leg)
+            ankle = sole.ankle(geometry)
+            out = math.hypot(x - s * side - ankle[0], y + c * side - ankle[1])
+            most = ankle[2] - height + math.sqrt(max(reach**2 - out**2, 0.0))
+            if out >= reach or most <= 0.0:
+                raise InfeasibleMotion(
+                    f"step {number} ({LEGS[stance.leg]}): with the waist over the standing foot "
+                    f"the {LEGS[leg]} ankle would be {out * 1e3:.1f} mm away from under its hip; "
+                    f"a leg with its knee at {math.degrees(settings.knee_min):g} deg reaches "
+                    f"{reach * 1e3:.1f} mm."
+                )
+            if settings.hip is not None and settings.hip > most:
+                raise InfeasibleMotion(
+                    f"step {number} ({LEGS[stance.leg]}): hips at {settings.hip * 1e3:.1f} mm over "
+                    f"the standing ankle leave the {LEGS[leg]} foot out of reach; at "
+                    f"{math.floor(most * 1e4) / 10:.1f} mm it would fit."
+                )
+            lowest = min(lowest, most)
+    return lowest if settings.hip is None else settings.hip
+
+
+def _phases(
+    geometry: LegGeometry,
+    settings: "FootstepsSettings",
+    steps: "Sequence[Footstep]",
+    walk: _Walk,
+    hip: float,
+) -> tuple[tuple[GaitPhase, ...], tuple[int, ...]]:
+    """Return the phases, and the number of the step that each belongs to."""
+    feet = list(walk.start)
+    waist, yaw = (settings.ahead, 0.0, hip + geometry.ankle_height), 0.0
+    phases: list[GaitPhase] = []
+    numbers: list[int] = []
+
+    def shift(number: int, to: Vector, heading: float, time: float) -> None:
+        nonlocal waist, yaw
+        travel = (to[0] - waist[0], to[1] - waist[1], to[2] - waist[2])
+        if math.hypot(*travel) < _STAYS and abs(heading - yaw) < _STAYS:
+            return  # the same foot swings once more
+        turning = PhaseTurning(yaw, heading - yaw, (feet[0].attitude, feet[1].attitude))
+        phases.append(
+            GaitPhase(
+                f"shift {len(phases) and number}", time / settings.speed, (True, True), waist,
+                travel, (feet[0].at, feet[1].at), turning=turning,
+            )
+        )  # fmt: skip
+        numbers.append(max(number, 1))
+        waist, yaw = to, heading
+
+    for number, (step, stance) in enumerate(zip(steps, walk.stances, strict=True), 1):
+        x, y, z = stance.over
+        time = step.shift or (settings.shift_time if number > 1 else settings.first_shift_time)
+        shift(number - 1, (x, y, z + hip), stance.yaw, time)
+        go = tuple(b - a for a, b in zip(stance.before.at, stance.after.at, strict=True))
+        turn = tuple(
+            b - a for a, b in zip(stance.before.attitude, stance.after.attitude, strict=True)
+        )
+        turning = PhaseTurning(
+            yaw, 0.0, (feet[0].attitude, feet[1].attitude), (turn[0], turn[1], turn[2]),
+            (go[0], go[1], go[2]),
+        )  # fmt: skip
+        phases.append(
+            GaitPhase(
+                f"swing {step.foot} {number}",
+                (step.swing or settings.swing_time) / settings.speed,
+                (stance.leg == 1, stance.leg == 0),
+                waist,
+                (0.0, 0.0, 0.0),
+                (feet[0].at, feet[1].at),
+                lift=step.lift or settings.lift,
+                turning=turning,
+            )
+        )
+        numbers.append(number)
+        feet[stance.leg] = stance.after
+    right, left = feet
+    ends = [sole.ankle(geometry) for sole in (right, left)]
+    heading = 0.5 * (right.attitude[2] + left.attitude[2])
+    x, y, z = (0.5 * (a + b) for a, b in zip(*ends, strict=True))
+    x, y = x + settings.ahead * math.cos(heading), y + settings.ahead * math.sin(heading)
+    shift(len(steps), (x, y, z + hip), heading, settings.last_shift_time)
+    return tuple(phases), tuple(numbers)
+
+
+def _what_fits(
+    geometry: LegGeometry,
+    settings: "FootstepsSettings",
+    steps: "Sequence[Footstep]",
+    number: int,
+    hip: float,
+) -> str:
+    """Say how much of a step, from beside the standing foot to where it was to go, would fit."""
+    before = list(steps[:number])
+    asked = before.pop()
+    stance = _walk(geometry, settings, [*before, asked]).stances[-1]
+    (x, y, z), (_, _, yaw) = stance.support.at, stance.support.attitude
+    aside = 2.0 * geometry.side(stance.leg)
+    beside = (x - math.sin(yaw) * aside, y + math.cos(yaw) * aside, z, yaw, 0.0, 0.0)
+    there = (*stance.after.at, stance.after.attitude[2], asked.pitch, asked.roll)
+
+    def part(share: float) -> "Footstep":
+        x, y, height, heading, pitch, roll = (
+            a + share * (b - a) for a, b in zip(beside, there, strict=True)
+        )
+        return replace(
+            asked, x=x, y=y, height=height, heading=heading, pitch=pitch, roll=roll
+        )
+
+    def fits(step: "Footstep") -> bool:
+        tried = [*before, step]
+        try:
+            phases, numbers = _phases(
+                geometry, settings, tried, _walk(geometry, settings, tried), hip
+            )
+            for phase, its in zip(phases, numbers, strict=True):
+                if its >= number - 1:
+                    check_phase(geometry, phase)
+        except InfeasibleMotion:
+            return False
+        return True
+
+    for times in (1.5, 2.0, 3.0, 5.0):
+        lift = times * (asked.lift or settings.lift)
+        if lift <= 0.3 and fits(replace(asked, lift=lift)):
+            return f" A lift of {lift * 1e3:.0f} mm would fit."
+    if not fits(part(0.0)):
+        return ""
+    most = part(bisect(lambda share: fits(part(share)), 0.0, 1.0, _ROUNDS)[0])
+    return (
+        f" From beside the standing foot it would fit as far as x {most.x * 1e3:.1f} mm, "
+        f"y {most.y * 1e3:.1f} mm, heading {math.degrees(most.heading):.1f} deg, "
+        f"height {most.height * 1e3:.1f} mm."
+    )

@@ -1,0 +1,141 @@
+"""Footprints from above: planned, measured, and what is above them; and all joints' rates."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
+from rig.mechanisms.legs.measures import from_first_stance
+from rig.report.data import RunData
+from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis, panels
+from rig.report.style import INK, PAGE, new_figure, place_legend
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_PALE = "#b4bdc7"
+_ROWS = (
+    ("hip_yaw", "hip_roll", "ankle_roll"),
+    ("hip_pitch", "knee", "ankle_pitch"),
+)
+
+
+def draw_footsteps(run: RunData) -> "Figure | None":
+    """Draw the planned footprints from above, where the feet came down, and their way there."""
+    if not is_walk(run) or not run.has("reference.right_foot_yaw"):
+        return None
+    figure = new_figure(PAGE, 92.0)
+    (ground,) = panels(figure, 1, 1)
+    planned = _feet(run, "reference")
+    yaws = [run.trace(f"reference.{leg}_foot_yaw") for leg in LEGS]
+    measured = _feet(run, "truth") if run.has("truth.right_foot_x") else None
+    sole = {key: float(value) for key, value in run.settings["geometry"]["sole"].items()}
+    landed = _landings(run)
+    for number, leg in enumerate(LEGS):
+        way = planned[:, number] * 1e3
+        ground.plot(way[:, 0], way[:, 1], color=COLORS[leg], lw=0.6, ls=(0, (1, 2)))
+        for count, sample in landed[leg]:
+            x, y, _ = planned[sample, number]
+            corners = _corners(x, y, float(yaws[number][sample]), sole) * 1e3
+            ground.fill(
+                corners[:, 0], corners[:, 1], fc=COLORS[leg], alpha=0.12, ec=COLORS[leg], lw=0.8,
+            )  # fmt: skip
+            if count:
+                ground.annotate(
+                    str(count), corners[:2].mean(axis=0), fontsize=7, ha="center", va="center",
+                    color=COLORS[leg],
+                )  # fmt: skip
+    for name, color, width, label in (
+        ("plan.zero_moment", _PALE, 2.4, "zero-moment point, planned"),
+        ("plan.mass", INK, 0.9, "centre of mass, planned"),
+    ):
+        ground.plot(
+            *(run.trace(f"{name}_{axis}") * 1e3 for axis in "xy"), color=color, lw=width, label=label
+        )
+    if measured is not None:
+        for number, leg in enumerate(LEGS):
+            samples = [sample for _, sample in landed[leg]]
+            at = measured[samples, number] * 1e3
+            ground.plot(
+                at[:, 0], at[:, 1], "+", ms=6.0, mew=1.1, color=COLORS[leg],
+                label=f"{leg} ankle, measured",
+            )  # fmt: skip
+    ground.set_aspect("equal")
+    ground.autoscale_view()
+    ground.set_xlabel("ahead (mm)")
+    ground.set_ylabel("to the left (mm)")
+    place_legend(ground, 2)
+    return figure
+
+
+def draw_rates(run: RunData) -> "Figure | None":
+    """Draw the rates of all joints against their limit."""
+    if not run.has("command.velocity_right_knee", "command.velocity_left_ankle_roll"):
+        return None
+    limit = float(run.settings["geometry"]["max_rate"])
+    figure = new_figure(PAGE, 92.0)
+    strips = panels(figure, 3, 2, sharex=True)
+    t = run.time
+    for column, joints in enumerate(_ROWS):
+        for row, joint in enumerate(joints):
+            axes: Axes = strips[2 * row + column]
+            most = 0.0
+            for leg in LEGS:
+                rate = run.trace(f"command.velocity_{leg}_{joint}")
+                most = max(most, float(np.max(np.abs(rate))))
+                draw_line(axes, t, rate, COLORS[leg], f"{leg} leg", lw=0.7)
+            finish_time_axis(axes, t, f"{joint.replace('_', ' ')}\n(rad/s)", "")
+            mark_phases(axes, run)
+            axes.set_title(
+                f"at most {most:.3g} of {limit:g} rad/s", loc="right", pad=2.0, fontsize=7
+            )
+            if most > 0.5 * limit:
+                for bound in (-limit, limit):
+                    axes.axhline(bound, color=INK, lw=0.8, ls=(0, (4, 2)))
+    place_legend(strips[0], 2)
+    for axes in strips[-2:]:
+        axes.set_xlabel(TIME_LABEL)
+    figure.align_ylabels()
+    return figure
+
+
+def _feet(run: RunData, source: str) -> "Array":
+    """Return both feet as they are seen from where they stood at first, shape (n, 2, 3), m."""
+    return from_first_stance(
+        np.stack([run.track(f"{source}.{leg}_foot") for leg in LEGS], axis=1)
+    )
+
+
+def _landings(run: RunData) -> dict[str, list[tuple[int, int]]]:
+    """Return number and sample of each footprint of either foot; number 0 is the start."""
+    landed: dict[str, list[tuple[int, int]]] = {leg: [(0, 0)] for leg in LEGS}
+    for segment in run.segments:
+        kind, *rest = segment.name.split()
+        if kind == "swing":
+            sample = int(np.searchsorted(run.time, segment.end - 1e-9).clip(max=len(run.time) - 1))
+            landed[rest[0]].append((int(rest[1]), sample))
+    return landed
+
+
+def _corners(x: float, y: float, yaw: float, sole: dict[str, float]) -> "Array":
+    """Return the corners of a sole, the toes first, shape (4, 2), m."""
+    front, back, half = sole["front"], -sole["back"], sole["half_width"]
+    at = np.array(((front, half), (front, -half), (back, -half), (back, half)))
+    s, c = np.sin(yaw), np.cos(yaw)
+    return np.asarray(at @ np.array(((c, s), (-s, c))) + (x, y), dtype=np.float64)
+
+
+FOOTSTEP_FIGURES = {
+    "footsteps": FigureKind(
+        draw_footsteps,
+        "The planned footprints from above with their numbers, crosses where the ankles came "
+        "down, and the planned centre of mass and zero-moment point.",
+    ),
+    "joint-rates": FigureKind(
+        draw_rates, "Rates of all joints of both legs; their limit where they come near it."
+    ),
+}
