@@ -9,14 +9,14 @@ from controllers.gait.motions import WalkSettings
 from controllers.gait.plan import GaitPlan
 from controllers.motion import InfeasibleMotion
 
-Walk = TypeVar("Walk", WalkSettings, FootstepsSettings)
+Walk = TypeVar("Walk", bound=WalkSettings | FootstepsSettings)
 
 _RESOLUTION = 2e-3
 """Relative, of the speed that is found."""
 
 
 def fastest(prepare: Callable[[Walk], GaitPlan], walk: Walk) -> Walk:
-    """Return a walk at the highest speed for which a plan can be made.
+    """Return a walk at the highest speed for which a plan can be made, if it asks for that.
 
     Parameters
     ----------
@@ -31,6 +31,8 @@ def fastest(prepare: Callable[[Walk], GaitPlan], walk: Walk) -> Walk:
     InfeasibleMotion
         It cannot be done as it is.
     """
+    if not walk.fastest:
+        return walk
     prepare(walk)
     slow, factor = walk.speed, 2.0
     while _possible(prepare, replace(walk, speed=slow * factor)):

@@ -1,4 +1,4 @@
-"""What can be said of a phase's path before it has a timing: reach, ranges, and what a foot meets."""
+"""What can be said of a phase before it has a timing: reach, ranges, and what a foot meets."""
 
 import math
 
@@ -9,11 +9,15 @@ from controllers.gait.phases import GaitPhase
 from controllers.gait.turning import Attitude, rotation_of
 from controllers.motion import InfeasibleMotion
 
-_POINTS = 40
+_POINTS = 100
 """Of a phase's path that are looked at."""
 _ROUNDING = 1e-9
 
 Corners = list[tuple[float, float]]
+
+
+class MeetsGround(InfeasibleMotion):
+    """A swinging sole is too low to clear the ground of its own footprints."""
 
 
 def check_phase(geometry: LegGeometry, phase: GaitPhase) -> None:
@@ -64,23 +68,27 @@ def _check_feet(geometry: LegGeometry, phase: GaitPhase, xi: float, where: str) 
             f"{where}: seen from above the {LEGS[swings]} sole would overlap the {LEGS[stands]} "
             f"one by {-gap * 1e3:.1f} mm."
         )
-    corners = list(zip(sole, _heights(geometry, at, attitude, sole), strict=True))
+    heights = _heights(at, attitude, sole)
     for share in (0.0, 1.0):
         place, lies = phase.foot_at(swings, share), phase.attitude_at(swings, share)
         if _gap(sole, sole_corners(geometry, place, lies)) >= 0.0:
             continue
-        ground = _heights(geometry, place, lies, sole)
-        below = min(z - level for (_, z), level in zip(corners, ground, strict=True))
-        if below < -_ROUNDING:
+        levels = _heights(place, lies, sole)
+        below = max(level - height for height, level in zip(heights, levels, strict=True))
+        if below <= _ROUNDING:
+            continue
+        if xi in (0.0, 1.0):
             raise InfeasibleMotion(
-                f"{where}: the {LEGS[swings]} sole would be {-below * 1e3:.1f} mm below where it "
-                f"{'is to stand' if share else 'stood'}."
+                f"{where}: the {LEGS[swings]} print overlaps the one before it, and the ground "
+                f"there would have two heights, {below * 1e3:.1f} mm apart."
             )
+        raise MeetsGround(
+            f"{where}: the {LEGS[swings]} sole would be {below * 1e3:.1f} mm below where it "
+            f"{'is to stand' if share else 'stood'}."
+        )
 
 
-def _heights(
-    geometry: LegGeometry, at: tuple[float, ...], attitude: Attitude, points: Corners
-) -> list[float]:
+def _heights(at: tuple[float, ...], attitude: Attitude, points: Corners) -> list[float]:
     """Return the height of a sole's plane at points of the ground, m."""
     normal = [row[2] for row in rotation_of(attitude)]
     return [

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from controllers.gait.footsteps import MOST_STEPS, Footstep
+from controllers.gait.footprints import MOST_STEPS, Footstep
 from controllers.motion import InfeasibleMotion
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}

@@ -2,7 +2,7 @@
 
 import math
 
-from controllers.gait.footsteps import Foot, Footstep, StepNumbers
+from controllers.gait.footprints import Foot, Footstep, StepNumbers
 from controllers.gait.geometry import LegGeometry
 
 

@@ -3,20 +3,20 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from controllers.bisection import bisect
-from controllers.gait.footstep_checks import check_phase
+from controllers.gait.footprints import Footstep, SteppingSettings
+from controllers.gait.footstep_checks import MeetsGround, check_phase
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.kinematics import Vector
 from controllers.gait.phases import GaitPhase
 from controllers.gait.turning import FLAT, Attitude, PhaseTurning, rotation_of
 from controllers.motion import InfeasibleMotion
 
-if TYPE_CHECKING:
-    from controllers.gait.footsteps import Footstep, FootstepsSettings
-
 _ROUNDS = 12
+_LEAST = 0.1
+"""Share of a step that is tried at least."""
 _STAYS = 1e-3
 """m and rad; a foot that goes no farther comes down where it stood."""
 
@@ -30,9 +30,7 @@ class Sole(NamedTuple):
     def ankle(self, geometry: LegGeometry) -> Vector:
         """Return where the ankle is, m."""
         up = [row[2] for row in rotation_of(self.attitude)]
-        x, y, z = (
-            a + geometry.ankle_height * b for a, b in zip(self.at, up, strict=True)
-        )
+        x, y, z = (a + geometry.ankle_height * b for a, b in zip(self.at, up, strict=True))
         return (x, y, z)
 
 
@@ -71,7 +69,7 @@ class _Walk:
 
 
 def plan_footsteps(
-    geometry: LegGeometry, settings: "FootstepsSettings", steps: "Sequence[Footstep]"
+    geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]
 ) -> tuple[GaitPhase, ...]:
     """Return the phases of a walk over footprints.
 
@@ -79,7 +77,7 @@ def plan_footsteps(
     ----------
     geometry : LegGeometry
         The legs.
-    settings : FootstepsSettings
+    settings : SteppingSettings
         How to walk.
     steps : sequence of Footstep
         Where the feet come down.
@@ -98,14 +96,13 @@ def plan_footsteps(
         try:
             check_phase(geometry, phase)
         except InfeasibleMotion as error:
-            hint = _what_fits(geometry, settings, steps, number, hip)
+            low = isinstance(error, MeetsGround)
+            hint = _what_fits(geometry, settings, steps, number, hip, low)
             raise InfeasibleMotion(f"step {number}, {error}{hint}") from error
     return phases
 
 
-def _walk(
-    geometry: LegGeometry, settings: "FootstepsSettings", steps: "Sequence[Footstep]"
-) -> _Walk:
+def _walk(geometry: LegGeometry, settings: SteppingSettings, steps: Sequence[Footstep]) -> _Walk:
     spacing = geometry.hip_half_spacing
     feet = [Sole((0.0, -spacing, 0.0), FLAT), Sole((0.0, spacing, 0.0), FLAT)]
     start, stances, yaw = (feet[0], feet[1]), [], 0.0
@@ -134,7 +131,7 @@ def _walk(
     return _Walk(tuple(stances), start, (feet[0], feet[1]))
 
 
-def _hip_height(geometry: LegGeometry, settings: "FootstepsSettings", walk: _Walk) -> float:
+def _hip_height(geometry: LegGeometry, settings: SteppingSettings, walk: _Walk) -> float:
     """Return the hips' height above the standing ankle, m: the step that needs the lowest sets it.
 
     Along a straight way of the waist a hip is farthest from its ankle at an end, so these count.
@@ -172,8 +169,8 @@ def _hip_height(geometry: LegGeometry, settings: "FootstepsSettings", walk: _Wal
 
 def _phases(
     geometry: LegGeometry,
-    settings: "FootstepsSettings",
-    steps: "Sequence[Footstep]",
+    settings: SteppingSettings,
+    steps: Sequence[Footstep],
     walk: _Walk,
     hip: float,
 ) -> tuple[tuple[GaitPhase, ...], tuple[int, ...]]:
@@ -235,10 +232,11 @@ def _phases(
 
 def _what_fits(
     geometry: LegGeometry,
-    settings: "FootstepsSettings",
-    steps: "Sequence[Footstep]",
+    settings: SteppingSettings,
+    steps: Sequence[Footstep],
     number: int,
     hip: float,
+    low: bool,
 ) -> str:
     """Say how much of a step, from beside the standing foot to where it was to go, would fit."""
     before = list(steps[:number])
@@ -249,15 +247,13 @@ def _what_fits(
     beside = (x - math.sin(yaw) * aside, y + math.cos(yaw) * aside, z, yaw, 0.0, 0.0)
     there = (*stance.after.at, stance.after.attitude[2], asked.pitch, asked.roll)
 
-    def part(share: float) -> "Footstep":
+    def part(share: float) -> Footstep:
         x, y, height, heading, pitch, roll = (
             a + share * (b - a) for a, b in zip(beside, there, strict=True)
         )
-        return replace(
-            asked, x=x, y=y, height=height, heading=heading, pitch=pitch, roll=roll
-        )
+        return replace(asked, x=x, y=y, height=height, heading=heading, pitch=pitch, roll=roll)
 
-    def fits(step: "Footstep") -> bool:
+    def fits(step: Footstep) -> bool:
         tried = [*before, step]
         try:
             phases, numbers = _phases(
@@ -270,13 +266,13 @@ def _what_fits(
             return False
         return True
 
-    for times in (1.5, 2.0, 3.0, 5.0):
+    for times in (1.25, 1.5, 2.0, 3.0, 5.0) if low else ():
         lift = times * (asked.lift or settings.lift)
         if lift <= 0.3 and fits(replace(asked, lift=lift)):
             return f" A lift of {lift * 1e3:.0f} mm would fit."
-    if not fits(part(0.0)):
+    if not fits(part(_LEAST)):
         return ""
-    most = part(bisect(lambda share: fits(part(share)), 0.0, 1.0, _ROUNDS)[0])
+    most = part(bisect(lambda share: fits(part(share)), _LEAST, 1.0, _ROUNDS)[0])
     return (
         f" From beside the standing foot it would fit as far as x {most.x * 1e3:.1f} mm, "
         f"y {most.y * 1e3:.1f} mm, heading {math.degrees(most.heading):.1f} deg, "

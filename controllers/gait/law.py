@@ -14,8 +14,8 @@ import numpy as np
 from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arc_lengths import Arcs, measure
 from controllers.gait.fastest import fastest
-from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.footsteps import FootstepsSettings, LegsMotion
+from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.motions import WalkSettings
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
@@ -105,7 +105,7 @@ class GaitLaw(
             robot would be out of balance; with phase, instant, number and bound.
         """
         try:
-            if isinstance(motion, WalkSettings | FootstepsSettings) and motion.fastest:
+            if isinstance(motion, WalkSettings | FootstepsSettings):
                 motion = fastest(self._prepare_within_rates, motion)
             return self._prepare(motion)
         except InfeasibleMotion:
@@ -129,7 +129,7 @@ class GaitLaw(
             for entry, pace in zip(timed, paces, strict=True)
         )
         plan = self._sample(timed, paces)
-        self._check(plan)
+        self._check(plan, motion.speed)
         if self.keeps_rates:
             check_rates(plan, motion.speed)
         self._restart()
@@ -221,7 +221,7 @@ class GaitLaw(
             ),
         )
 
-    def _check(self, plan: GaitPlan) -> None:
+    def _check(self, plan: GaitPlan, speed: float) -> None:
         limits = np.array(plan.geometry.limits)
         beyond = np.maximum(limits[:, 0] - plan.q, plan.q - limits[:, 1])
         worst, joint = divmod(int(np.argmax(beyond)), len(AXIS_NAMES))
@@ -232,23 +232,35 @@ class GaitLaw(
             if low <= float(shown) <= high:
                 shown = f"{angle:.3g}"
             raise InfeasibleMotion(
-                f"at {plan.t[worst]:.3f} s {AXIS_NAMES[joint]} would be at {shown} deg, outside "
-                f"{low:g} … {high:g} deg."
+                f"at {plan.t[worst]:.3f} s ({self._name_at(plan, worst)}) {AXIS_NAMES[joint]} "
+                f"would be at {shown} deg, outside {low:g} … {high:g} deg."
             )
         bound = self.model.balance.min_margin
         worst = int(np.argmin(plan.balance.margin))
         if plan.margin < bound:
-            still = plan.balance.static_margin[worst] < bound
-            what = "centre of mass" if still else "zero-moment point"
+            static = float(plan.balance.static_margin[worst])
+            what = "centre of mass" if static < bound else "zero-moment point"
             raise InfeasibleMotion(
                 f"at {plan.t[worst]:.3f} s ({self._name_at(plan, worst)}) the {what} would be "
                 f"{plan.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
-                f"{bound * 1e3:g} mm."
+                f"{bound * 1e3:g} mm{_what_would_do(plan.margin, static, bound, speed)}."
             )
 
     @staticmethod
     def _name_at(plan: GaitPlan, sample: int) -> str:
         return plan.phases[int(plan.phase_number[sample])].phase.name
+
+
+def _what_would_do(margin: float, static: float, bound: float, speed: float) -> str:
+    """Say what would keep a margin of balance at an instant, m.
+
+    Between the centre of mass and the zero-moment point lies what accelerations do, which go with
+    the square of the speed.
+    """
+    if static < bound:
+        return f", and slower it would be {static * 1e3:.1f} mm at most"
+    slower = 0.999 * speed * math.sqrt((static - bound) / (static - margin))
+    return f"; at a speed of {slower:.4g} instead of {speed:.4g} it would be kept"
 
 
 def check_rates(plan: GaitPlan, speed: float) -> None:

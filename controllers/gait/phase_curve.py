@@ -1,9 +1,9 @@
 """Both legs as one system on one phase's path, one step at a time.
 
 While the waist is upright each leg has three rates that count, so the state is six angles and the
-path parameter; where waist or feet turn, the hips' joints follow from these. A step follows the ray, along the joints' arc length or along the path's length.
-The curve is the same either way; the joints' length is the parameter that stays regular at a
-straight knee.
+path parameter; where waist or feet turn, the hips' joints follow from these. A step follows the
+ray, along the joints' arc length or along the path's length. The curve is the same either way; the
+joints' length is the parameter that stays regular at a straight knee.
 """
 
 import math

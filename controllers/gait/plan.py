@@ -295,7 +295,11 @@ def judge_balance(
     centre = links.centre
     ground = np.zeros(len(q))
     for planned in phases:
-        bearing = [foot[2] for foot, on in zip(planned.phase.feet, planned.phase.standing, strict=True) if on]
+        bearing = [
+            foot[2]
+            for foot, on in zip(planned.phase.feet, planned.phase.standing, strict=True)
+            if on
+        ]
         ground[planned.first : planned.last + 1] = sum(bearing) / len(bearing)
     zero_moment = zero_moment_point(links, period, settings.response_time, ground)
     static = np.full(len(q), math.inf)

@@ -16,9 +16,9 @@ from annotated_types import Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.bisection import bisect
+from controllers.gait.footsteps import LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
 from controllers.gait.law import GaitLaw, PaceMaker, TimedPhase
-from controllers.gait.footsteps import LegsMotion
 from controllers.gait.phase_curve import PhaseCurve
 from controllers.gait.phases import GaitPhase
 from controllers.gait.plan import GaitPlan

@@ -53,18 +53,15 @@ def feet_astray_end(windows: Windows) -> float:
     Seen from both feet at the start: where the robot stood ready is no part of its walk.
     """
     window = windows[-1]
-    measured, planned = (
-        from_first_stance(
-            np.stack(
-                [
-                    np.column_stack([window.column(f"{source}.{leg}_foot_{axis}") for axis in "xyz"])
-                    for leg in ("right", "left")
-                ],
-                axis=1,
-            )
-        )
-        for source in ("truth", "reference")
-    )
+
+    def feet(source: str) -> "Array":
+        tracks = [
+            np.column_stack([window.column(f"{source}.{leg}_foot_{axis}") for axis in "xyz"])
+            for leg in ("right", "left")
+        ]
+        return from_first_stance(np.stack(tracks, axis=1))
+
+    measured, planned = feet("truth"), feet("reference")
     return float(np.linalg.norm(measured[-1] - planned[-1], axis=1).max())
 
 

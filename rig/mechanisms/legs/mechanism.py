@@ -49,6 +49,7 @@ class PlannedGait(PlannedMotion[LegsReference]):
             plan.path,
             plan.yaw,
             plan.attitudes.reshape(len(plan.t), 6),
+            np.array([p.phase.standing for p in plan.phases], float)[plan.phase_number],
         ]
         super().__init__(np.column_stack(columns).tolist())
         self.facts = plan_facts(plan, fine, distance, flat)
@@ -98,6 +99,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             for leg in ("right", "left")
             for angle in ("roll", "pitch", "yaw")
         ),
+        *(Column(f"plan.stands_{leg}", "", "1 if this foot stands") for leg in ("right", "left")),
     )
 
     def __init__(
@@ -207,7 +209,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
-        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 24
+        planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 26
         if reference.follow:
             self._followed += 1
         return (*self.joint_row(state, reference, command, applied), *planned)

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from rig.hal.scene import ColumnOf, Points
 
 _TRAIL = 20.0
-_ON_GROUND = 1e-6
-"""A planned sole that is lower stands, m."""
 _CORNERS = 8
 """Points of the support polygon: two soles have so many corners, and some may stand twice."""
 
@@ -24,8 +22,8 @@ _CORNERS = 8
 class LegsScene(Scene):
     """Both legs from their measured joints, on the planned footprint of the one that stands.
 
-    There is no measurement of where the robot is: the lower of the two planned soles is taken to
-    lie flat where it was planned.
+    There is no measurement of where the robot is: a planned sole that stands is taken to lie where
+    and as it was planned.
     """
 
     follows = "waist"
@@ -69,8 +67,19 @@ class LegsScene(Scene):
         ]
         chains = [self._leg(column, number) for number in range(len(LEGS))]
         # Seen from the waist, and so turned and moved by what the foot that stands is known to be.
-        left = prints[1][:, 2] < prints[0][:, 2]
-        standing = np.where(left[:, None, None], chains[1][1], chains[0][1])
+        stand = [column(f"plan.stands_{leg}") > 0.0 for leg in LEGS]
+        left = stand[1] & ~stand[0]
+        lies = [
+            _about(2, column(f"reference.{leg}_foot_yaw"))
+            @ _about(1, column(f"reference.{leg}_foot_pitch"))
+            @ _about(0, column(f"reference.{leg}_foot_roll"))
+            for leg in LEGS
+        ]
+        standing = np.where(
+            left[:, None, None],
+            chains[1][1] @ np.swapaxes(lies[1], 1, 2),
+            chains[0][1] @ np.swapaxes(lies[0], 1, 2),
+        )
         sole = np.where(left[:, None], chains[1][0][:, -1], chains[0][0][:, -1])
         printed = np.where(left[:, None], prints[1], prints[0])
         legs = [
@@ -81,7 +90,7 @@ class LegsScene(Scene):
             np.einsum("nji,njk,pk->npi", standing, rotation, self._sole()) + points[:, -1:]
             for points, (_, rotation) in zip(legs, chains, strict=True)
         ]
-        support = _around(soles, [foot[:, 2] < _ON_GROUND for foot in prints])
+        support = _around(soles, stand)
         ground = np.zeros(len(left))
         mass, moment = (
             track(column(f"{name}_x"), column(f"{name}_y"), ground)
@@ -140,6 +149,9 @@ def _around(soles: "list[Points]", standing: "list[NDArray[np.bool_]]") -> "Poin
         hull = _hull(corners)
         hull += [hull[-1]] * (_CORNERS - len(hull))
         hulls[row, :, :2] = hull
+        heights = np.array([sole[row, :, 2].mean() for sole in soles])
+        if stands[row].any():
+            hulls[row, :, 2] = heights[stands[row]].mean()
     return hulls
 
 

@@ -111,6 +111,9 @@ def test_the_legs_stand_where_the_robot_stands(seed):
     for leg, name in enumerate(LEGS):
         for k, axis in enumerate("xyz"):
             columns[f"reference.{name}_foot_{axis}"] = prints[:, leg, k]
+        for angle in ("roll", "pitch", "yaw"):
+            columns[f"reference.{name}_foot_{angle}"] = np.zeros(ROWS)
+        columns[f"plan.stands_{name}"] = (bearing == leg) * 1.0
     for name in ("plan.mass", "plan.zero_moment"):
         columns |= {f"{name}_{axis}": np.zeros(ROWS) for axis in "xy"}
     scene = LegsScene(settings)

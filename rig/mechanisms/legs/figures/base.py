@@ -2,11 +2,16 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from rig.report.data import RunData
 from rig.report.style import BLUE, SHADE, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
 
 LEGS = ("right", "left")
 COLORS = {"right": VERMILION, "left": BLUE}
@@ -20,6 +25,12 @@ def is_walk(run: RunData) -> bool:
     )
 
 
+def turns(run: RunData) -> bool:
+    """Return whether the waist or a sole turns in a run: sticks from the side then mean nothing."""
+    names = ["reference.waist_yaw", *(f"reference.{leg}_foot_yaw" for leg in LEGS)]
+    return any(run.has(name) and bool(np.any(run.trace(name))) for name in names)
+
+
 def mark_phases(axes: "Axes", run: RunData) -> None:
     """Shade the swings, and tick the instants between phases: there the knees are straight."""
     phases = [segment for segment in run.segments if segment.name != "all"]
@@ -29,3 +40,26 @@ def mark_phases(axes: "Axes", run: RunData) -> None:
     instants = sorted({0.0, *(phase.end for phase in phases)})
     if len(phases) > 1 and len(instants) <= _MOST_TICKS:
         axes.set_xticks(instants, labels=[f"{instant:.3g}" for instant in instants])
+
+
+def landings(run: RunData) -> dict[str, list[tuple[int, int]]]:
+    """Return number and sample of each footprint of either foot; number 0 is the start."""
+    landed: dict[str, list[tuple[int, int]]] = {leg: [(0, 0)] for leg in LEGS}
+    for segment in run.segments:
+        kind, *rest = segment.name.split()
+        if kind == "swing":
+            sample = int(np.searchsorted(run.time, segment.end - 1e-9).clip(max=len(run.time) - 1))
+            landed[rest[0]].append((int(rest[1]), sample))
+    return landed
+
+
+def sole_outline(run: RunData, leg: str, sample: int) -> "Array":
+    """Return the corners of a planned sole from above, the toes first, shape (4, 2), m."""
+    sole = {key: float(value) for key, value in run.settings["geometry"]["sole"].items()}
+    front, back, half = sole["front"], -sole["back"], sole["half_width"]
+    at = np.array(((front, half), (front, -half), (back, -half), (back, half)))
+    name = f"reference.{leg}_foot_yaw"
+    yaw = float(run.trace(name)[sample]) if run.has(name) else 0.0
+    s, c = np.sin(yaw), np.cos(yaw)
+    place = run.track(f"reference.{leg}_foot")[sample, :2]
+    return np.asarray(at @ np.array(((c, s), (-s, c))) + place, dtype=np.float64)

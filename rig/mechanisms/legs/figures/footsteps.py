@@ -4,7 +4,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
+from rig.mechanisms.legs.figures.base import (
+    COLORS,
+    LEGS,
+    is_walk,
+    landings,
+    mark_phases,
+    sole_outline,
+)
 from rig.mechanisms.legs.measures import from_first_stance
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis, panels
@@ -28,33 +35,34 @@ def draw_footsteps(run: RunData) -> "Figure | None":
     """Draw the planned footprints from above, where the feet came down, and their way there."""
     if not is_walk(run) or not run.has("reference.right_foot_yaw"):
         return None
+    from matplotlib.colors import to_rgba
+
     figure = new_figure(PAGE, 92.0)
     (ground,) = panels(figure, 1, 1)
     planned = _feet(run, "reference")
-    yaws = [run.trace(f"reference.{leg}_foot_yaw") for leg in LEGS]
     measured = _feet(run, "truth") if run.has("truth.right_foot_x") else None
-    sole = {key: float(value) for key, value in run.settings["geometry"]["sole"].items()}
-    landed = _landings(run)
+    landed = landings(run)
     for number, leg in enumerate(LEGS):
         way = planned[:, number] * 1e3
         ground.plot(way[:, 0], way[:, 1], color=COLORS[leg], lw=0.6, ls=(0, (1, 2)))
         for count, sample in landed[leg]:
-            x, y, _ = planned[sample, number]
-            corners = _corners(x, y, float(yaws[number][sample]), sole) * 1e3
-            ground.fill(
-                corners[:, 0], corners[:, 1], fc=COLORS[leg], alpha=0.12, ec=COLORS[leg], lw=0.8,
-            )  # fmt: skip
+            corners = sole_outline(run, leg, sample) * 1e3
+            ground.fill(*corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8)
             if count:
+                # Inside the toes, a tenth of the sole from their edge.
+                at = 0.45 * (corners[0] + corners[1]) + 0.05 * (corners[2] + corners[3])
                 ground.annotate(
-                    str(count), corners[:2].mean(axis=0), fontsize=7, ha="center", va="center",
-                    color=COLORS[leg],
-                )  # fmt: skip
+                    str(count), at, fontsize=7, ha="center", va="center", color=COLORS[leg]
+                )
     for name, color, width, label in (
         ("plan.zero_moment", _PALE, 2.4, "zero-moment point, planned"),
         ("plan.mass", INK, 0.9, "centre of mass, planned"),
     ):
         ground.plot(
-            *(run.trace(f"{name}_{axis}") * 1e3 for axis in "xy"), color=color, lw=width, label=label
+            *(run.trace(f"{name}_{axis}") * 1e3 for axis in "xy"),
+            color=color,
+            lw=width,
+            label=label,
         )
     if measured is not None:
         for number, leg in enumerate(LEGS):
@@ -91,7 +99,7 @@ def draw_rates(run: RunData) -> "Figure | None":
             finish_time_axis(axes, t, f"{joint.replace('_', ' ')}\n(rad/s)", "")
             mark_phases(axes, run)
             axes.set_title(
-                f"at most {most:.3g} of {limit:g} rad/s", loc="right", pad=2.0, fontsize=7
+                f"at most {most:.3g} of {limit:g} rad/s", loc="left", pad=2.0, fontsize=7
             )
             if most > 0.5 * limit:
                 for bound in (-limit, limit):
@@ -105,28 +113,7 @@ def draw_rates(run: RunData) -> "Figure | None":
 
 def _feet(run: RunData, source: str) -> "Array":
     """Return both feet as they are seen from where they stood at first, shape (n, 2, 3), m."""
-    return from_first_stance(
-        np.stack([run.track(f"{source}.{leg}_foot") for leg in LEGS], axis=1)
-    )
-
-
-def _landings(run: RunData) -> dict[str, list[tuple[int, int]]]:
-    """Return number and sample of each footprint of either foot; number 0 is the start."""
-    landed: dict[str, list[tuple[int, int]]] = {leg: [(0, 0)] for leg in LEGS}
-    for segment in run.segments:
-        kind, *rest = segment.name.split()
-        if kind == "swing":
-            sample = int(np.searchsorted(run.time, segment.end - 1e-9).clip(max=len(run.time) - 1))
-            landed[rest[0]].append((int(rest[1]), sample))
-    return landed
-
-
-def _corners(x: float, y: float, yaw: float, sole: dict[str, float]) -> "Array":
-    """Return the corners of a sole, the toes first, shape (4, 2), m."""
-    front, back, half = sole["front"], -sole["back"], sole["half_width"]
-    at = np.array(((front, half), (front, -half), (back, -half), (back, half)))
-    s, c = np.sin(yaw), np.cos(yaw)
-    return np.asarray(at @ np.array(((c, s), (-s, c))) + (x, y), dtype=np.float64)
+    return from_first_stance(np.stack([run.track(f"{source}.{leg}_foot") for leg in LEGS], axis=1))
 
 
 FOOTSTEP_FIGURES = {

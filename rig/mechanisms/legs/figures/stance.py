@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
+from rig.mechanisms.legs.figures.base import (
+    COLORS,
+    LEGS,
+    is_walk,
+    landings,
+    mark_phases,
+    sole_outline,
+    turns,
+)
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import GREY, INK, PAGE, new_figure, place_legend
@@ -13,7 +21,6 @@ from rig.report.style import GREY, INK, PAGE, new_figure, place_legend
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.patches import Rectangle
 
     Point = tuple[float, float, float]
 
@@ -26,7 +33,7 @@ _PALE = "#b4bdc7"
 
 def draw_strip(run: RunData) -> "Figure | None":
     """Draw the legs from the side at the instants of the paper's photographs (Fig. 5)."""
-    if not is_walk(run):
+    if not is_walk(run) or turns(run):
         return None
     lengths = _lengths(run)
     t = run.time
@@ -46,16 +53,14 @@ def draw_balance(run: RunData) -> "Figure | None":
     """Draw centre of mass and zero-moment point over the footprints, and the margin."""
     if not run.has("plan.mass_x", "plan.margin"):
         return None
+    from matplotlib.colors import to_rgba
+
     figure = new_figure(PAGE, 72.0)
     ground, over_time = panels(figure, 1, 2, width_ratios=[1.15, 1.0])
-    lengths = _lengths(run)
-    for leg in LEGS:
-        x, y, z = run.track(f"reference.{leg}_foot").T
-        # A foot counts as put down where it stays.
-        still = (z < 1e-6) & (np.abs(np.gradient(x)) < 1e-9)
-        prints = {(round(a, 4), round(b, 4)) for a, b in zip(x[still], y[still], strict=True)}
-        for a, b in sorted(prints):
-            ground.add_patch(_sole(a, b, lengths, COLORS[leg]))
+    for leg, prints in landings(run).items():
+        for _, sample in prints:
+            corners = sole_outline(run, leg, sample) * 1e3
+            ground.fill(*corners.T, fc=to_rgba(COLORS[leg], 0.07), ec=COLORS[leg], lw=0.8)
     for name, color, width, label in (
         ("plan.zero_moment", _PALE, 2.4, "zero-moment point"),
         ("plan.mass", INK, 0.9, "centre of mass"),
@@ -147,21 +152,6 @@ def _sticks(
     size = math.hypot(*ahead)
     knee = [h + share * d + out * a / size for h, d, a in zip(hip, down, ahead, strict=True)]
     return hip, (knee[0], knee[1], knee[2]), ankle
-
-
-def _sole(x: float, y: float, lengths: dict[str, float], color: str) -> "Rectangle":
-    from matplotlib.colors import to_rgba
-    from matplotlib.patches import Rectangle
-
-    width = 2e3 * lengths["half_width"]
-    return Rectangle(
-        ((x - lengths["back"]) * 1e3, y * 1e3 - 0.5 * width),
-        (lengths["front"] + lengths["back"]) * 1e3,
-        width,
-        facecolor=to_rgba(color, 0.07),
-        edgecolor=color,
-        lw=0.8,
-    )
 
 
 STANCE_FIGURES = {

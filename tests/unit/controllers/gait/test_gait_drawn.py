@@ -231,4 +231,4 @@ def test_an_angle_that_only_rounds_to_its_limit_is_shown_with_its_digits():
     made = law.prepare(WalkSettings())
     made.q[5, AXIS_NAMES.index("right_knee")] = math.radians(-1.25e-4)
     with pytest.raises(InfeasibleMotion, match=r"right_knee would be at -0\.000125 deg, outside 0"):
-        law._check(made)
+        law._check(made, 1.0)
