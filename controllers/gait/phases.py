@@ -1,7 +1,7 @@
 """One phase of a motion: what waist and feet do while the path parameter grows from 0 to 1."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from controllers.compiled import PlainNumbers
@@ -60,6 +60,17 @@ class LegPath(PlainNumbers):
         x, y, z = x + xi * dx, y + xi * dy, z + xi * dz
         return hip_in_foot(self.turning, xi, x, y, z) if self.turning.present else (x, y, z)
 
+    def held(self) -> "LegPath":
+        """Return the path of a leg that stays at the start of this one."""
+        its = self.turning
+        return replace(
+            self,
+            travel=(0.0, 0.0, 0.0),
+            lift=0.0,
+            bob=0.0,
+            turning=replace(its, turn=0.0, foot_turn=FLAT, foot_travel=(0.0, 0.0, 0.0)),
+        )
+
     def tangent(self, xi: float) -> Vector:
         """Return the derivative of `at`, m."""
         x, y, z = self.travel
@@ -109,6 +120,9 @@ class GaitPhase(NamedTuple):
     turning : PhaseTurning, optional
         How waist and feet turn, and where the foot goes that does not stand; `step` then counts
         for nothing. None: straight ahead on level ground.
+    only : int, optional
+        The one leg that moves, as if the other were not there; for laws that have each leg on its
+        own.
     """
 
     name: str
@@ -122,10 +136,14 @@ class GaitPhase(NamedTuple):
     bob: float = 0.0
     bob_share: float = 0.15
     turning: PhaseTurning | None = None
+    only: int | None = None
 
     def legs(self, geometry: LegGeometry) -> tuple[LegPath, LegPath]:
         """Return the path of the right and of the left hip from its ankle."""
-        right, left = (self._leg(geometry, leg) for leg in (0, 1))
+        right, left = (
+            path if self.only in (None, leg) else path.held()
+            for leg, path in enumerate(self._leg(geometry, leg) for leg in (0, 1))
+        )
         return right, left
 
     def _leg(self, geometry: LegGeometry, leg: int) -> LegPath:

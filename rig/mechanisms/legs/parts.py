@@ -15,6 +15,7 @@ PARTS = MechanismParts(
         "sc": f"{_LAWS}.laws:LimitedNormLaw",
         "sc-trapezoid": f"{_LAWS}.laws:TrapezoidNormLaw",
         "sc-smooth": f"{_LAWS}.smooth:SmoothLaw",
+        "sc-per-leg": f"{_LAWS}.per_leg:PerLegLaw",
         "min-jerk": f"{_LAWS}.laws:MinimumJerkLaw",
         "clamp": f"{_LAWS}.clamped_and_damped:ClampedLaw",
         "dls": f"{_LAWS}.clamped_and_damped:DampedLaw",

@@ -135,13 +135,13 @@ def test_the_log_goes_on_with_the_plan_only_while_it_is_followed():
     rest = LegsCommand(MID, STILL)
     unplanned = bench.legs.row(state, LegsReference(MID, STILL, False), rest, rest)
     assert len(unplanned) == len(bench.legs.columns)
-    assert unplanned[-17:] == (0.0,) * 17
+    assert unplanned[-26:] == (0.0,) * 26
     bench.legs.motion = bench.motion
     logged = []
     for follow in (False, True, True, False, True):
         row = bench.legs.row(state, LegsReference(MID, STILL, follow), rest, rest)
         assert len(row) == len(bench.legs.columns)
-        logged.append(row[-17:])
+        logged.append(row[-26:])
     assert logged == [bench.motion.sample(k) for k in (0, 0, 1, 2, 2)]
 
 
@@ -154,7 +154,9 @@ def test_the_plans_columns_are_those_of_the_cycle_and_of_the_nearest_one_beyond_
         assert logged[3:9] == tuple(plan.feet[row].ravel().tolist())
         assert logged[9:13] == (*plan.balance.centre[row, :2], *plan.balance.zero_moment[row])
         assert logged[13:15] == (plan.balance.static_margin[row], plan.balance.margin[row])
-        assert logged[15:] == (plan.phase_number[row], plan.path[row])
+        assert logged[15:17] == (plan.phase_number[row], plan.path[row])
+        assert logged[17:24] == (plan.yaw[row], *plan.attitudes[row].ravel())
+        assert logged[24:] == plan.phases[int(plan.phase_number[row])].phase.standing
     assert motion.sample(0) != motion.sample(1)
     assert motion.sample(last) != motion.sample(last - 1)
 

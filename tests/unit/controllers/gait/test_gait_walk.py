@@ -215,7 +215,8 @@ def test_limit_of_a_joint_is_refused_with_joint_and_instant():
     geometry = LegGeometry(max_angle=tuple(map(math.radians, (90, 30, 70, 40, 60, 24))))
     law = InverseLaw(InverseLaw.Settings(), GaitModel(geometry), 5e-3)
     with pytest.raises(
-        InfeasibleMotion, match=r"at \d+\.\d+ s left_knee would be at 56\.\d+ deg, outside 0 … 40"
+        InfeasibleMotion,
+        match=r"at \d+\.\d+ s \(swing left 2\) left_knee would be at 56\.\d+ deg, outside 0 … 40",
     ):
         law.prepare(WalkSettings())
 
