@@ -149,7 +149,7 @@ def _arms():
 
 
 def _legs():
-    for law in ("inverse", "sc", "sc-trapezoid", "min-jerk", "clamp", "dls"):
+    for law in ("inverse", "sc", "sc-trapezoid", "min-jerk", "sc-per-leg", "clamp", "dls"):
         yield Recording(
             f"legs-{law}-squat", f"{law} squats", "legs-squat", "sim",
             (*_BEND, f"controller={law}"), (_STOP,),
@@ -169,6 +169,10 @@ def _legs():
             f"legs-{name}", reason, experiment, "virtual",
             _SHORT if experiment == "legs-walk" else _BEND, events, status,
         )  # fmt: skip
+    yield Recording(
+        "legs-footsteps", "a step round a bend", "legs-footsteps", "virtual", _SHORT,
+        ((4.5, "stop"),),
+    )  # fmt: skip
     yield Recording(
         "legs-can", "drives on two buses", "legs-squat", "virtual", (*_BEND, "rig=legs-can"),
         (_STOP,),
