@@ -13,7 +13,7 @@ from controllers.gait.motions import BobSettings, SquatSettings, WalkSettings
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.minimum_jerk import minimum_jerk
 from drivers.sim.plants.legs import LegsPlant
-from drivers.sim.plants.legs_settings import LegServoSettings, LegsPlantSettings
+from drivers.sim.plants.legs_settings import LegServoSettings, LegsPlantSettings, TerrainBlock
 
 PERIOD = 5e-3
 PULSE = math.radians(1.0 / 209.0)
@@ -316,3 +316,33 @@ def test_robot_slips_on_ice():
     fast = WalkSettings(speed=5.0)
     floor, ice = (Walk("sc-trapezoid", fast, make(floor_friction=mu)) for mu in (0.8, 0.03))
     assert ice.slip > 3.0 * floor.slip
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.2, -0.15])
+def test_terrain_has_its_upper_side_where_the_settings_say(slope):
+    """A ray from above meets it: MuJoCo's own geometry is the oracle."""
+    block = TerrainBlock(start=0.3, length=0.5, height=0.1, slope=slope)
+    plant = make(terrain=(block,))
+    found = np.zeros(1, np.int32)
+    for ahead in (0.02, 0.25, 0.48):
+        top = np.array((0.3 + ahead, 0.4, 1.0))
+        down = mujoco.mj_ray(
+            plant.model, plant.data, top, np.array((0.0, 0.0, -1.0)), None, 1, -1, found
+        )
+        assert plant.model.geom(int(found[0])).name == "terrain_0"
+        assert 1.0 - down == pytest.approx(0.1 + ahead * math.tan(slope), abs=1e-9)
+    before = np.array((0.2, 0.4, 1.0))
+    down = mujoco.mj_ray(
+        plant.model, plant.data, before, np.array((0.0, 0.0, -1.0)), None, 1, -1, found
+    )
+    assert 1.0 - down <= max(0.0, 0.1 - 0.1 * math.tan(slope)) + 1e-9
+
+
+def test_a_slippery_floor_is_slippery_on_its_treads_too():
+    plant = make(terrain=(TerrainBlock(start=0.1, length=0.1, height=0.01),))
+    grounds = [plant.model.geom(name).id for name in ("floor", "terrain_0")]
+    own = plant.model.geom_friction[grounds, 0].copy()
+    plant.inject("floor_slippery", 0.1)
+    assert (plant.model.geom_friction[grounds, 0] == 0.1).all()
+    plant.inject("floor_grips")
+    np.testing.assert_array_equal(plant.model.geom_friction[grounds, 0], own)

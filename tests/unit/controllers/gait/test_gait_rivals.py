@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 from controllers.gait.clamped_and_damped import ClampedLaw, DampedGaitSettings, DampedLaw
+from controllers.gait.footprints import StepNumbers
+from controllers.gait.footsteps import FootstepsSettings
 from controllers.gait.geometry import KNEES, LegGeometry
-from controllers.gait.laws import TrapezoidNormLaw
+from controllers.gait.laws import LimitedNormLaw, LimitedNormSettings, TrapezoidNormLaw
 from controllers.gait.mink_rival import MinkLaw, MinkSettings
 from controllers.gait.motions import WalkSettings
+from controllers.gait.per_leg import PerLegLaw, PerLegSettings
 from controllers.gait.types import BalanceSettings, GaitModel
 from controllers.motion import InfeasibleMotion
 
@@ -62,3 +65,37 @@ def test_mink_says_what_is_not_installed():
         InfeasibleMotion, match=r"needs the package (mink|no_such_solver), which is not installed"
     ):
         MinkLaw(MinkSettings(solver="no_such_solver"), MODEL, 2e-3)
+
+
+def test_legs_on_their_own_tear_the_waist_where_one_system_does_not():
+    model = GaitModel(GEOMETRY, BalanceSettings(min_margin=1e-6, response_time=1.0))
+    one = LimitedNormLaw(LimitedNormSettings(), model, 5e-3).prepare(WalkSettings(landings=2))
+    law = PerLegLaw(PerLegSettings(), model, 5e-3)
+    made = law.prepare(WalkSettings(landings=2))
+    assert one.mismatch() < 1e-9
+    assert 3e-3 < made.mismatch() < 6e-3  # 4.31 mm where the paper's notes have it
+    assert made.peak_rates.max() <= GEOMETRY.max_rate
+    np.testing.assert_allclose(made.q[-1], one.q[-1], atol=1e-9)
+    # Where one leg alone moves nothing is torn.
+    swing = made.phases[1]
+    np.testing.assert_allclose(made.q[swing.first, :6], one.q[swing.first, :6], atol=1e-9)
+
+
+def test_law_of_each_leg_runs_as_it_was_planned():
+    law = PerLegLaw(PerLegSettings(), MODEL, 5e-3)
+    made = law.prepare(FAST)
+    for sample in range(len(made.t)):
+        command = law.update(None, made.at(0.0))
+        np.testing.assert_array_equal(command.positions, made.q[sample])
+
+
+@pytest.mark.parametrize("law", ["damped", "mink", "clamped"])
+def test_rivals_follow_a_walk_that_turns(law):
+    if law == "mink":
+        pytest.importorskip("mink")
+        pytest.importorskip("daqp")
+    kind = {"damped": DampedLaw, "mink": MinkLaw, "clamped": ClampedLaw}[law]
+    walk = FootstepsSettings(numbers=StepNumbers(count=2, turn=0.15), knee_min=0.5)
+    made = kind(kind.Settings(), MODEL, 2e-2).prepare(walk)
+    assert made.mismatch() < 2e-3
+    assert made.off_path < 2e-3
