@@ -92,7 +92,7 @@ class StepNumbers:
 
 @dataclass(frozen=True, slots=True)
 class SteppingSettings(GaitRequest):
-    """How to step, whatever the footprints.
+    """Manner of stepping, whatever the footprints.
 
     Parameters
     ----------

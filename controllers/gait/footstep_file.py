@@ -15,7 +15,7 @@ _TIMES = {"s": 1.0, "ms": 1e-3}
 
 
 class _Quantity(NamedTuple):
-    """What a column may hold: its units, and bounds in the first of them."""
+    """A column's units, with its bounds in the first of them."""
 
     units: dict[str, float]
     low: float

@@ -59,7 +59,7 @@ class PlannedPhase(NamedTuple):
 
 
 class Way(NamedTuple):
-    """Where waist and feet are at each sample.
+    """Places and directions of waist and feet at each sample.
 
     Parameters
     ----------
