@@ -2,10 +2,12 @@
 
 import hashlib
 import sys
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint, entry_points, packages_distributions, version
 from pathlib import Path
 from types import ModuleType
 from typing import Final, TypedDict
+
+from rig.hal.fits import OWN
 
 GROUPS: Final = ("rig.mechanisms", "rig.drivers", "rig.protocols", "rig.additions")
 """Of the entry points by which other packages offer theirs."""
@@ -25,16 +27,50 @@ def plug_ins() -> dict[str, PlugIn]:
     The digest is of all its files, so that a package that was edited in place, under the same
     version, is seen.
     """
-    found: dict[str, PlugIn] = {}
+    return {
+        name: {
+            "distribution": told[0], "version": told[1], "sha256": _digest(sys.modules[name]),
+        }
+        for name, told in _imported().items()
+    }  # fmt: skip
+
+
+def packages_that_take_part() -> tuple[str, ...]:
+    """Return the names of the packages that `plug_ins` tells of."""
+    return tuple(_imported())
+
+
+def note_import(module: str) -> None:
+    """Remember that a row has led to a module, which may be of a package without entry points."""
+    package = module.partition(".")[0]
+    if package not in OWN:
+        _LED_TO.add(package)
+
+
+_LED_TO: Final[set[str]] = set()
+_Told = tuple[str | None, str | None]
+
+
+def _imported() -> dict[str, _Told]:
+    """Return distribution and version of each package that has been imported, by its name."""
+    found: dict[str, _Told] = {}
     for point in _points():
         name = point.module.partition(".")[0]
-        module = sys.modules.get(name)
-        if module is not None and name not in found:
+        if sys.modules.get(name) is not None:
             told = (None, None) if point.dist is None else (point.dist.name, point.dist.version)
-            found[name] = {
-                "distribution": told[0], "version": told[1], "sha256": _digest(module),
-            }  # fmt: skip
+            found.setdefault(name, told)
+    for name in _LED_TO - found.keys():
+        if sys.modules.get(name) is not None:
+            found[name] = _distribution_of(name)
     return dict(sorted(found.items()))
+
+
+def _distribution_of(package: str) -> _Told:
+    try:
+        (name,) = set(packages_distributions().get(package, ()))
+        return name, version(name)
+    except Exception:  # of none, of several, or of one whose files are damaged
+        return None, None
 
 
 def _points() -> list[EntryPoint]:

@@ -296,7 +296,7 @@ def test_no_module_imports_itself_through_others():
 
 def test_frameworks_name_no_mechanism():
     """Neither by import (above) nor by name; a mechanism's row says what it has."""
-    from rig.assembly.registry import MECHANISMS
+    from rig.assembly.offered import MECHANISMS
 
     broken = [
         f"{path.relative_to(ROOT)}:{node.lineno} says {node.value!r}"
@@ -309,7 +309,7 @@ def test_frameworks_name_no_mechanism():
 
 
 def test_every_mechanism_has_the_same_files():
-    from rig.assembly.registry import MECHANISMS
+    from rig.assembly.offered import MECHANISMS
 
     names = (
         "parts", "settings", "mechanism", "references", "measures", "figures", "comparison",

@@ -1,13 +1,7 @@
-"""The names that profiles and experiments may use, and what is behind them.
+"""What profiles and experiments may name, as the loader and the program ask for it."""
 
-Each mechanism, driver and bus protocol is one row here, the path of its `rig.hal.parts`; other
-packages add theirs by entry points (``rig.mechanisms``, ``rig.drivers``, ``rig.protocols``,
-``rig.additions``). No import has a side effect: a row is loaded when somebody asks for it.
-"""
-
-import functools
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar, cast
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar, cast
 
 from rig.assembly.contract_check import (
     check_class,
@@ -16,7 +10,18 @@ from rig.assembly.contract_check import (
     check_settings,
     check_table,
 )
-from rig.assembly.rows import InstalledRows, collect, find_row, load
+from rig.assembly.offered import (
+    additions,
+    additions_to,
+    code_of,
+    codes,
+    drivers,
+    foreign_additions,
+    installed_names,
+    mechanisms,
+    protocols,
+)
+from rig.assembly.rows import load
 from rig.config.named_settings import Kind
 from rig.config.settings import adapter
 from rig.hal import (
@@ -38,26 +43,6 @@ from rig.hal.scene import Scene
 
 Thing = TypeVar("Thing")
 
-MECHANISMS = {
-    "cylinder": "rig.mechanisms.cylinder.parts:PARTS",
-    "joint": "rig.mechanisms.joint.parts:PARTS",
-    "legs": "rig.mechanisms.legs.parts:PARTS",
-    "arm": "rig.mechanisms.arm.parts:PARTS",
-}
-DRIVERS = {
-    "cia401": "drivers.cia401.parts:PARTS",
-    "cia406": "drivers.cia406.parts:PARTS",
-    "cia402": "drivers.cia402.parts:PARTS",
-    "odrive": "drivers.odrive.parts:PARTS",
-    "dynamixel": "drivers.dynamixel.parts:PARTS",
-    "marker-camera": "drivers.marker_camera.parts:PARTS",
-}
-PROTOCOLS = {
-    "canopen": "drivers.canopen.parts:PROTOCOL",
-    "cansimple": "drivers.odrive.parts:PROTOCOL",
-    "dynamixel": "drivers.dynamixel.parts:PROTOCOL",
-}
-
 
 class InstalledParts:
     """Everything that a profile or experiment may name; implements `rig.config.Registry`."""
@@ -66,33 +51,50 @@ class InstalledParts:
 
     def mechanism(self, name: str) -> MechanismParts:
         """Return the row of a mechanism; KeyError if there is none."""
-        found: MechanismParts = find_row(_mechanisms(), name)
-        return found
+        return mechanisms().find(name)
 
     def driver(self, name: str) -> DriverParts:
         """Return the row of a driver; KeyError if there is none."""
-        found: DriverParts = find_row(_drivers(), name)
-        return found
+        return drivers().find(name)
 
     def protocol(self, name: str) -> ProtocolParts:
         """Return the row of what is spoken on a bus; KeyError if there is none."""
-        found: ProtocolParts = find_row(_protocols(), name)
-        return found
+        return protocols().find(name)
+
+    def admit(self, additions: str) -> None:
+        """Let additions of another package take part.
+
+        Raises
+        ------
+        KeyError
+            No package offers any of that name.
+        ConfigurationError
+            They cannot be imported, or two packages have them.
+        """
+        foreign_additions().find(additions)
+
+    def unnamed(self) -> tuple[str, ...]:
+        """Return the additions that packages offer and no file has named, with their packages."""
+        return foreign_additions().unnamed()
 
     def broken(self) -> tuple[str, ...]:
-        """Return why what is installed cannot be used, a sentence each: its names are missing."""
-        found = (_mechanisms(), _drivers(), _protocols(), _foreign_additions())
+        """Return why what a file named cannot be used, a sentence each."""
+        found = (mechanisms(), drivers(), protocols(), foreign_additions())
         return (*(why for rows in found for why in rows.broken.values()), *_TWICE.values())
 
     # Names ----------------------------------------------------------------------------
 
     def names(self, kind: Kind) -> tuple[str, ...]:
-        """Return every name of a kind, sorted."""
-        return tuple(sorted(_code(kind)))
+        """Return every name of a kind, sorted; also those of packages that no file has named."""
+        return installed_names(kind)
+
+    def imported(self, kind: Kind) -> tuple[str, ...]:
+        """Return the names of a kind that are ours, or of a package that a file has named."""
+        return tuple(sorted(codes(kind)))
 
     def settings(self, kind: Kind, name: str) -> type[Any]:
         """Return the settings dataclass of a name; KeyError if there is none."""
-        code = _code_of(kind, name)
+        code = code_of(kind, name)
         path = code.settings or f"{code.path}.Settings"
         found: type[Any] = load(path, f"{kind} {name}: ")
         what = f"{kind} {name}: {path}"
@@ -111,7 +113,7 @@ class InstalledParts:
         ConfigurationError
             It is not what the contract says.
         """
-        path = _code_of(kind, name).path
+        path = code_of(kind, name).path
         found = load(path, f"{kind} {name}: ")
         protocols = _PROTOCOLS_OF.get(kind, ())
         if kind == "controller":
@@ -122,7 +124,7 @@ class InstalledParts:
 
     def hazards(self, plant: str) -> Callable[[Any], tuple[Hazard, ...]] | None:
         """Return what makes the hazards of a plant of a mechanism's settings, if anything does."""
-        for row in _additions():
+        for row in additions():
             if plant in row.plants and (path := row.plants[plant].hazards) is not None:
                 found: Callable[[Any], tuple[Hazard, ...]] = load(path)
                 if not callable(found):
@@ -132,22 +134,22 @@ class InstalledParts:
 
     def plants(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of the plants of a mechanism."""
-        rows = (row for row in _additions() if row.mechanism == mechanism)
+        rows = additions_to(mechanism)
         return tuple(name for row in rows for name in row.plants)
 
     def references(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of the references that a mechanism follows."""
-        rows = (row for row in _additions() if row.mechanism == mechanism)
+        rows = additions_to(mechanism)
         return tuple(name for row in rows for name in row.references)
 
     def is_restorable(self, plant: str) -> bool:
         """Return whether a plant can be taken back to where it was."""
-        rows = [row.plants[plant] for row in _additions() if plant in row.plants]
+        rows = [row.plants[plant] for row in additions() if plant in row.plants]
         return any(row.is_restorable for row in rows)
 
     def lends_kernel(self, plant: str) -> bool:
         """Return whether a plant lends its kernel to loops that are compiled as a whole."""
-        rows = [row.plants[plant] for row in _additions() if plant in row.plants]
+        rows = [row.plants[plant] for row in additions() if plant in row.plants]
         return any(row.lends_kernel for row in rows)
 
     def bench(self, mechanism: str) -> type[TuningBench] | None:
@@ -202,12 +204,12 @@ class InstalledParts:
 
     def own_measures(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of one mechanism's measures."""
-        rows = [row for row in _additions() if row.mechanism == mechanism]
+        rows = additions_to(mechanism)
         return tuple(name for row in rows for path in row.measures for name in load(path))
 
     def reported(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of the measures that every run of a mechanism reports."""
-        return tuple(n for row in _additions() if row.mechanism == mechanism for n in row.reported)
+        return tuple(name for row in additions_to(mechanism) for name in row.reported)
 
     def figures(self, mechanism: str | None, kind: type[Thing]) -> Mapping[str, Thing]:
         """Return every mechanism's figures by name, which are `rig.report.figure.FigureKind`."""
@@ -215,15 +217,14 @@ class InstalledParts:
 
     def own_figures(self, mechanism: str) -> tuple[str, ...]:
         """Return the names of one mechanism's figures."""
-        rows = [row for row in _additions() if row.mechanism == mechanism]
+        rows = additions_to(mechanism)
         return tuple(name for row in rows for path in row.figures for name in load(path))
 
     def comparisons(self, mechanism: str | None, kind: type[Thing]) -> tuple[Thing, ...]:
         """Return a mechanism's comparisons, or everybody's; the most particular first."""
         return tuple(
             check_kind(f"comparison: {path}", load(path), kind)
-            for row in reversed(_additions())
-            if mechanism is None or row.mechanism == mechanism
+            for row in reversed(additions() if mechanism is None else additions_to(mechanism))
             for path in row.comparisons
         )
 
@@ -231,96 +232,9 @@ class InstalledParts:
         """Return a mechanism's procedures by path, in the order they build on each other."""
         return {
             path: _made_procedure(path, protocol)
-            for row in _additions()
-            if row.mechanism == mechanism
+            for row in additions_to(mechanism)
             for path in row.procedures
         }
-
-
-# Rows -----------------------------------------------------------------------------------
-
-
-_TWICE: dict[str, str] = {}
-"""Measures and figures that two packages have for one mechanism, and which they are."""
-
-
-# Looked up once: what is installed does not change while a program runs.
-@functools.cache
-def _mechanisms() -> InstalledRows:
-    return collect(MECHANISMS, "rig.mechanisms", MechanismParts)
-
-
-@functools.cache
-def _drivers() -> InstalledRows:
-    return collect(DRIVERS, "rig.drivers", DriverParts)
-
-
-@functools.cache
-def _protocols() -> InstalledRows:
-    return collect(PROTOCOLS, "rig.protocols", ProtocolParts)
-
-
-@functools.cache
-def _additions() -> tuple[Additions, ...]:
-    """Return what is known of every mechanism: its own row first, then what others add to it."""
-    return (*_mechanisms().rows.values(), *_foreign_additions().rows.values())
-
-
-@functools.cache
-def _foreign_additions() -> InstalledRows:
-    return collect({}, "rig.additions", Additions)
-
-
-# Code behind names ----------------------------------------------------------------------
-
-
-class _Code(NamedTuple):
-    """The place of the code behind a name, and of its settings where they are apart from it."""
-
-    path: str
-    settings: str | None
-
-
-def _code_of(kind: Kind, name: str) -> _Code:
-    try:
-        first, *others = _code(kind)[name]
-    except KeyError:
-        for found in _ROWS_OF.get(kind, ()):
-            find_row(found(), name)  # an installed row that is broken says why
-        raise
-    for other in others:  # said where the name is used: it is no concern of other rigs
-        raise ConfigurationError(
-            f"two packages have a {kind} {name!r}: {first.path} and {other.path}"
-        )
-    return first
-
-
-@functools.cache
-def _code(kind: Kind) -> Mapping[str, list[_Code]]:
-    """Return what is behind each name; it is one thing, if no two packages took the name."""
-    found: dict[str, list[_Code]] = {}
-    for name, code in _CODE_OF[kind]():
-        if code not in found.setdefault(name, []):
-            found[name].append(code)
-    return found
-
-
-def _controllers() -> Iterator[tuple[str, _Code]]:
-    for row in _additions():
-        for name, path in row.controllers.items():
-            yield f"{row.mechanism}/{name}", _Code(path, None)
-
-
-def _plants() -> Iterator[tuple[str, _Code]]:
-    for row in _additions():
-        for name, model in row.plants.items():
-            yield name, _Code(model.plant, model.settings)
-
-
-def _references() -> Iterator[tuple[str, _Code]]:
-    for row in _additions():
-        for name, path in row.references.items():
-            yield name, _Code(path, path)
 
 
 _PROTOCOLS_OF: dict[Kind, tuple[type, ...]] = {
@@ -335,25 +249,8 @@ _SETTINGS_OF: dict[Kind, type] = {
     "bus": BusSettings,
     "plant": PhysicsSettings,
 }
-_ROWS_OF: dict[Kind, Sequence[Callable[[], InstalledRows]]] = {
-    "mechanism": (_mechanisms,),
-    "driver": (_drivers,),
-    "bus": (_protocols,),
-}
-_CODE_OF: dict[Kind, Callable[[], Iterator[tuple[str, _Code]]]] = {
-    "mechanism": lambda: (
-        (name, _Code(row.view, row.settings)) for name, row in _mechanisms().rows.items()
-    ),
-    "driver": lambda: (
-        (name, _Code(row.device, row.settings)) for name, row in _drivers().rows.items()
-    ),
-    "bus": lambda: (
-        (name, _Code(row.bus, row.settings)) for name, row in _protocols().rows.items()
-    ),
-    "controller": _controllers,
-    "plant": _plants,
-    "reference": _references,
-}
+_TWICE: dict[str, str] = {}
+"""Measures and figures that two packages have for one mechanism, and which they are."""
 
 
 def _merged(
@@ -370,7 +267,9 @@ def _merged(
     """
     found: dict[str, Thing] = {}
     own: dict[str, str] = {}
-    for row in _additions():
+    if mechanism is not None:
+        additions_to(mechanism)
+    for row in additions():
         for path in paths_of(row):
             for name, thing in check_table(f"{kind}s: {path}", load(path), type_of).items():
                 if row.mechanism != mechanism:

@@ -3,13 +3,14 @@
 import importlib
 from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 from rig.assembly.contract_check import check_row
 from rig.hal import ConfigurationError
 from rig.hal.parts import Additions, DriverParts, ProtocolParts
+from rig.plug_ins import note_import
 
-Row = TypeVar("Row", Additions, DriverParts, ProtocolParts)
+Row = TypeVar("Row", bound=Additions | DriverParts | ProtocolParts)
 
 
 def load(path: object, what: str = "") -> Any:
@@ -23,6 +24,7 @@ def load(path: object, what: str = "") -> Any:
     if not isinstance(path, str):
         raise ConfigurationError(f"{path!r} stands in a row where a path, 'module:name', belongs")
     module, _, name = path.partition(":")
+    note_import(module)
     try:
         found: object = importlib.import_module(module)
         for part in name.split("."):
@@ -32,45 +34,91 @@ def load(path: object, what: str = "") -> Any:
     return found
 
 
-class InstalledRows(NamedTuple):
-    """Rows of one kind by name, and why others that are installed cannot be used."""
+class InstalledRows(Generic[Row]):
+    """Rows of one kind: our own, and those of other packages, whose code runs when it is named.
 
-    rows: dict[str, Any]
-    broken: dict[str, str]
+    What is installed is read off the packages' metadata, which runs nothing.
 
+    Parameters
+    ----------
+    own : mapping of str to str
+        Paths of our own rows by name.
+    group : str
+        Of the entry points by which other packages offer theirs.
+    kind : type
+        What a row must be.
+    """
 
-def find_row(found: InstalledRows, name: str) -> Any:
-    """Return a row; a name that two packages took is nobody's, and fails where it is used."""
-    if name in found.broken:
-        raise ConfigurationError(found.broken[name])
-    return found.rows[name]
-
-
-def collect(own: Mapping[str, str], group: str, kind: type[Row]) -> InstalledRows:
-    """Return the rows of a kind: our own, and those of the entry points of a group."""
-    found = InstalledRows({name: load(path) for name, path in own.items()}, {})
-    takers = {name: f"this program ({path})" for name, path in own.items()}
-    try:
-        points = tuple(entry_points(group=group))
-    except Exception as error:  # a file of some package that is none
-        found.broken[group] = f"the entry points of an installed package cannot be read: {error}"
-        return found
-    for point in points:
-        # Nobody uses the name of an addition: two packages may well have the same.
-        name = f"{point.name} ({point.value})" if kind is Additions else point.name
+    def __init__(self, own: Mapping[str, str], group: str, kind: type[Row]) -> None:
+        self._own, self._kind = own, kind
+        self._points: dict[str, list[EntryPoint]] = {}
+        self._named: dict[str, Row] = {}
+        self.broken: dict[str, str] = {}
+        """Why what is installed and was asked for cannot be used, by name."""
         try:
-            row = _loaded(point, kind)
+            points = tuple(entry_points(group=group))
+        except Exception as error:  # a file of some package that is none
+            points = ()
+            why = f"the entry points of an installed package cannot be read: {error}"
+            self.broken[group] = why
+        for point in points:
+            self._points.setdefault(point.name, []).append(point)
+
+    def names(self) -> tuple[str, ...]:
+        """Return every name, also of what nobody has named yet; not those that two have taken."""
+        names = dict.fromkeys((*self._own, *self._points))
+        return tuple(name for name in names if len(self._takers(name)) == 1)
+
+    def find(self, name: str) -> Row:
+        """Return a row, which is imported if it is the first time that it is asked for.
+
+        Raises
+        ------
+        KeyError
+            There is none of that name.
+        ConfigurationError
+            It cannot be imported or is none; or two packages took the name, which is nobody's.
+        """
+        if name in self.broken:
+            raise ConfigurationError(self.broken[name])
+        if name not in self._named:
+            self._named[name] = self._imported(name)
+        return self._named[name]
+
+    def imported(self) -> Mapping[str, Row]:
+        """Return our own rows, and those of others that were asked for."""
+        for name in self._own:
+            if len(self._takers(name)) == 1:
+                self.find(name)
+        return {name: row for name, row in self._named.items() if name not in self.broken}
+
+    def unnamed(self) -> tuple[str, ...]:
+        """Return what other packages offer and nobody has asked for: each name, and whose it is."""
+        return tuple(
+            f"{name} of {_package(points[0])}"
+            for name, points in sorted(self._points.items())
+            if name not in self._named
+        )
+
+    def _takers(self, name: str) -> list[str]:
+        own = [f"this program ({self._own[name]})"] if name in self._own else []
+        return [*own, *map(_whose, self._points.get(name, ()))]
+
+    def _imported(self, name: str) -> Row:
+        takers = self._takers(name)
+        if not takers:
+            raise KeyError(name)
+        try:
+            if len(takers) > 1:
+                who = ", and by ".join(takers)
+                raise ConfigurationError(f"the name {name!r} is taken twice: by {who}")
+            if name in self._own:
+                row: Row = load(self._own[name])
+                return row
+            return _loaded(self._points[name][0], self._kind)
         except ConfigurationError as error:
-            found.broken[name] = str(error)
-            continue
-        if name in takers:
-            found.rows.pop(name, None)
-            found.broken[name] = (
-                f"the name {name!r} is taken twice: by {takers[name]}, and by {_whose(point)}"
-            )
-        else:
-            found.rows[name], takers[name] = row, _whose(point)
-    return found
+            self.broken[name] = str(error)
+            raise
 
 
 def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
@@ -87,5 +135,8 @@ def _loaded(point: EntryPoint, kind: type[Row]) -> Row:
 
 
 def _whose(point: EntryPoint) -> str:
-    package = "a package" if point.dist is None else f"the package {point.dist.name}"
-    return f"{package} (entry point {point.name!r} of {point.group})"
+    return f"{_package(point)} (entry point {point.name!r} of {point.group})"
+
+
+def _package(point: EntryPoint) -> str:
+    return "a package" if point.dist is None else f"the package {point.dist.name}"

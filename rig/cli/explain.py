@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.names import (
+    complete_rig,
+    complete_run,
+    configs_option,
+    json_option,
+    runs_option,
+)
 from rig.cli.tables import print_data
 from rig.run_names import LATEST, find_run
 
@@ -26,13 +32,23 @@ _WIDTH = 96
 @click.command()
 @click.argument("word", default=LATEST, shell_complete=complete_run)
 @runs_option
+@click.option(
+    "--rig", "rig", metavar="PROFILE", shell_complete=complete_rig,
+    help="Also what the packages of others say that this profile names.",
+)  # fmt: skip
+@configs_option
 @json_option
-def explain(word: str, runs: Path, as_json: bool) -> int:
+def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_json: bool) -> int:
     """Say what WORD means, or why a run stopped and what to do; default: the newest run.
 
     WORD is a key of a profile or experiment (`loop.rate`, or `rate` alone), a measure, a law, a
     command, an exit code, a kind of fault, a message of this program in quotes, or a run.
     """
+    if rig is not None:
+        from rig.assembly import REGISTRY
+        from rig.config import find_configs, load_profile
+
+        load_profile(rig, REGISTRY, (), find_configs(configs))
     told = _explain(word, runs)
     if as_json:
         print_data(json.dumps([{"label": label, "text": text} for label, text in told], indent=2))

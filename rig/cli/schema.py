@@ -3,23 +3,41 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import click
 
-from rig.cli.tables import print_data
+from rig.cli.names import complete_rig, configs_option
+from rig.cli.tables import print_data, visible
 
 
 @click.command()
 @click.argument("kind", type=click.Choice(["profile", "experiment"]))
-def schema(kind: str) -> int:
+@click.argument("rig", required=False, shell_complete=complete_rig)
+@configs_option
+def schema(kind: str, rig: str | None, configs: Path | None) -> int:
     """Print the JSON Schema of a profile or an experiment.
+
+    What packages of others offer is in it if RIG's profile names it: code of theirs runs for no
+    other.
 
     Save it and name it in the file's first line, for editors with a YAML language server:
     `# yaml-language-server: $schema=profile.schema.json`.
     """
     from rig.assembly.registry import REGISTRY
-    from rig.config import experiment_schema, profile_schema
+    from rig.config import (
+        ProfileError,
+        experiment_schema,
+        find_configs,
+        load_profile,
+        profile_schema,
+    )
 
+    if rig is not None:
+        try:
+            load_profile(rig, REGISTRY, (), find_configs(configs))
+        except ProfileError as error:  # it is being written
+            click.echo(visible(f"{rig} is not valid yet: {error}"), err=True)
     made = profile_schema(REGISTRY) if kind == "profile" else experiment_schema(REGISTRY)
     print_data(json.dumps(made, indent=2, ensure_ascii=False))
     return 0

@@ -8,7 +8,7 @@ from rig.config.models import Settings
 from rig.config.named_settings import Kind, Registry
 from rig.config.names import is_name
 from rig.config.settings import build
-from rig.hal import BusSettings
+from rig.hal import BusSettings, ConfigurationError
 
 T = TypeVar("T")
 
@@ -85,8 +85,35 @@ class Sections:
             hint = nearest(name, self.registry.names(kind)) or ""
             if not hint.startswith("did you mean"):
                 hint = f"is the package installed that it is of? {hint}".strip()
-            self.problems.add(node.mark, f"no {kind} is called {shown(name)}", hint)
+            message = f"no {kind} is called {shown(name)}"
+            self.problems.add(node.mark, message, self.hint_of_additions(hint))
             return None
+
+    def admit_additions(self) -> None:
+        """Let the additions of other packages take part that the file names."""
+        node = self.root.get("additions")
+        if node is None or not isinstance(node.value, list):  # which is said when it is built
+            return
+        for entry in node.value:
+            if not isinstance(entry.value, str):
+                continue
+            try:
+                self.registry.admit(entry.value)
+            except KeyError:
+                installed = ", ".join(self.registry.unnamed())
+                hint = f"there are {installed}" if installed else "no installed package offers any"
+                message = f"no additions are called {shown(entry.value)}"
+                self.problems.add(entry.mark, message, hint)
+            except ConfigurationError as error:
+                self.problems.add(entry.mark, str(error))
+
+    def hint_of_additions(self, hint: str | None) -> str | None:
+        """Return a hint for a name that there is not: it may be of additions, which are named."""
+        unnamed = ", ".join(self.registry.unnamed())
+        if not unnamed:
+            return hint
+        more = f"a profile's additions: [NAME] lets a package take part: {unnamed}"
+        return more if hint is None else f"{hint}; {more}"
 
     def chosen(
         self, kind: Kind, node: Node, key: str, default: str | None = None

@@ -51,6 +51,18 @@ def load_document(
     return _load(path, folder, search, problems, ())
 
 
+def name_under(
+    key: str, source: str | Path, folder: Folder, search: Sequence[Path] = ()
+) -> str | None:
+    """Return what a file says under a key, if it is a text, however wrong the rest of it is."""
+    try:
+        root = load_document(find_file(source, folder, search), folder, search, Problems()).root
+    except ConfigurationError:
+        return None
+    node = root.get(key)
+    return node.value if node is not None and isinstance(node.value, str) else None
+
+
 def _load(
     path: Path, folder: Folder, search: Sequence[Path], problems: Problems, chain: tuple[Path, ...]
 ) -> Document:

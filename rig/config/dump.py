@@ -70,6 +70,7 @@ def _profile(profile: Profile) -> dict[str, Plain]:
         "name": profile.name,
         "description": profile.description,
         "mechanism": profile.mechanism,
+        **({"additions": list(profile.additions)} if profile.additions else {}),
         "loop": as_plain(profile.loop),
         "buses": as_plain(profile.buses),
         "devices": {name: _device(name, entry) for name, entry in profile.devices.items()},

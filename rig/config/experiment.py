@@ -1,5 +1,6 @@
 """Load an experiment and the options over it."""
 
+import contextlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from rig.config.diagnostics import Problems, nearest, shown
 from rig.config.document import (
     apply_overrides,
     load_document,
+    name_under,
     parse_overrides,
     with_plain_quantities,
 )
@@ -99,6 +101,7 @@ def load_experiment(
         for option in parse_overrides(overrides, problems)
     ]
     root = apply_overrides(_with_controller(document.root, problems), options, problems)
+    _admit_rig(root, registry, search)
     sections = Sections(root, EXPERIMENT_KEYS, registry, problems)
     reference_node = sections.take("reference", required=True)
     reference = (
@@ -127,15 +130,20 @@ def load_experiment(
     )
 
 
+def _admit_rig(root: Node, registry: Registry, search: Sequence[Path]) -> None:
+    """Let take part what the experiment's rig names, if it names a law or path that is not ours."""
+    reference = root.descend(("reference", "kind"))[0].value
+    law = root.descend(("controller",))[0].value
+    rig = root.descend(("rig",))[0].value
+    known = reference in registry.names("reference") and law in controller_names(registry)
+    if isinstance(rig, str) and not known:
+        with contextlib.suppress(ConfigurationError):  # said when the profile itself is loaded
+            load_profile(rig, registry, search=search)
+
+
 def rig_of(source: str | Path, search: Sequence[Path] = ()) -> str | None:
     """Return the rig that an experiment's file names, however wrong the rest of it is."""
-    try:
-        root = load_document(find_file(source, "experiments", search), "experiments", search,
-                             Problems()).root  # fmt: skip
-    except ConfigurationError:
-        return None
-    rig = root.get("rig")
-    return rig.value if rig is not None and isinstance(rig.value, str) else None
+    return name_under("rig", source, "experiments", search)
 
 
 def _with_controller(root: Node, problems: Problems) -> Node:

@@ -216,6 +216,9 @@ class Profile:
         What `rig tune` has laid over controllers' settings, by name; no part of its value.
     places : dict
         Where each key stands, ``file:line:column``, by its dotted name; no part of its value.
+    additions : tuple of str
+        What other packages add to the mechanism, by the names of their entry points: nothing of
+        theirs is imported that a profile does not name.
     """
 
     name: str
@@ -233,6 +236,7 @@ class Profile:
     uncalibrated: object = None
     tunings: dict[str, Calibration] = field(default_factory=dict, compare=False)
     places: dict[str, str] = field(default_factory=dict, compare=False, repr=False)
+    additions: tuple[str, ...] = ()
 
     @property
     def nominal_settings(self) -> Settings:

@@ -13,7 +13,24 @@ class Registry(Protocol):
     """
 
     def names(self, kind: Kind) -> tuple[str, ...]:
-        """Return every name of a kind, sorted."""
+        """Return every name of a kind, sorted; also of code that no file has named yet."""
+
+    def imported(self, kind: Kind) -> tuple[str, ...]:
+        """Return the names of a kind whose settings may be asked for: ours, and what was named."""
+
+    def admit(self, additions: str) -> None:
+        """Let additions of another package take part, which a profile names.
+
+        Raises
+        ------
+        KeyError
+            No package offers any of that name.
+        ConfigurationError
+            They cannot be used.
+        """
+
+    def unnamed(self) -> tuple[str, ...]:
+        """Return the additions that packages offer and no file has named."""
 
     def settings(self, kind: Kind, name: str) -> type[object]:
         """Return the settings dataclass of a name.

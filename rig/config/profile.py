@@ -37,7 +37,7 @@ from rig.config.simulation_models import SimulationSettings
 
 PROFILE_KEYS: Final = (
     "extends", "name", "description", "mechanism", "loop", "buses", "devices", "controllers",
-    "plant", "simulation", "calibration",
+    "plant", "simulation", "calibration", "additions",
 )  # fmt: skip
 """Top-level keys of a profile, besides the one that its mechanism's name makes."""
 
@@ -63,6 +63,9 @@ class ProfileHead:
         Default: the name of the file.
     description : str
         One sentence for people.
+    additions : tuple of str
+        What packages of others add to the mechanism, by the names of their entry points; code of
+        theirs runs for no profile that does not name it.
     simulation : SimulationSettings
         The simulated world around the plant.
     """
@@ -71,6 +74,7 @@ class ProfileHead:
     loop: LoopSettings
     name: str = ""
     description: str = ""
+    additions: tuple[str, ...] = ()
     simulation: SimulationSettings = field(default_factory=SimulationSettings)
 
 
@@ -226,6 +230,7 @@ class _Reader(Sections):
 
     def read(self, name: str, files: tuple[Path, ...]) -> Profile | None:
         """Read every section, so that every error is found; None if there is one."""
+        self.admit_additions()
         mechanism_settings, calibration, uncalibrated = self._mechanism()
         bus_nodes, device_nodes = self.named("buses"), self.named("devices")
         buses = {bus: self.bus(node, DEFAULT_PROTOCOL) for bus, node in bus_nodes.items()}
@@ -258,6 +263,7 @@ class _Reader(Sections):
             calibration=calibration,
             uncalibrated=uncalibrated,
             places=dict(places_of(self.root)),
+            additions=head.additions,
             tunings={
                 name.removeprefix(TUNED): calibration
                 for name, calibration in self._calibrations.items()
@@ -293,7 +299,7 @@ class _Reader(Sections):
         known = controller_names(self.registry, scope)
         if name not in known:
             message = f"no controller is called {shown(name)}"
-            self.problems.add(node.heading, message, nearest(name, known))
+            self.problems.add(node.heading, message, self.hint_of_additions(nearest(name, known)))
             return None
         key = name if scope is None else controller_key(self.registry, scope, name)
         try:

@@ -40,10 +40,10 @@ def profile_schema(registry: Registry) -> Schema:
     dict
         JSON Schema, draft 2020-12. Where a file extends another, no key is required.
     """
-    mechanisms = registry.names("mechanism")
+    mechanisms = registry.imported("mechanism")
     device = {**entries_of(DeviceHead), "calibration": NotRequired[_Wish]}
     alike: dict[str, list[object]] = {}
-    for name in registry.names("controller"):
+    for name in registry.imported("controller"):
         settings = annotation(registry.settings("controller", name))
         alike.setdefault(name.rpartition("/")[2], []).append(settings)
     controllers = {name: NotRequired[reduce(or_, kinds)] for name, kinds in alike.items()}
@@ -93,7 +93,7 @@ def experiment_schema(registry: Registry) -> Schema:
 def _own_parts(registry: Registry, mechanism: str) -> Schema:
     """Return what a profile of a mechanism has: its own section, and laws of its own only."""
     laws = controller_names(registry, mechanism)
-    others = [name for name in registry.names("mechanism") if name != mechanism]
+    others = [name for name in registry.imported("mechanism") if name != mechanism]
     return {
         "if": {"properties": {"mechanism": {"const": mechanism}}, "required": ["mechanism"]},
         "then": {
@@ -108,7 +108,7 @@ def _own_parts(registry: Registry, mechanism: str) -> Schema:
 def _laws_of_references(registry: Registry) -> list[Schema]:
     """Return which laws follow each reference: those of the mechanisms that have it."""
     laws: dict[str, set[str]] = {}
-    for mechanism in registry.names("mechanism"):
+    for mechanism in registry.imported("mechanism"):
         for reference in registry.references(mechanism):
             laws.setdefault(reference, set()).update(controller_names(registry, mechanism))
     return [
@@ -150,7 +150,7 @@ def _alternatives(registry: Registry, kind: Kind, key: str, common: Entries) -> 
                 **entries_of(registry.settings(kind, name)),
             },
         )
-        for name in registry.names(kind)
+        for name in registry.imported(kind)
     ]
     return reduce(or_, made) if made else dict[str, object]
 

@@ -48,6 +48,7 @@ class Evaluation(TypedDict, total=False):
     """The content of ``evaluation.json``: what is needed beside a log to judge and draw it."""
 
     mechanism: str | None
+    additions: list[str]
     constants: dict[str, float]
     figures: list[str]
     facts: dict[str, FactEntry]
@@ -287,10 +288,12 @@ def evaluation_as_json(
     facts: Mapping[str, Fact] | None = None,
     mechanism: str | None = None,
     constants: Mapping[str, float] | None = None,
+    additions: Sequence[str] = (),
 ) -> Evaluation:
     """Return what is needed beside the log to judge and draw it, for ``evaluation.json``."""
     return {
         "mechanism": mechanism,
+        **({"additions": list(additions)} if additions else {}),
         "constants": dict(constants or {}),
         "figures": list(figures),
         "facts": {

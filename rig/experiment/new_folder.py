@@ -77,6 +77,7 @@ def write_evaluation(plan: Plan, folder: RunFolder) -> None:
         plan.motion.facts,
         plan.profile.mechanism,
         constants_of(plan.profile),
+        plan.profile.additions,
     )
     folder.write_json(EVALUATION, content)
 

@@ -1,6 +1,8 @@
 """An experiment with its profile, checked as a whole before anything is opened."""
 
+import contextlib
 import difflib
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
@@ -85,12 +87,20 @@ def load_plan(
     for_experiment, for_profile = split_overrides(overrides)
     if rig is not None:
         for_experiment = [*for_experiment, f"rig={rig}"]
+    admit_options(for_profile, rig or rig_of(experiment, search), search)
     try:
         loaded = load_experiment(experiment, REGISTRY, for_experiment, search)
     except ProfileError as error:
         raise _with_errors_of_profile(error, rig or rig_of(experiment, search), search) from error
     profile = load_profile(loaded.rig, REGISTRY, for_profile, search)
     return make_plan(loaded, profile)
+
+
+def admit_options(options: Sequence[str], rig: str | None, search: Sequence[Path]) -> None:
+    """Let take part the packages that options of a profile name: an experiment may need them."""
+    if rig is not None and any(re.match(r"\s*additions\b", option) for option in options):
+        with contextlib.suppress(ConfigurationError):  # said when the profile itself is loaded
+            load_profile(rig, REGISTRY, options, search)
 
 
 def _with_errors_of_profile(

@@ -55,7 +55,7 @@ def exit_codes() -> Iterator[Word]:
 
 def _profile_keys() -> Iterator[Word]:
     yield from _keys(PROFILE, "", "", ProfileHead)
-    for name in REGISTRY.names("mechanism"):
+    for name in REGISTRY.imported("mechanism"):
         yield from _keys(PROFILE, name, name, REGISTRY.settings("mechanism", name))
     yield from _keys(PROFILE, "devices.NAME", "", DeviceHead)
     sections: dict[Kind, str] = {
@@ -64,22 +64,22 @@ def _profile_keys() -> Iterator[Word]:
         "plant": "plant",
     }
     for kind, section in sections.items():
-        for name in REGISTRY.names(kind):
+        for name in REGISTRY.imported(kind):
             yield from _keys(PROFILE, section, name, REGISTRY.settings(kind, name))
-    for name in REGISTRY.names("controller"):
+    for name in REGISTRY.imported("controller"):
         law = name.rpartition("/")[2]
         yield from _keys(PROFILE, f"controllers.{law}", name, REGISTRY.settings("controller", name))
 
 
 def _experiment_keys() -> Iterator[Word]:
     yield from _keys(EXPERIMENT, "", "", ExperimentHead)
-    for name in REGISTRY.names("reference"):
+    for name in REGISTRY.imported("reference"):
         yield from _keys(EXPERIMENT, "reference", name, REGISTRY.settings("reference", name))
     yield from _keys(EXPERIMENT, "metrics.NAME", "", MetricSpec)
 
 
 def _measures() -> Iterator[Word]:
-    for mechanism in REGISTRY.names("mechanism"):
+    for mechanism in REGISTRY.imported("mechanism"):
         measures = REGISTRY.measures(mechanism, Measure)
         for name in REGISTRY.own_measures(mechanism):
             measure = measures[name]
@@ -88,7 +88,7 @@ def _measures() -> Iterator[Word]:
 
 
 def _laws() -> Iterator[Word]:
-    for name in REGISTRY.names("controller"):
+    for name in REGISTRY.imported("controller"):
         mechanism, _, law = name.rpartition("/")
         text = inspect.getdoc(REGISTRY.load("controller", name)) or ""
         yield Word(law, LAW, mechanism, " ".join(text.partition("\n\n")[0].split()))

@@ -9,7 +9,9 @@ from typing import cast
 from rig.assembly import REGISTRY, Backend, Rig
 from rig.calibration.catalogue import procedures
 from rig.calibration.recording import RigLacks
-from rig.config import Profile, find_configs, find_file, list_files, load_experiment, load_profile
+from rig.config import Profile, find_configs, find_file, list_files, load_profile
+from rig.config.document import name_under
+from rig.config.experiment import rig_of
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
 from rig.experiment.watcher import Watcher
@@ -52,17 +54,14 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     """
     search = find_configs(configs)
     find_file(rig, "rigs", search)  # an unknown rig is not one without experiments
-    rigs = {
-        n: load_experiment(n, REGISTRY, [], search).rig for n in list_files("experiments", search)
-    }
+    # Their files are read and no more: of what other rigs name nothing runs.
+    rigs = {name: rig_of(name, search) for name in list_files("experiments", search)}
     found = tuple(name for name, own in rigs.items() if own == rig)
     if not found:  # then what its mechanism does on another rig
         mechanism = load_profile(rig, REGISTRY, [], search).mechanism
-        alike = {
-            own: load_profile(own, REGISTRY, [], search).mechanism == mechanism
-            for own in set(rigs.values())
-        }
-        found = tuple(name for name, own in rigs.items() if alike[own])
+        named = {own for own in rigs.values() if own is not None}
+        alike = {own for own in named if name_under("mechanism", own, "rigs", search) == mechanism}
+        found = tuple(name for name, own in rigs.items() if own in alike)
     if not found:
         raise ConfigurationError(f"no experiment runs on {rig}: nothing to break it in")
     return found

@@ -3,7 +3,8 @@
 A row names things by their path, ``"module:name"``, which is imported when the thing is used: a
 row itself costs nothing, so `rig list` stays fast. Another package offers its rows by entry
 points in the groups ``rig.mechanisms``, ``rig.drivers``, ``rig.protocols`` and ``rig.additions``;
-the entry point's name is the name that profiles use.
+the entry point's name is the name that profiles use. Nothing of a package is imported that no
+profile names: additions stand in its list ``additions``.
 """
 
 from collections.abc import Mapping

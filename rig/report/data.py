@@ -1,5 +1,6 @@
 """A run as figures and reports see it: everything comes from its folder."""
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rig.assembly import REGISTRY
 from rig.config.calibration import HARDWARE
 from rig.config.yaml_loader import read_plain
 from rig.experiment.measure import PHASE_RUN
@@ -101,8 +103,15 @@ class RunData:
 
 
 def mechanism_of(folder: RunFolder) -> str | None:
-    """Return the mechanism of the rig that a run was recorded on; None if it is not noted."""
-    return folder.read_json(EVALUATION, Evaluation).get("mechanism")
+    """Return the mechanism of the rig that a run was recorded on; None if it is not noted.
+
+    The additions that the run's profile named may take part from now on.
+    """
+    evaluation = folder.read_json(EVALUATION, Evaluation)
+    for name in evaluation.get("additions", ()):
+        with contextlib.suppress(KeyError, ConfigurationError):  # it is not installed here
+            REGISTRY.admit(name)
+    return evaluation.get("mechanism")
 
 
 def origin_of(folder: RunFolder) -> str:

@@ -25,6 +25,7 @@ _PROFILE: Final = {
     "controller": """\
 extends: cylinder
 description: The pair of cylinders, with a law of our own beside the others
+additions: [{0}-for-cylinder]   # without it no code of your package runs
 controllers:
   {0}:                      # the settings of your law
     proportional: 1e8 Pa/m

@@ -4,7 +4,7 @@ import contextlib
 import hashlib
 import importlib
 import importlib.util
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -49,9 +49,17 @@ def code_version() -> CodeVersion:
     return CodeVersion(hashlib.sha256(text.encode()).hexdigest(), files)
 
 
-def import_all() -> None:
-    """Import everything that a run might: what is edited afterwards changes nothing."""
+def import_all(packages: Collection[str]) -> None:
+    """Import everything that a run might: what is edited afterwards changes nothing.
+
+    Parameters
+    ----------
+    packages : collection of str
+        Those of others that take part; no other is imported.
+    """
     for name, folder in _packages():
+        if name not in (*OURS, *packages):
+            continue
         for path in sorted(folder.rglob("*.py")):
             parts = path.relative_to(folder).with_suffix("").parts
             module = ".".join((name, *parts)).removesuffix(".__init__")

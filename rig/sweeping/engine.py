@@ -25,11 +25,14 @@ class WorkerSetup(NamedTuple):
         The version of the code that they have to run; empty if it does not matter.
     log : Path or None
         Takes what workers write to their standard error.
+    packages : tuple of str
+        Those of others whose code takes part, since the profile names it.
     """
 
     perform: str = PERFORM
     code: str = ""
     log: Path | None = None
+    packages: tuple[str, ...] = ()
 
 
 class PointReport(NamedTuple):

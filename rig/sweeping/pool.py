@@ -9,6 +9,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Final
 
+from rig.plug_ins import packages_that_take_part
 from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.point import PointJob
@@ -108,7 +109,7 @@ def _start(setup: WorkerSetup) -> tuple["subprocess.Popen[bytes]", socket.socket
     with theirs:
         process = _start_server(theirs.fileno(), environment)
     with contextlib.suppress(OSError):
-        send_setup(ours, setup)
+        send_setup(ours, setup._replace(packages=packages_that_take_part()))
     answer = ours.recv(4096)
     if answer != READY:
         ours.close()

@@ -29,7 +29,7 @@ def main(descriptor: int) -> None:
     control = socket.socket(fileno=descriptor)
     setup = receive_setup(control)
     _speak_into(setup.log)
-    import_all()
+    import_all(setup.packages)
     perform: Perform = load(setup.perform)
     if setup.code and code_version().digest != setup.code:
         control.sendall(b"the source changed, or is another one than that of the sweep")

@@ -10,8 +10,9 @@ from typing import NamedTuple
 from rig.assembly import REGISTRY
 from rig.config import Experiment, Profile, find_configs, load_experiment, load_profile
 from rig.config.dump import plain_of
+from rig.config.experiment import rig_of
 from rig.config.names import find_file, is_path
-from rig.experiment.plan import split_overrides
+from rig.experiment.plan import admit_options, split_overrides
 from rig.hal import ConfigurationError
 
 _LARGEST = 1 << 20
@@ -70,6 +71,7 @@ def resolve(source: PointSource, options: Sequence[str], configs: Path) -> Resol
     for_experiment, for_profile = split_overrides((*source.options, *options))
     if source.rig is not None:
         for_experiment = [*for_experiment, f"rig={source.rig}"]
+    admit_options(for_profile, source.rig or rig_of(source.experiment, search), search)
     experiment = load_experiment(source.experiment, REGISTRY, for_experiment, search)
     profile = load_profile(experiment.rig, REGISTRY, for_profile, search)
     sheets = [

@@ -2,7 +2,7 @@
 
 import pytest
 
-from rig.assembly import REGISTRY, Backend, build_rig, registry
+from rig.assembly import REGISTRY, Backend, build_rig, offered
 from rig.assembly.decoding import make_decoders
 from rig.assembly.survey import expected_on
 from rig.cli import invoke
@@ -25,8 +25,8 @@ devices:
 
 @pytest.fixture
 def profile(tmp_path, monkeypatch):
-    monkeypatch.setitem(registry.DRIVERS, "thermometer", "foreign_thermometer:PARTS")
-    caches = (registry._drivers, registry._code)
+    monkeypatch.setitem(offered.DRIVERS, "thermometer", "foreign_thermometer:PARTS")
+    caches = (offered.drivers,)
     for cache in caches:
         cache.cache_clear()
     yield lambda *options: load_profile(write(tmp_path), REGISTRY, options, CONFIGS)

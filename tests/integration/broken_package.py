@@ -7,7 +7,7 @@ from itertools import count
 import pytest
 from stranger_lab import SOURCE
 
-from rig.assembly import registry, rows
+from rig.assembly import offered, registry, rows
 from rig.cli import invoke
 
 CONFIGS = SOURCE / "crank_rig" / "configs"
@@ -19,14 +19,7 @@ GOOD = {
     },
     "rig.additions": {"pi-for-cylinder": "crank_rig.extras.parts:FOR_CYLINDER"},
 }
-CACHES = (
-    registry._mechanisms,
-    registry._drivers,
-    registry._protocols,
-    registry._additions,
-    registry._foreign_additions,
-    registry._code,
-)
+CACHES = (offered.mechanisms, offered.drivers, offered.protocols, offered.foreign_additions)
 NUMBERS = count()
 IMPORTS = """
 import dataclasses

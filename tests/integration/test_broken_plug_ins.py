@@ -154,6 +154,6 @@ def test_a_measure_of_the_same_name_as_another_mechanisms_is_its_own(plug_in):
 def test_what_is_no_path_in_a_row_is_said(monkeypatch, wrong):
     """A plant's ``hazards=5``, say."""
     plants = {"crank": SimpleNamespace(hazards=wrong)}
-    monkeypatch.setattr(registry, "_additions", lambda: [SimpleNamespace(plants=plants)])
+    monkeypatch.setattr(registry, "additions", lambda: [SimpleNamespace(plants=plants)])
     with pytest.raises(ConfigurationError, match=r"where a path, 'module:name', belongs"):
         registry.REGISTRY.hazards("crank")

@@ -176,11 +176,17 @@ def test_a_name_that_two_packages_took_fails_where_it_is_used(plug_in, name):
 GOOD_CELL = "crank_rig.load_cell.parts:PARTS"
 
 
-def test_additions_of_one_name_are_both_there(plug_in):
+NAME_MORE = ("--set", "additions=[more]")
+
+
+def test_additions_of_one_name_concern_who_names_them(plug_in):
     code = "PARTS = Additions(mechanism='cylinder', controllers={'third': 'x:Y'})"
-    also = (("rig.additions", "pi-for-cylinder", "crank_rig.extras.parts:FOR_ARM"),)
-    exit_code, said, _ = plug_in("rig.additions", "more", code, "check", "tecno-sine", also=also)
-    assert exit_code == 0, said
+    twice = (("rig.additions", "more", "crank_rig.extras.parts:FOR_ARM"),)
+    added = ("rig.additions", "more", code)
+    assert plug_in(*added, "check", "tecno-sine", also=twice)[0] == 0
+    exit_code, said, _ = plug_in(*added, "check", "crank", *NAME_MORE, also=twice)
+    assert exit_code == 2
+    assert "the name 'more' is taken twice" in said
 
 
 def test_a_measure_that_two_packages_have_fails_where_it_is_used(plug_in):
@@ -190,12 +196,14 @@ def test_a_measure_that_two_packages_have_fails_where_it_is_used(plug_in):
         "PARTS = Additions(mechanism='crank', measures=(f'{__name__}:TABLE',))"
     )
     more = ("rig.additions", "more", code)
-    exit_code, said, module = plug_in(*more, "check", "crank-turns")
+    exit_code, said, module = plug_in(*more, "check", "crank-turns", *NAME_MORE)
     assert exit_code == 2
     assert "two packages have a measure 'rod_twist'" in said
     assert module in said and "CRANK_MEASURES" in said
-    assert plug_in(*more, "check", "crank")[0] == 0
-    assert plug_in(*more, "check", "crank-turns", "--set", "metrics.rod_twist=null")[0] in (0, 2)
+    assert plug_in(*more, "check", "crank-turns")[0] == 0
+    assert plug_in(*more, "check", "crank", *NAME_MORE)[0] == 0
+    without = (*NAME_MORE, "--set", "metrics.rod_twist=null")
+    assert plug_in(*more, "check", "crank-turns", *without)[0] in (0, 2)
 
 
 @pytest.mark.parametrize(
@@ -213,16 +221,18 @@ def test_a_procedure_that_two_packages_have_is_refused(plug_in, mechanism, path,
         f"PARTS = Additions(mechanism={mechanism!r}, procedures=(f'{{__name__}}:Odd', PATH))"
     )
     more = ("rig.additions", "more")
-    for asked in ((), ("--all",), ("of-its-own",)):
+    name = ("--set", f"additions=[more{', pi-for-cylinder' if mechanism == 'cylinder' else ''}]")
+    for asked in (name, ("--all", *name), ("of-its-own", *name)):
         exit_code, said, mine = plug_in(*more, f"PATH = {path!r}\n{code}", "calibrate", rig, *asked)
         assert exit_code == 2
         assert (
             f"two packages have a procedure {PROCEDURES[mechanism]!r}: {path} and {mine}:Odd"
             in said
         )
-    assert plug_in(*more, f"PATH = {path!r}\n{code}", "check", rig)[0] == 0
-    same = code.replace("f'{__name__}:Odd', ", "")
-    assert plug_in(*more, f"PATH = {path!r}\n{same}", "calibrate", rig)[0] == 0
+    assert plug_in(*more, f"PATH = {path!r}\n{code}", "check", rig, *name)[0] == 0
+    same = code.replace("f'{__name__}:Odd', PATH", "PATH,")
+    exit_code, said, _ = plug_in(*more, f"PATH = {path!r}\n{same}", "calibrate", rig, *name)
+    assert exit_code == 0, said
 
 
 PROCEDURES = {"crank": "rod-zero", "cylinder": "leak"}

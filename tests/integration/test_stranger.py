@@ -97,10 +97,20 @@ def test_a_typing_error_is_shown_with_its_place(lab):
 
 
 def test_its_schema_is_part_of_the_schema(lab):
-    schema = lab.rig("schema", "profile")
+    words = ("max_twist", "load-cell", "rod_stiffness", "cross-coupled")
+    schema = lab.rig("schema", "profile", "crank")
     assert schema.returncode == 0, schema.stderr
-    for word in ("max_twist", "tecno-regulator", "rod_stiffness", "cross-coupled"):
-        assert word in schema.stdout
+    assert all(word in schema.stdout for word in words)
+    assert "crank-turns" in lab.rig("schema", "experiment", "crank").stdout
+    without = lab.rig("schema", "profile")
+    assert not any(word in without.stdout for word in words)
+
+
+def test_what_its_words_mean_is_explained_with_its_rig(lab):
+    assert lab.rig("explain", "crank.rod_zero").returncode == 2
+    explained = lab.rig("explain", "crank.rod_zero", "--rig", "crank")
+    assert explained.returncode == 0, explained.stderr
+    assert "crank.rod_zero" in explained.stdout
 
 
 def test_the_simulation_is_offered(lab):

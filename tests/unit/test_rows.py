@@ -3,7 +3,7 @@
 import pytest
 
 from rig.assembly.contract_check import check_row
-from rig.assembly.registry import MECHANISMS
+from rig.assembly.offered import MECHANISMS
 from rig.assembly.rows import load
 from rig.hal import ConfigurationError
 from rig.hal.parts import Additions, DriverParts, MechanismParts, PlantModel

@@ -128,6 +128,14 @@ class FakeRegistry:
     def names(self, kind):
         return tuple(sorted(self.TABLE[kind]))
 
+    imported = names
+
+    def admit(self, additions):
+        raise KeyError(additions)
+
+    def unnamed(self):
+        return ()
+
     def settings(self, kind, name):
         return self.TABLE[kind][name]
 

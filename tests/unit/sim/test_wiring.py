@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-from rig.assembly.registry import DRIVERS, REGISTRY
+from rig.assembly.offered import DRIVERS
+from rig.assembly.registry import REGISTRY
 
 PACKAGES = {"cia401", "cia402", "cia406", "odrive", "dynamixel", "marker_camera"}
 
