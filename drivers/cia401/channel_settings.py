@@ -6,6 +6,7 @@ from typing import Annotated, Final, Literal
 from annotated_types import Interval, Unit
 
 from drivers.canopen.mapping import RANGES, DataTypeName, Entry
+from rig.hal.rules import Rules
 
 _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
@@ -47,31 +48,39 @@ class AnalogueSignal:
     pressure: tuple[_Pascal, _Pascal]
 
     def __post_init__(self) -> None:
-        if (self.voltage is None) == (self.current is None):
-            raise ValueError("give either voltage or current, the signal on the wire.")
-        for name, (low, high) in (
-            ("raw", self.raw),
-            ("current" if self.voltage is None else "voltage", self.signal),
-            ("pressure", self.pressure),
-        ):
-            # The pressure may fall: a valve that is open without a signal.
-            if low > high and name != "pressure":
-                raise ValueError(
-                    f"{name}: {low:g} … {high:g} does not rise; give the line's lower end first."
-                )
-            # A floating-point object has no counts: volts, amperes or whatever its maker likes.
-            least = _LEAST["float" if name == "raw" and self.type not in RANGES else name]
-            if abs(high - low) < least:
-                raise ValueError(
-                    f"{name}: {low:g} … {high:g} is no line; its ends are at least {least:g} apart."
-                )
-        if self.type in RANGES:
-            low, high = RANGES[self.type]
-            if not (low <= min(self.raw) and max(self.raw) <= high):
-                raise ValueError(
-                    f"raw: {self.raw[0]:g} … {self.raw[1]:g} does not fit into {self.type}, "
-                    f"which holds {low} … {high}."
-                )
+        with Rules() as rule:
+            if (self.voltage is None) == (self.current is None):
+                rule.broken("give either voltage or current, the signal on the wire.")
+            lines = {
+                "raw": self.raw,
+                "voltage": self.voltage,
+                "current": self.current,
+                "pressure": self.pressure,
+            }
+            for name, ends in lines.items():
+                if ends is None:
+                    continue
+                low, high = ends
+                # The pressure may fall: a valve that is open without a signal.
+                if low > high and name != "pressure":
+                    rule.broken(
+                        f"{name}: {low:g} … {high:g} does not rise; give the line's lower end "
+                        f"first."
+                    )
+                # A floating-point object has no counts: volts, amperes or whatever its maker likes.
+                least = _LEAST["float" if name == "raw" and self.type not in RANGES else name]
+                if abs(high - low) < least:
+                    rule.broken(
+                        f"{name}: {low:g} … {high:g} is no line; its ends are at least {least:g} "
+                        f"apart."
+                    )
+            if self.type in RANGES:
+                low, high = RANGES[self.type]
+                if not (low <= min(self.raw) and max(self.raw) <= high):
+                    rule.broken(
+                        f"raw: {self.raw[0]:g} … {self.raw[1]:g} does not fit into {self.type}, "
+                        f"which holds {low} … {high}."
+                    )
 
     @property
     def signal(self) -> tuple[float, float]:
@@ -122,10 +131,11 @@ class MonitorSignal(AnalogueSignal):
     wire_break: Annotated[float, Unit("1"), Interval(ge=0, lt=1)] | None = None
 
     def __post_init__(self) -> None:
-        AnalogueSignal.__post_init__(self)
-        low, high = self.pressure
-        if low > high:
-            raise ValueError(f"pressure: {low:g} … {high:g} Pa falls; a monitor's rises.")
+        with Rules() as rule:
+            rule.of(AnalogueSignal.__post_init__, self)
+            low, high = self.pressure
+            if low > high:
+                rule.broken(f"pressure: {low:g} … {high:g} Pa falls; a monitor's rises.")
 
     @property
     def broken_below(self) -> float:

@@ -12,6 +12,7 @@ from drivers.canopen.settings import CanBusSettings
 from drivers.cia401.channel_settings import DIGITAL_INPUT, DIGITAL_OUTPUT, RegulatorChannel
 from drivers.cia401.described import describe_channels, typed_objects
 from rig.hal import Address, ConfigurationError
+from rig.hal.rules import Rules
 
 PROFILE: Final = 401
 """CiA's number of the device profile."""
@@ -88,48 +89,50 @@ class Cia401Settings(NodeSettings):
     following: FollowingSettings = field(default_factory=FollowingSettings)
 
     def __post_init__(self) -> None:
-        sides = {
-            "setpoint": {name: of.setpoint.entry for name, of in self.channels.items()},
-            "monitor": {name: of.monitor.entry for name, of in self.channels.items()},
-        }
-        for side, entries in sides.items():
-            owner: dict[Entry, str] = {}
-            for name, entry in entries.items():
-                if entry in owner:
-                    raise ValueError(
-                        f"channels {owner[entry]} and {name} have the same {side} object {entry}."
+        with Rules() as rule:
+            sides = {
+                "setpoint": {name: of.setpoint.entry for name, of in self.channels.items()},
+                "monitor": {name: of.monitor.entry for name, of in self.channels.items()},
+            }
+            for side, entries in sides.items():
+                owner: dict[Entry, str] = {}
+                for name, entry in entries.items():
+                    if entry in owner:
+                        rule.broken(
+                            f"channels {owner[entry]} and {name} have the same {side} object "
+                            f"{entry}."
+                        )
+                    owner[entry] = name
+            bits = {} if self.supply_bit is None else {self.supply_bit: "supply_bit"}
+            for name, channel in self.channels.items():
+                if channel.lock_bit is not None:
+                    own = f"channels.{name}.lock_bit"
+                    if bits.setdefault(channel.lock_bit, own) != own:
+                        rule.broken(
+                            f"{own}: output bit {channel.lock_bit} is that of "
+                            f"{bits[channel.lock_bit]} already."
+                        )
+                elif channel.safe == "lock":
+                    rule.broken(
+                        f"channels.{name}: safe is lock, but nothing locks it; give lock_bit, the "
+                        "output of the valve between regulator and chamber, or take vent or hold."
                     )
-                owner[entry] = name
-        bits = {} if self.supply_bit is None else {self.supply_bit: "supply_bit"}
-        for name, channel in self.channels.items():
-            if channel.lock_bit is not None:
-                own = f"channels.{name}.lock_bit"
-                if bits.setdefault(channel.lock_bit, own) != own:
-                    raise ValueError(
-                        f"{own}: output bit {channel.lock_bit} is that of "
-                        f"{bits[channel.lock_bit]} already."
+                if channel.safe == "hold" and self.error_mode is None:
+                    rule.broken(
+                        f"channels.{name}: safe is hold, but without error_mode the module "
+                        "cannot be told to hold its output when the master falls silent."
                     )
-            elif channel.safe == "lock":
-                raise ValueError(
-                    f"channels.{name}: safe is lock, but nothing locks it; give lock_bit, the "
-                    "output of the valve between regulator and chamber, or take vent or hold."
+            low, high = self.pressure_range
+            if not low < high:
+                rule.broken("channels: their setpoints have no pressure range in common.")
+            if not self.following.deviation < high - low:
+                rule.broken(
+                    f"following.deviation ({self.following.deviation:g} Pa) is not below the "
+                    f"range of the setpoints ({high - low:g} Pa): the alarm could never trip."
                 )
-            if channel.safe == "hold" and self.error_mode is None:
-                raise ValueError(
-                    f"channels.{name}: safe is hold, but without error_mode the module cannot be "
-                    "told to hold its output when the master falls silent."
-                )
-        low, high = self.pressure_range
-        if not low < high:
-            raise ValueError("channels: their setpoints have no pressure range in common.")
-        if not self.following.deviation < high - low:
-            raise ValueError(
-                f"following.deviation ({self.following.deviation:g} Pa) is not below the range of "
-                f"the setpoints ({high - low:g} Pa): the alarm could never trip."
-            )
-        NodeSettings.__post_init__(self)
-        pack(self.receive_entries)
-        pack(self.transmit_entries)
+            rule.of(NodeSettings.__post_init__, self)
+            rule.of(pack, self.receive_entries)
+            rule.of(pack, self.transmit_entries)
 
     @property
     def pressure_range(self) -> tuple[float, float]:

@@ -17,6 +17,7 @@ from drivers.cia402.states import decode_state
 from drivers.servos.axis_settings import FollowingAxisSettings, bounds_of
 from rig.hal import Address
 from rig.hal.driver import AxisBounds, Keys
+from rig.hal.rules import Rules
 
 PROFILE: Final = 402
 """CiA's number of the device profile."""
@@ -133,21 +134,22 @@ class Cia402Settings(NodeSettings):
     stop_contact: ContactSettings | None = None
 
     def __post_init__(self) -> None:
-        owner: dict[int, str] = {}
-        for name, joint in self.joints.items():
-            if joint.node in owner:
-                raise ValueError(
-                    f"joints {owner[joint.node]} and {name} have the same node number "
-                    f"0x{joint.node:02X}."
-                )
-            owner[joint.node] = name
-        if "demand" in self.feedback and self.mode != "csp":
-            raise ValueError("feedback: demand is a position, which drives in csv are not sent.")
-        if len(set(self.feedback)) != len(self.feedback):
-            raise ValueError("feedback: a quantity is named twice.")
-        if self.stop_contact is not None and self.stop_contact.joint not in self.joints:
-            raise ValueError(f"stop_contact: there is no joint {self.stop_contact.joint}.")
-        NodeSettings.__post_init__(self)
+        with Rules() as rule:
+            owner: dict[int, str] = {}
+            for name, joint in self.joints.items():
+                if joint.node in owner:
+                    rule.broken(
+                        f"joints {owner[joint.node]} and {name} have the same node number "
+                        f"0x{joint.node:02X}."
+                    )
+                owner[joint.node] = name
+            if "demand" in self.feedback and self.mode != "csp":
+                rule.broken("feedback: demand is a position, which drives in csv are not sent.")
+            if len(set(self.feedback)) != len(self.feedback):
+                rule.broken("feedback: a quantity is named twice.")
+            if self.stop_contact is not None and self.stop_contact.joint not in self.joints:
+                rule.broken(f"stop_contact: there is no joint {self.stop_contact.joint}.")
+            rule.of(NodeSettings.__post_init__, self)
 
     def axis_bounds(self) -> Mapping[str, AxisBounds]:
         """Return each joint's limits and greatest speed."""

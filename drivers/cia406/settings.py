@@ -11,6 +11,7 @@ from drivers.canopen.mapping import DataTypeName, Entry, Layout, pack
 from drivers.canopen.node_settings import NodeSettings
 from rig.hal import Address
 from rig.hal.driver import Keys
+from rig.hal.rules import Rules
 
 PROFILE: Final = 406
 """CiA's number of the device profile."""
@@ -105,17 +106,18 @@ class Cia406Settings(NodeSettings):
     preset_offset: int | None = None
 
     def __post_init__(self) -> None:
-        NodeSettings.__post_init__(self)
-        if not self.overtravel < self.stroke:
-            raise ValueError(
-                f"overtravel ({self.overtravel:g} m) is not below stroke ({self.stroke:g} m): a "
-                "reading outside would never be a fault."
-            )
-        if len(pack(self.transmit_entries)) > 1:
-            raise ValueError(
-                "position, speed and alarms are more than the 8 bytes of one PDO; "
-                "set alarms to polled, or speed to null."
-            )
+        with Rules() as rule:
+            rule.of(NodeSettings.__post_init__, self)
+            if not self.overtravel < self.stroke:
+                rule.broken(
+                    f"overtravel ({self.overtravel:g} m) is not below stroke ({self.stroke:g} "
+                    "m): a reading outside would never be a fault."
+                )
+            if len(pack(self.transmit_entries)) > 1:
+                rule.broken(
+                    "position, speed and alarms are more than the 8 bytes of one PDO; "
+                    "set alarms to polled, or speed to null."
+                )
 
     @property
     def transmit_entries(self) -> Layout:

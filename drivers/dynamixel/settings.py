@@ -23,6 +23,7 @@ from drivers.dynamixel.registers import (
 from drivers.servos.axis_settings import AxisSettings, bounds_of
 from rig.hal import Address, BusSettings, DriverSettings, Endpoint
 from rig.hal.driver import AxisBounds
+from rig.hal.rules import Rules
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,31 +208,32 @@ class DynamixelSettings(DriverSettings):
     following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.5
 
     def __post_init__(self) -> None:
-        ids: dict[int, str] = {}
-        for name, joint in self.joints.items():
-            if joint.id in ids:
-                raise ValueError(f"{ids[joint.id]} and {name} have the same id, {joint.id}.")
-            ids[joint.id] = name
-            self._check_range(name, joint)
-        if len({self.model_of(joint).indirect_data for joint in self.joints.values()}) > 1:
-            raise ValueError(
-                "the joints' models have their indirect data at different addresses, so they "
-                "cannot be read at once; put them into two devices on two buses."
-            )
-        if not self.voltage[0] < self.voltage[1]:
-            raise ValueError("voltage is not a rising pair of numbers.")
-        if self.echo and not self.health:
-            raise ValueError("echo takes health: a goal stands apart from the motion.")
-        if (self.goal_current is None) == (self.mode == "current_based_position"):
-            raise ValueError("goal_current belongs to mode current_based_position, which needs it.")
-        for name, value in (
-            ("goal_current", self.goal_current),
-            ("current_limit", self.current_limit),
-        ):
-            if value is not None and any(
-                not self.model_of(joint).current_step for joint in self.joints.values()
+        with Rules() as rule:
+            ids: dict[int, str] = {}
+            for name, joint in self.joints.items():
+                if joint.id in ids:
+                    rule.broken(f"{ids[joint.id]} and {name} have the same id, {joint.id}.")
+                ids[joint.id] = name
+                rule.of(self._check_range, name, joint)
+            if len({self.model_of(joint).indirect_data for joint in self.joints.values()}) > 1:
+                rule.broken(
+                    "the joints' models have their indirect data at different addresses, so they "
+                    "cannot be read at once; put them into two devices on two buses."
+                )
+            if not self.voltage[0] < self.voltage[1]:
+                rule.broken("voltage is not a rising pair of numbers.")
+            if self.echo and not self.health:
+                rule.broken("echo takes health: a goal stands apart from the motion.")
+            if (self.goal_current is None) == (self.mode == "current_based_position"):
+                rule.broken("goal_current belongs to mode current_based_position, which needs it.")
+            for name, value in (
+                ("goal_current", self.goal_current),
+                ("current_limit", self.current_limit),
             ):
-                raise ValueError(f"{name}: there are servos that do not measure their current.")
+                if value is not None and any(
+                    not self.model_of(joint).current_step for joint in self.joints.values()
+                ):
+                    rule.broken(f"{name}: there are servos that do not measure their current.")
 
     def _check_range(self, name: str, joint: DynamixelAxisSettings) -> None:
         if self.mode != "position":

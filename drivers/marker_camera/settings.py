@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Interval, Le, MinLen, Unit
 
 from rig.hal import DriverSettings
+from rig.hal.rules import Rules
 
 DictionaryName = Literal[
     "4x4_50", "4x4_100", "4x4_250", "5x5_50", "5x5_100", "5x5_250", "6x6_50", "6x6_250"
@@ -170,28 +171,29 @@ class MarkerCameraSettings(DriverSettings):
     connect_timeout: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 5.0
 
     def __post_init__(self) -> None:
-        if self.exposure > 1.0 / self.frame_rate:
-            raise ValueError(
-                f"exposure ({self.exposure:g} s) is longer than one frame "
-                f"({1.0 / self.frame_rate:g} s) at {self.frame_rate:g} Hz."
-            )
-        if self.max_age <= self.latency + 1.0 / self.frame_rate:
-            raise ValueError(
-                f"max_age ({self.max_age:g} s) is not above the latency ({self.latency:g} s) and "
-                f"one frame ({1.0 / self.frame_rate:g} s): every reading would be too old."
-            )
-        distance = sum(x * x for x in self.position_camera_in_base) ** 0.5
-        if distance <= self.marker.sphere_radius:
-            raise ValueError(
-                f"position_camera_in_base is {distance:g} m from the joint's centre, inside the "
-                f"marker's sphere of {self.marker.sphere_radius:g} m."
-            )
-        largest = self.marker_size * self.intrinsics.fx / (distance - self.marker.sphere_radius)
-        if self.roi < 1.5 * largest:
-            raise ValueError(
-                f"roi ({self.roi} pixels) is too small for a marker of up to {largest:.0f} pixels: "
-                f"it takes at least {1.5 * largest:.0f}."
-            )
+        with Rules() as rule:
+            if self.exposure > 1.0 / self.frame_rate:
+                rule.broken(
+                    f"exposure ({self.exposure:g} s) is longer than one frame "
+                    f"({1.0 / self.frame_rate:g} s) at {self.frame_rate:g} Hz."
+                )
+            if self.max_age <= self.latency + 1.0 / self.frame_rate:
+                rule.broken(
+                    f"max_age ({self.max_age:g} s) is not above the latency ({self.latency:g} s) "
+                    f"and one frame ({1.0 / self.frame_rate:g} s): every reading would be too old."
+                )
+            distance = sum(x * x for x in self.position_camera_in_base) ** 0.5
+            if distance <= self.marker.sphere_radius:
+                rule.broken(
+                    f"position_camera_in_base is {distance:g} m from the joint's centre, inside "
+                    f"the marker's sphere of {self.marker.sphere_radius:g} m."
+                )
+            largest = self.marker_size * self.intrinsics.fx / (distance - self.marker.sphere_radius)
+            if self.roi < 1.5 * largest:
+                rule.broken(
+                    f"roi ({self.roi} pixels) is too small for a marker of up to {largest:.0f} "
+                    f"pixels: it takes at least {1.5 * largest:.0f}."
+                )
 
     def device_path(self) -> str | None:
         """Return the camera of the operating system, if that is what is looked through."""

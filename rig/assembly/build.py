@@ -1,6 +1,7 @@
 """From a profile to a rig, checked before anything is opened."""
 
 import dataclasses
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -22,6 +23,7 @@ from rig.hal import (
     DriverSettings,
     Mechanism,
     MonotonicClock,
+    SeveralErrors,
 )
 from rig.hal.clock import SPIN
 
@@ -38,34 +40,55 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
     ------
     ConfigurationError
         Roles without devices, limits beyond a device's range, a bus that is too full, two
-        devices with one node number.
+        devices with one node number: all of them at once.
     """
-    try:
-        _check_plant(profile)
-        check_answers(profile)
-        _check_nodes(profile)
-        bus_loads(profile)
-        mechanism, devices = make_unconnected(profile)
-    except ConfigurationError as error:
-        if type(error) is not ConfigurationError:
-            raise
-        raise ConfigurationError(places_named(str(error), profile.places)) from error
+    found: list[ConfigurationError] = []
+    for check in (_check_plant, check_answers, _check_nodes, bus_loads):
+        try:
+            check(profile)
+        except ConfigurationError as error:
+            found.append(error)
+    if not found:
+        try:
+            mechanism, devices = make_unconnected(profile)
+        except ConfigurationError as error:
+            found.append(error)
+    if found:
+        try:
+            _make_apart(profile)
+        except ConfigurationError as error:
+            found.append(error)
+        raise _as_one(found, profile)
     measured = [column for device in devices.values() for column in device.log_columns]
     return (*mechanism.columns, *measured)
+
+
+def _as_one(found: Sequence[ConfigurationError], profile: Profile) -> ConfigurationError:
+    """Return everything that was found as one error, each with its places."""
+    for error in found:
+        if type(error) not in (
+            ConfigurationError,
+            SeveralErrors,
+        ):  # a package's, which has no place in a file
+            return error
+    texts = dict.fromkeys(text for error in found for text in SeveralErrors.told_by(error))
+    return SeveralErrors([places_named(text, profile.places) for text in texts])
 
 
 def _check_nodes(profile: Profile) -> None:
     """Refuse two devices with one number on one bus."""
     owners: dict[tuple[str | None, int], str] = {}
+    clashes = []
     for name, entry in profile.devices.items():
         settings: DriverSettings = entry.settings
         for address in settings.addresses(name, entry.serial):
             owner = owners.setdefault((entry.bus, address.number), name)
             if owner != name:
-                raise ConfigurationError(
+                clashes.append(
                     f"devices.{owner} and devices.{name} both have number 0x{address.number:02X} "
                     f"on the bus {entry.bus}"
                 )
+    SeveralErrors.raise_if_any(clashes)
 
 
 def _check_plant(profile: Profile) -> None:
@@ -96,6 +119,32 @@ def make_unconnected(
         return make_mechanism(profile, devices), devices
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
+
+
+def _make_apart(profile: Profile) -> None:
+    """Make each device on buses of its own, and the loop's view of them.
+
+    What is wrong with a bus keeps nobody from being told what else is wrong.
+    """
+    clock, period = MonotonicClock(), profile.loop.period
+    devices: dict[str, Device] = {}
+    found: list[str] = []
+    for name, entry in profile.devices.items():
+        alone = dataclasses.replace(profile, devices={name: entry})
+        buses = {bus: make_bus(bus, of, clock, period) for bus, of in profile.buses.items()}
+        try:
+            devices |= make_devices(alone, buses, clock)
+        except ConfigurationError as error:
+            found.extend(SeveralErrors.told_by(error))
+    lacking = [repr(name) for name in profile.devices if name not in devices]
+    try:
+        make_mechanism(profile, devices)
+    except ConfigurationError as error:
+        told = SeveralErrors.told_by(error)
+        found += [text for text in told if not any(name in text for name in lacking)]
+    except ValueError as error:
+        found.append(str(error))
+    SeveralErrors.raise_if_any(found)
 
 
 def build_rig(profile: Profile, backend: Backend, on: str | None = None, frames: Any = None) -> Rig:

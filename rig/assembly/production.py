@@ -18,6 +18,7 @@ from rig.hal import (
     Device,
     Mechanism,
     MotionRefused,
+    SeveralErrors,
 )
 from rig.hal.devices import EmergencyStopInput
 from rig.hal.fits import where
@@ -52,14 +53,14 @@ def make_devices(
         A device needs a bus and has none, or has one and takes none.
     """
     devices: dict[str, Device] = {}
+    misplaced: list[str] = []
     for name, entry in profile.devices.items():
         driver = REGISTRY.load("driver", entry.driver)
         what = f"{name}: the driver {entry.driver}"
         needs_bus = REGISTRY.driver(entry.driver).on_bus
-        if needs_bus and entry.bus is None:
-            raise ConfigurationError(f"{name}: the driver {entry.driver} needs a bus")
-        if not needs_bus and entry.bus is not None:
-            raise ConfigurationError(f"{name}: the driver {entry.driver} hangs on no bus")
+        if needs_bus != (entry.bus is not None):
+            misplaced.append(f"{what} {'needs a bus' if needs_bus else 'hangs on no bus'}")
+            continue
         if entry.bus is not None:
             bus = buses[entry.bus]
             devices[name] = make(what, driver, name, entry.settings, bus, serial=entry.serial)
@@ -69,6 +70,7 @@ def make_devices(
                 what, driver, name, entry.settings, clock, serial=entry.serial, **link
             )
         check_offers(what, devices[name], Device)
+    SeveralErrors.raise_if_any(misplaced)
     return devices
 
 

@@ -154,7 +154,8 @@ def places_named(message: str, places: Mapping[str, str]) -> str:
     places : mapping of str to str
         Where each key stands, by its dotted name.
     """
-    words = {word.strip(".") for word in _DOTTED.findall(message)}
+    said = message.partition("; there are ")[0]  # what else there is has no part in it
+    words = {word.strip(".") for word in _DOTTED.findall(said)}
     named = {
         f"    {key}: {place}"
         for key, place in places.items()

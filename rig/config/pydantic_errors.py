@@ -11,6 +11,7 @@ from rig.config.formats import format_quantity
 from rig.config.located import BROKEN, Node
 from rig.config.quantities import usual_units
 from rig.config.type_hints import hint_at, split_annotated, unit_of
+from rig.hal.rules import told_by
 
 _SCALARS = {float: "a number", int: "a whole number", bool: "true or false", str: "text"}
 
@@ -44,14 +45,21 @@ def report(
         hint = None if problems.are_many else nearest(str(path[-1]), valid)
         problems.add(place.heading, f"unknown key {str(path[-1])[:80]!r}", hint)
     elif kind in ("value_error", "assertion_error"):
-        message = str(context.get("error", details["msg"]))
-        problems.add(place.heading, message, _others(place, message))
+        error = context.get("error")
+        told = told_by(error) if isinstance(error, BaseException) else (details["msg"],)
+        for message in told:
+            report_rule(place, message, problems)
     elif kind == "quantity":
         problems.add(place.mark, f"{name}: {details['msg']}")
     else:
         expected = _expected(kind, context, hint_at(settings, path))
         message = f"{name} is {shown(place.plain())}, expected {expected}"
         problems.add(place.mark, message, _choice(place, context, kind))
+
+
+def report_rule(place: Node, message: str, problems: Problems) -> None:
+    """Add a rule that a mapping does not keep, and where the keys stand that it names."""
+    problems.add(place.heading, message, _others(place, message))
 
 
 def _others(place: Node, message: str) -> str | None:

@@ -38,8 +38,9 @@ from rig.config.diagnostics import Problems
 from rig.config.docstrings import parameter_texts
 from rig.config.located import Node
 from rig.config.magnitudes import bounded
-from rig.config.pydantic_errors import report
+from rig.config.pydantic_errors import report, report_rule
 from rig.config.quantities import UnitError, parse_quantity, usual_units
+from rig.config.repair import rules_besides
 from rig.config.type_hints import hints, is_union, members, split_annotated
 from rig.hal.rising import Rising
 
@@ -77,16 +78,24 @@ def build(
     try:
         instance = adapter(cast("type", settings)).validate_python(node.plain())
     except ValidationError as error:
-        for details in error.errors(include_url=False):
+        found = error.errors(include_url=False)
+        for details in found:
             report(settings, node, details, problems, also)
+        if not problems.are_many:
+            for path, message in rules_besides(settings, node.plain(), found, _validate):
+                report_rule(node.descend(path)[0], message, problems)
         return None
     assert isinstance(instance, settings)
     return instance
 
 
-@lru_cache(maxsize=256)
+def _validate(hint: object, value: object) -> object:
+    return adapter(cast("type", hint)).validate_python(value)
+
+
+@lru_cache(maxsize=512)
 def adapter(settings: type) -> TypeAdapter[object]:
-    """Return the pydantic validation of a settings dataclass."""
+    """Return the pydantic validation of a settings dataclass, or of any annotation in one."""
     return TypeAdapter(cast("type", annotation(settings)))
 
 

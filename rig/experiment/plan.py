@@ -29,7 +29,7 @@ from rig.config.setting import written
 from rig.experiment.dry_measures import try_measures
 from rig.experiment.measure import Measure
 from rig.experiment.metrics import known_measures
-from rig.hal import Column, ConfigurationError
+from rig.hal import Column, ConfigurationError, SeveralErrors
 from rig.hal.motion import Fact, Motion
 
 
@@ -150,7 +150,16 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         The profile lacks the controller, the motion is not possible or not permitted, or a
         metric cannot be computed.
     """
-    columns = check_profile(profile)
+    found: list[ConfigurationError] = []
+    columns: tuple[Column, ...] = ()
+    try:
+        columns = check_profile(profile)
+    except SeveralErrors as error:
+        found.append(error)
+    try:
+        _check_figures(experiment, profile.mechanism)
+    except SeveralErrors as error:
+        found.append(_of_experiment(error, experiment))
     try:
         experiment = _with_metrics_that_apply(experiment, profile)
         controller = make_controller(profile, experiment.controller)
@@ -158,11 +167,23 @@ def make_plan(experiment: Experiment, profile: Profile) -> Plan:
         if motion.segments:
             experiment = _with_reported_metrics(experiment, profile.mechanism)
         _check_metrics(experiment, motion, profile, columns)
-        _check_figures(experiment, profile.mechanism)
     except ConfigurationError as error:
-        text = places_named(str(error), experiment.places)
-        raise type(error)(f"{experiment.name}: {text}") from error
+        found.append(_of_experiment(error, experiment))
+    if len(found) == 1:
+        raise found[0]
+    SeveralErrors.raise_if_any([text for error in found for text in SeveralErrors.told_by(error)])
     return Plan(experiment, profile, controller, motion)
+
+
+def _of_experiment(error: ConfigurationError, experiment: Experiment) -> ConfigurationError:
+    """Return an error with the experiment's name, and the place of each key that it names."""
+    told = [
+        f"{experiment.name}: {places_named(text, experiment.places)}"
+        for text in SeveralErrors.told_by(error)
+    ]
+    made = SeveralErrors(told) if isinstance(error, SeveralErrors) else type(error)(told[0])
+    made.__cause__ = error
+    return made
 
 
 def _with_metrics_that_apply(experiment: Experiment, profile: Profile) -> Experiment:
@@ -203,23 +224,26 @@ def _check_metrics(
     names = [segment.name for segment in motion.segments]
     facts, measures = motion.facts, known_measures(profile.mechanism)
     known: dict[str, Measure | Fact] = {**measures, **facts}
+    wrong: list[str] = []
     for name, spec in experiment.metrics.items():
         measure = known.get(spec.measure or name)
         if measure is None:
             near = difflib.get_close_matches(spec.measure or name, known, n=1)
             hint = f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(known)}"
-            raise ConfigurationError(
-                f"metric {name}: no measure is called {spec.measure or name!r}{hint}"
-            )
+            wrong.append(f"metric {name}: no measure is called {spec.measure or name!r}{hint}")
+            continue
         if spec.unit is not None and spec.unit != (measure.unit or "1"):
-            raise ConfigurationError(
+            wrong.append(
                 f"metric {name}: its bound is in {spec.unit}, "
                 f"{spec.measure or name} is in {measure.unit or 'no unit'}"
             )
         if not any(fnmatchcase(segment, spec.segments) for segment in names):
-            raise ConfigurationError(
+            wrong.append(
                 f"metric {name}: no segment matches {spec.segments!r}; there are {', '.join(names)}"
             )
+    SeveralErrors.raise_if_any(wrong)
+    if not columns:
+        return  # the profile is wrong, which is said
     taken = {name: measure for name, measure in measures.items() if name not in facts}
     try_measures(experiment.metrics, taken, motion.segments, columns, constants_of(profile))
 
@@ -228,8 +252,10 @@ def _check_figures(experiment: Experiment, mechanism: str) -> None:
     from rig.report.figures import known_figures
 
     known = known_figures(mechanism) if experiment.figures else {}
+    wrong: list[str] = []
     for name in experiment.figures:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known)}"
-            raise ConfigurationError(f"figures: no figure is called {name!r}; {hint}")
+            wrong.append(f"figures: no figure is called {name!r}; {hint}")
+    SeveralErrors.raise_if_any(wrong)

@@ -34,6 +34,7 @@ from rig.hal.errors import (
     MotionRefused,
     RigError,
     SafetyError,
+    SeveralErrors,
     StaleReading,
 )
 from rig.hal.freeze import Freeze
@@ -93,6 +94,7 @@ __all__ = [
     "SafetyError",
     "Segment",
     "ServoBus",
+    "SeveralErrors",
     "StaleReading",
     "Targets",
     "Vector",

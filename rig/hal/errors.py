@@ -4,6 +4,7 @@
 
     RigError
     ├── ConfigurationError      a file, option or combination is wrong     (exit 2)
+    │   ├── SeveralErrors       several of them, found in one pass
     │   └── ContractBroken      code behind a name is not what it must be
     ├── DeviceError             a device or bus is not as it should be     (exit 3 or 4)
     │   ├── ConnectionFailed    it never answered, or answered as another
@@ -18,6 +19,8 @@ Whether a `DeviceError` means "never energised" (3) or "fault while running" (4)
 depends on when it comes, so the runtime decides that, not the class.
 """
 
+from collections.abc import Sequence
+
 
 def describe(value: float, unit: str) -> str:
     """Format a number with its SI unit for a message."""
@@ -30,6 +33,32 @@ class RigError(Exception):
 
 class ConfigurationError(RigError):
     """A profile, experiment, calibration or option cannot be used as it is."""
+
+
+class SeveralErrors(ConfigurationError):
+    """Everything that was found in one pass.
+
+    Parameters
+    ----------
+    messages : sequence of str
+        One for each.
+    """
+
+    def __init__(self, messages: Sequence[str]) -> None:
+        self.messages = tuple(dict.fromkeys(messages))
+        count = len(self.messages)
+        super().__init__("\n".join([*self.messages, *([f"{count} errors"] if count > 1 else [])]))
+
+    @staticmethod
+    def raise_if_any(messages: Sequence[str]) -> None:
+        """Raise what was found, if anything was."""
+        if messages:
+            raise SeveralErrors(messages)
+
+    @staticmethod
+    def told_by(error: ConfigurationError) -> tuple[str, ...]:
+        """Return the messages of any such error."""
+        return error.messages if isinstance(error, SeveralErrors) else (str(error),)
 
 
 class ContractBroken(ConfigurationError):

@@ -1,10 +1,11 @@
 """Pick the devices that a mechanism's settings name."""
 
 from collections.abc import Mapping
+from types import TracebackType
 from typing import TypeVar, cast
 
 from rig.hal.devices import Device
-from rig.hal.errors import ConfigurationError
+from rig.hal.errors import ConfigurationError, SeveralErrors
 from rig.hal.offers import lacking
 
 Kind = TypeVar("Kind")
@@ -12,6 +13,9 @@ Kind = TypeVar("Kind")
 
 class DevicePicker:
     """Picks the devices that a mechanism's settings name.
+
+    In a ``with`` block all are picked before what is wrong with any is raised; nothing may be done
+    with them there.
 
     Parameters
     ----------
@@ -24,10 +28,31 @@ class DevicePicker:
     def __init__(self, section: str, devices: Mapping[str, Device]) -> None:
         self._section = section
         self._devices = devices
+        self._found: list[str] | None = None
+
+    def __enter__(self) -> "DevicePicker":
+        self._found = []
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        found, self._found = self._found, None
+        if error is None and found:
+            raise SeveralErrors(found)
 
     def __call__(self, role: str, name: str, kind: type[Kind]) -> Kind:
         """Return the device of a role; see `pick_device`."""
-        return pick_device(f"{self._section}.{role}", name, kind, self._devices)
+        try:
+            return pick_device(f"{self._section}.{role}", name, kind, self._devices)
+        except ConfigurationError as error:
+            if self._found is None:
+                raise
+            self._found.append(str(error))
+            return cast("Kind", None)  # which nobody sees: the block ends with the error
 
     def if_named(self, role: str, name: str | None, kind: type[Kind]) -> Kind | None:
         """Return the device of a role that a rig need not have."""

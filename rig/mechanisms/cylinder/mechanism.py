@@ -127,17 +127,17 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         cls, settings: CylinderSettings, devices: Mapping[str, Device], period: float
     ) -> "AntagonisticPair":
         """Pick the devices that the settings name; see `Mechanism.assemble`."""
-        pick = DevicePicker("cylinder", devices)
+        with DevicePicker("cylinder", devices) as pick:
+            regulators = pick("regulators", settings.regulators, PressureRegulator)
+            agonist = pick("encoder_agonist", settings.encoder_agonist, LinearEncoder)
+            antagonist = pick("encoder_antagonist", settings.encoder_antagonist, LinearEncoder)
+            stop = pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
         return cls(
             settings,
-            regulators=pick("regulators", settings.regulators, PressureRegulator),
-            encoder_agonist=pick("encoder_agonist", settings.encoder_agonist, LinearEncoder),
-            encoder_antagonist=pick(
-                "encoder_antagonist", settings.encoder_antagonist, LinearEncoder
-            ),
-            emergency_stop=pick.if_named(
-                "emergency_stop", settings.emergency_stop, EmergencyStopInput
-            ),
+            regulators=regulators,
+            encoder_agonist=agonist,
+            encoder_antagonist=antagonist,
+            emergency_stop=stop,
             period=period,
         )
 

@@ -6,6 +6,7 @@ from typing import Annotated
 from annotated_types import Gt, Unit
 
 from rig.hal.rising import Rising
+from rig.hal.rules import Rules
 from rig.mechanisms.pneumatic.alarms.settings import (
     FrozenAlarm,
     OscillationAlarm,
@@ -116,22 +117,23 @@ class CylinderSettings(PneumaticSettings):
     alarms: PairAlarmSettings = field(default_factory=PairAlarmSettings)
 
     def __post_init__(self) -> None:
-        PneumaticSettings.__post_init__(self)
-        reach = min(self.home, self.stroke - self.home)
-        lower, upper = self.limits.position
-        if max(-lower, upper) > reach:
-            raise ValueError(
-                f"limits.position {lower:g} … {upper:g} m exceeds what the stroke leaves "
-                f"around home, ±{reach:g} m."
-            )
-        for name, limit in (
-            ("limits.mismatch", self.limits.mismatch),
-            ("alarms.rods.change", self.most_disagreement),
-            ("alarms.frozen.distance", self.alarms.frozen.distance),
-            ("alarms.swapped.distance", self.alarms.swapped.distance),
-            ("alarms.oscillation.amplitude", self.alarms.oscillation.amplitude),
-        ):
-            check_can_trip(name, limit, self.stroke, "m", "is the stroke")
+        with Rules() as rule:
+            rule.of(PneumaticSettings.__post_init__, self)
+            reach = min(self.home, self.stroke - self.home)
+            lower, upper = self.limits.position
+            if max(-lower, upper) > reach:
+                rule.broken(
+                    f"limits.position {lower:g} … {upper:g} m exceeds what the stroke leaves "
+                    f"around home, ±{reach:g} m."
+                )
+            for name, limit in (
+                ("limits.mismatch", self.limits.mismatch),
+                ("alarms.rods.change", self.most_disagreement),
+                ("alarms.frozen.distance", self.alarms.frozen.distance),
+                ("alarms.swapped.distance", self.alarms.swapped.distance),
+                ("alarms.oscillation.amplitude", self.alarms.oscillation.amplitude),
+            ):
+                rule.of(check_can_trip, name, limit, self.stroke, "m", "is the stroke")
 
     @property
     def most_disagreement(self) -> float:

@@ -141,17 +141,15 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         cls, settings: JointSettings, devices: Mapping[str, Device], period: float
     ) -> "SphericalJoint":
         """Pick the devices that the settings name; see `Mechanism.assemble`."""
-        pick = DevicePicker("joint", devices)
+        with DevicePicker("joint", devices) as pick:
+            regulators = pick("regulators", settings.regulators, PressureRegulator)
+            encoders = tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders)
+            camera = pick.if_named("camera", settings.camera, MarkerCamera)
+            stop = pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
         return cls(
-            settings,
-            regulators=pick("regulators", settings.regulators, PressureRegulator),
-            encoders=tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders),
-            camera=pick.if_named("camera", settings.camera, MarkerCamera),
-            emergency_stop=pick.if_named(
-                "emergency_stop", settings.emergency_stop, EmergencyStopInput
-            ),
-            period=period,
-        )
+            settings, regulators=regulators, encoders=encoders, camera=camera,
+            emergency_stop=stop, period=period,
+        )  # fmt: skip
 
     @classmethod
     def geometry_of(cls, settings: JointSettings) -> SphericalJointGeometry:

@@ -8,6 +8,7 @@ from annotated_types import Ge, Gt, Interval, Le, Unit
 
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from rig.hal.rising import Rising
+from rig.hal.rules import Rules
 from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.tolerances import JointTolerances
 from rig.mechanisms.pneumatic.settings import (
@@ -111,14 +112,15 @@ class JointSettings(PneumaticSettings):
     camera: str | None = None
 
     def __post_init__(self) -> None:
-        PneumaticSettings.__post_init__(self)
-        if len(set(self.encoders)) != len(self.encoders):
-            raise ValueError("encoders: one device is named for two channels.")
-        for name, limit in (
-            ("limits.residual", self.limits.residual),
-            ("limits.disagreement", self.limits.disagreement),
-        ):
-            check_can_trip(name, limit, self.stroke, "m", "is the stroke")
+        with Rules() as rule:
+            rule.of(PneumaticSettings.__post_init__, self)
+            if len(set(self.encoders)) != len(self.encoders):
+                rule.broken("encoders: one device is named for two channels.")
+            for name, limit in (
+                ("limits.residual", self.limits.residual),
+                ("limits.disagreement", self.limits.disagreement),
+            ):
+                rule.of(check_can_trip, name, limit, self.stroke, "m", "is the stroke")
 
     @property
     def greatest_pressure(self) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Final
 
-from rig.hal import ConfigurationError, LinearEncoder, PressureRegulator, SafetyError
+from rig.hal import LinearEncoder, PressureRegulator, SafetyError, SeveralErrors
 
 _CLAMPED: Final = 0.05
 """Share of a regulator's range by which a limit may exceed it: a calibrated module ends a little
@@ -83,25 +83,27 @@ def check_pneumatics(
     ConfigurationError
         They have other channels, or ranges that do not hold the limits.
     """
+    found: list[str] = []
     if tuple(regulators.channels) != channels:
-        raise ConfigurationError(
+        found.append(
             f"{regulators.name}: the channels are {', '.join(regulators.channels)}; "
             f"{whose} needs {', '.join(channels)} in this order"
         )
     low, high = regulators.pressure_range
     low, high = low - _CLAMPED * (high - low), high + _CLAMPED * (high - low)
     if pressure[0] < low or pressure[1] > high:
-        raise ConfigurationError(
+        found.append(
             f"limits.pressure {pressure[0]:g} … {pressure[1]:g} Pa "
             f"exceeds what {regulators.name} can set, {low:g} … {high:g} Pa"
         )
     for encoder in encoders:
         if len(encoder.channels) != 1:
-            raise ConfigurationError(
+            found.append(
                 f"{encoder.name}: it has {len(encoder.channels)} channels, a rod needs one"
             )
         if encoder.stroke < stroke:
-            raise ConfigurationError(
+            found.append(
                 f"{encoder.name}: its stroke {encoder.stroke:g} m is shorter than the "
                 f"cylinder's, {stroke:g} m"
             )
+    SeveralErrors.raise_if_any(found)

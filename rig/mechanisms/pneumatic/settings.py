@@ -8,6 +8,7 @@ from typing import Annotated
 from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 from rig.hal.rising import Rising
+from rig.hal.rules import Rules
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
@@ -143,21 +144,23 @@ class PneumaticSettings:
     emergency_stop: str | None = None
 
     def __post_init__(self) -> None:
-        if not self.rod < self.bore:
-            raise ValueError(f"rod ({self.rod:g} m) does not fit into bore ({self.bore:g} m).")
-        if not self.home < self.stroke:
-            raise ValueError(f"home ({self.home:g} m) is not within stroke ({self.stroke:g} m).")
-        low, high = self.limits.pressure
-        if not low <= self.base_pressure <= high:
-            raise ValueError(
-                f"base_pressure ({self.base_pressure:g} Pa) is outside limits.pressure "
-                f"{low:g} … {high:g} Pa."
-            )
-
-        self._check_alarms()
+        with Rules() as rule:
+            if not self.rod < self.bore:
+                rule.broken(f"rod ({self.rod:g} m) does not fit into bore ({self.bore:g} m).")
+            if not self.home < self.stroke:
+                rule.broken(f"home ({self.home:g} m) is not within stroke ({self.stroke:g} m).")
+            low, high = self.limits.pressure
+            if not low <= self.base_pressure <= high:
+                rule.broken(
+                    f"base_pressure ({self.base_pressure:g} Pa) is outside limits.pressure "
+                    f"{low:g} … {high:g} Pa."
+                )
+            rule.of(self._check_alarms)
 
     def _check_alarms(self) -> None:
         """Refuse an alarm that nothing could trip: it is switched off by a slip of the pen."""
+        if not self.area > 0.0:
+            return  # which is said
         # What full pressure in one chamber makes of the mass within the stroke; friction is less.
         work = self.greatest_pressure * self.area * self.stroke
         fastest = math.sqrt(2.0 * work / self.moving_mass)

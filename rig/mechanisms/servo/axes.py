@@ -136,9 +136,10 @@ class ServoAxes(Mechanism[Settings, State, Reference, Command]):
         cls, section: str, settings: ServoSettings, devices: Mapping[str, Device]
     ) -> tuple[list[ServoBus], EmergencyStopInput | None]:
         """Return the servo devices and the emergency stop that the settings name."""
-        pick = DevicePicker(section, devices)
-        servos = [pick("servos", name, ServoBus) for name in settings.servos]
-        return servos, pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
+        with DevicePicker(section, devices) as pick:
+            servos = [pick("servos", name, ServoBus) for name in settings.servos]
+            stop = pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
+        return servos, stop
 
     def read(self, now: float) -> State:
         """Assemble the joints' state; see `Mechanism.read`."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from rig.hal import ConfigurationError, ServoBus
+from rig.hal import ServoBus, SeveralErrors
 
 
 def wire_axes(
@@ -11,18 +11,18 @@ def wire_axes(
     """Return where each joint stands among the devices' readings, and each device's joints."""
     offered = [(name, servo.name) for servo in servos for name in servo.axis_names]
     found = [name for name, _ in offered]
+    wrong: list[str] = []
     for name, device in offered:
         if name not in names:
-            raise ConfigurationError(
+            wrong.append(
                 f"{device}: the mechanism has no joint {name!r}; it has {', '.join(names)}"
             )
         if found.count(name) > 1:
-            raise ConfigurationError(f"{device}: two drives move the joint {name!r}")
+            wrong.append(f"{device}: two drives move the joint {name!r}")
     for name in names:
         if name not in found:
-            raise ConfigurationError(
-                f"no servo device has the joint {name!r}; they have {', '.join(found)}"
-            )
+            wrong.append(f"no servo device has the joint {name!r}; they have {', '.join(found)}")
+    SeveralErrors.raise_if_any(wrong)
     index = {name: k for k, name in enumerate(names)}
     return (
         tuple(found.index(name) for name in names),
