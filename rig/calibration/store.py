@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 import yaml
@@ -15,8 +15,9 @@ from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
 from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
-from rig.config.yaml_loader import read_source
+from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
+from rig.typed_json import checked
 from rig.whole_file import write_whole
 
 _HEADER = "# Written by rig {}; the last line seals it. Values of your own go into the profile.\n"
@@ -27,6 +28,35 @@ _WORSE = 0.95
 
 Content = Mapping[str, Any]
 """A calibration file as plain data."""
+
+
+class _Origin(TypedDict):
+    """The provenance of a calibration, as far as every one has it."""
+
+    date: str
+    operator: str
+
+
+class _Measurement(TypedDict):
+    """A quantity that was measured."""
+
+    name: str
+    value: float
+    std: float
+    unit: str
+
+
+class _Dated(TypedDict):
+    """A calibration file, as far as every one is alike."""
+
+    provenance: _Origin
+
+
+class _Kept(_Dated, total=False):
+    """A calibration file, as far as it is read back."""
+
+    measured: list[_Measurement]
+    values: dict[str, object]
 
 
 class Circumstances(NamedTuple):
@@ -202,8 +232,9 @@ def load(path: Path) -> Content:
     problems = Problems()
     check_seal(source, path, problems)
     problems.raise_if_any()
-    content = yaml.safe_load(source.text)
-    return {"measured": [], **content}
+    content = plain_in(source)
+    checked(content, _Kept, str(path))
+    return {"measured": [], **cast("Content", content)}
 
 
 def find(search: Sequence[Path], rig: str, name: str) -> Path:

@@ -14,7 +14,7 @@ import click
 from rig.cli.names import complete_rig, configs_option, set_option
 from rig.cli.on_option import OnBackend
 from rig.cli.status import tell_next
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_data, print_tables, visible
 
 if TYPE_CHECKING:
     from rig.assembly import Backend
@@ -310,7 +310,12 @@ def _history(search: Sequence[Path], rig: str, target: str) -> int:
         raise ConfigurationError(f"no calibration of {target} of the rig {rig} is kept")
     rows = []
     for path in kept:
-        of = load(path)["provenance"]
+        try:
+            of = load(path)["provenance"]
+        except ConfigurationError as error:  # one that is damaged hides no other
+            click.echo(visible(f"{path} cannot be used: {error}"), err=True)
+            rows.append(("-",) * 6 + (str(path),))
+            continue
         residual = f"{of.get('residual_rms', '-')} {of.get('unit', '')}"
         rows.append(
             (str(of["date"]), of["operator"], of.get("procedure", "-"),

@@ -11,7 +11,7 @@ from rig.commissioning.record import CommissioningState, judge, load_record
 from rig.commissioning.step import AcceptanceStep
 from rig.config import Profile, find_configs
 from rig.experiment.plan import Plan
-from rig.hal import DeviceError
+from rig.hal import ConfigurationError, DeviceError
 
 
 class Permitted(NamedTuple):
@@ -43,13 +43,17 @@ def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -
 
     Raises
     ------
+    ConfigurationError
+        Its record is broken: no hardware moves by it, whatever the operator says.
     DeviceError
         Nobody knows limits for slow motions of the mechanism.
     """
     verdict = verdict_of(plan.profile, backend)
     said = [f"commissioning {verdict.digest}"] if verdict.digest else []
     if backend is not Backend.HARDWARE:
-        return Permitted(plan, said)
+        return Permitted(plan, [*said, verdict.trouble] if verdict.trouble else said)
+    if verdict.trouble:
+        raise ConfigurationError(verdict.trouble)
     if not verdict.lack:
         return Permitted(plan, said)
     remedy = f"mend it with: rig commission {plan.profile.name} --on hardware"
@@ -65,10 +69,14 @@ def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
 
     Raises
     ------
+    ConfigurationError
+        Its record is broken.
     DeviceError
         It is not commissioned, and nobody said why it is to be used all the same.
     """
     verdict = verdict_of(profile, Backend.HARDWARE)
+    if verdict.trouble:
+        raise ConfigurationError(verdict.trouble)
     if not verdict.lack:
         return f"commissioning {verdict.digest}"
     if override is None:
@@ -83,7 +91,7 @@ def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
 def verdict_of(
     profile: Profile, backend: Backend, search: Sequence[Path] | None = None
 ) -> CommissioningState:
-    """Return whether a rig is commissioned on a backend.
+    """Return whether a rig is commissioned on a backend; one with a broken record is not.
 
     Parameters
     ----------
@@ -95,7 +103,11 @@ def verdict_of(
         Folders of configurations; default: the profile's own, then the usual ones.
     """
     steps = REGISTRY.commissioning(profile.mechanism, AcceptanceStep)
-    record = load_record(profile.name, configs_of(profile) if search is None else search)
+    try:
+        record = load_record(profile.name, configs_of(profile) if search is None else search)
+    except ConfigurationError as error:
+        trouble = f"the record of its commissioning cannot be used: {error}"
+        return CommissioningState("", trouble, trouble)
     return judge(profile, record, [step.name for step in steps], backend.value)
 
 

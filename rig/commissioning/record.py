@@ -3,11 +3,12 @@
 import getpass
 import hashlib
 import json
+import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypedDict, cast
 
 import yaml
 
@@ -15,8 +16,9 @@ from rig.config import Profile
 from rig.config.calibration import check_seal, seal
 from rig.config.diagnostics import Problems
 from rig.config.dump import plain_of
-from rig.config.yaml_loader import read_source
+from rig.config.yaml_loader import plain_in, read_plain, read_source
 from rig.hal import ConfigurationError
+from rig.typed_json import checked
 from rig.whole_file import write_whole
 
 FOLDER: Final = "commissioning"
@@ -28,6 +30,22 @@ Content = dict[str, Any]
 """A record as plain data."""
 
 
+class _Step(TypedDict, total=False):
+    """A step of a record."""
+
+    passed: bool
+
+
+class _Record(TypedDict):
+    """A record, as far as every one is alike."""
+
+    valid_until: str
+    backend: str
+    settings: str
+    digest: str
+    steps: dict[str, _Step]
+
+
 class CommissioningState(NamedTuple):
     """The answer to whether a rig may be used as its profile says.
 
@@ -37,10 +55,13 @@ class CommissioningState(NamedTuple):
         Eight characters over what was tested; empty if nothing was.
     lack : str
         What is missing; empty if nothing is.
+    trouble : str
+        Why the record cannot be used; empty if it can, or if there is none.
     """
 
     digest: str
     lack: str
+    trouble: str = ""
 
 
 def tested_settings(profile: Profile) -> str:
@@ -96,17 +117,18 @@ def load_record(rig: str, search: Sequence[Path]) -> Content | None:
     Raises
     ------
     ConfigurationError
-        It was changed by hand, or cannot be read.
+        It was changed by hand, cannot be read, or is no such record.
     """
     for configs in search:
         path = record_path(configs, rig)
-        if path.is_file():
+        if os.path.lexists(path):  # a pipe or a link to nothing is no missing record
             source = read_source(path)
             problems = Problems()
             check_seal(source, path, problems)
             problems.raise_if_any()
-            content: Content = yaml.safe_load(source.text)
-            return content
+            content = plain_in(source)
+            checked(content, _Record, str(path))
+            return cast("Content", content)
     return None
 
 
@@ -118,10 +140,7 @@ def read_answers(path: Path) -> dict[str, str]:
     ConfigurationError
         It is no mapping of keys to answers.
     """
-    try:
-        content = yaml.safe_load(read_source(path).text)
-    except yaml.YAMLError as error:
-        raise ConfigurationError(f"{path} is no YAML: {error}") from error
+    content = read_plain(path)
     if not isinstance(content, dict):
         raise ConfigurationError(f"{path} has no keys and answers")
     return {str(key): str(value) for key, value in content.items()}

@@ -105,8 +105,19 @@ def read_plain(path: Path) -> Plain:
     ConfigurationError
         It cannot be read, or is none of the strict subset.
     """
+    return plain_in(read_source(path))
+
+
+def plain_in(source: Source) -> Plain:
+    """Return what a text holds, as plain data.
+
+    Raises
+    ------
+    ConfigurationError
+        It is none of the strict subset.
+    """
     problems = Problems()
-    root = parse(read_source(path), problems)
+    root = parse(source, problems)
     problems.raise_if_any()
     return root.plain()
 

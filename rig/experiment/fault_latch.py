@@ -12,11 +12,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from rig.experiment.ending import EXIT_PREFLIGHT, Ending
-from rig.hal import DeviceError
+from rig.hal import ConfigurationError, DeviceError
+from rig.hal.files import read_regular
 from rig.run_facts import RunStatus
 
 _DIED = "the program ended while the rig was energised, and did not say why"
 _HARMLESS = (RunStatus.OK, RunStatus.FAILED, RunStatus.ABORTED)
+
+_MOST = 1 << 16
+"""Bytes of a file with a fault."""
 
 
 class FaultLatched(DeviceError):
@@ -43,11 +47,13 @@ class FaultLatch:
         A file that cannot be read latches as well: it may hold a fault.
         """
         try:
-            kept = json.loads(self.path.read_text(encoding="utf-8"))
+            if not os.path.lexists(self.path):
+                return None
+            kept = json.loads(read_regular(self.path, _MOST).decode())
             return f"{kept['fault']} ({kept['since']}, {kept['run']})"
-        except FileNotFoundError:
-            return None
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (
+            ConfigurationError, OSError, ValueError, KeyError, TypeError, RecursionError,
+        ) as error:  # fmt: skip
             return f"{self.path} cannot be read: {error}"
 
     def check(self) -> None:

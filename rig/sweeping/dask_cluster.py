@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from rig.hal import ConfigurationError
 from rig.hal.errors import ConnectionFailed
+from rig.hal.files import read_regular
 from rig.sweeping.dask_worker import pack, run_here
 from rig.sweeping.engine import PointReport, WorkerSetup
 from rig.sweeping.errors import SweepStopped
@@ -34,6 +35,10 @@ _AHEAD: Final = 2
 _LOOPBACK: Final = re.compile(r"(localhost|127\.[0-9.]+|\[?::1\]?)(:[0-9]+)?")
 
 
+_MOST: Final = 1 << 20
+"""Bytes of a scheduler's file."""
+
+
 def address_of(given: str) -> str:
     """Return the address of a scheduler, given itself or as the scheduler's file.
 
@@ -45,8 +50,8 @@ def address_of(given: str) -> str:
     address = given
     if "://" not in given:
         try:
-            address = str(json.loads(Path(given).read_text(encoding="utf-8"))["address"])
-        except (OSError, ValueError, KeyError, TypeError) as error:
+            address = str(json.loads(read_regular(Path(given), _MOST).decode())["address"])
+        except (ConfigurationError, ValueError, KeyError, TypeError, RecursionError) as error:
             raise ConfigurationError(
                 f"--dask {given}: neither an address such as tcp://127.0.0.1:8786 nor the file of "
                 f"a scheduler ({error})"

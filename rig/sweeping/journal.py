@@ -7,15 +7,25 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO, TypedDict, cast
 
 from rig.hal import ConfigurationError, RigError
 from rig.spare_room import SpareRoom, append_line
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
+from rig.typed_json import checked, parse
 
 JOURNAL = "points.jsonl"
 _LOCK = ".lock"
+
+
+class _Line(TypedDict):
+    """A line of a journal; a metric without a value is no number."""
+
+    point: str
+    status: str
+    reason: str
+    metrics: list[dict[str, object]]
 
 
 class Journal:
@@ -132,13 +142,14 @@ class Journal:
         self._reader.seek(0)
         for line in self._lines():
             try:
-                name = json.loads(line)["point"]
-            except (ValueError, KeyError, TypeError) as error:
+                finding = checked(parse(line.decode()), _Line, "a line of it")
+                name = bytes.fromhex(finding["point"])
+            except (ConfigurationError, ValueError, RecursionError) as error:
                 raise ConfigurationError(
                     f"{self.folder / JOURNAL} is no journal of a sweep, or of another version: "
                     "choose another folder with --out"
                 ) from error
-            self._places[bytes.fromhex(name)] = whole
+            self._places[name] = whole
             whole += len(line)
         os.ftruncate(self._fd, whole)
 
