@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ import click
 
 from rig.cli.names import complete_config, configs_option, json_option, set_option
 from rig.cli.on_option import OnBackend
-from rig.cli.tables import print_data, print_tables
+from rig.cli.tables import print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.config import Profile
@@ -68,7 +67,7 @@ def check(
 
         origins = origins_of(profile, values)
         if as_json:
-            print_data(json.dumps([origin._asdict() for origin in origins], indent=2))
+            print_json([origin._asdict() for origin in origins])
         else:
             print_tables([origins_table(origins)])
         return 0
@@ -87,7 +86,7 @@ def check(
         content = {"experiment": experiment, "profile": described}
         tables = [*experiment_tables(experiment), *profile_tables(described)]
     if as_json:
-        print_data(json.dumps(content, indent=2, ensure_ascii=False))
+        print_json(content)
     else:
         print_tables(tables)
         if plan is not None and (sentence := advice(plan)) is not None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.assembly.survey import Answer
@@ -26,7 +25,7 @@ def check_buses(profile: Profile, on: str, *, as_json: bool) -> int:
     interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
     answers = survey_buses(profile, interfaces)
     if as_json:
-        print_data(json.dumps({"buses": [_as_data(answer) for answer in answers]}, indent=2))
+        print_json({"buses": [_as_data(answer) for answer in answers]})
     else:
         title = f"{profile.name} on {on}"
         print_tables([Table(title, _HEADER, [_row(answer) for answer in answers])])

@@ -18,7 +18,7 @@ from rig.cli.names import (
     set_option,
     yes_option,
 )  # fmt: skip
-from rig.cli.tables import print_data
+from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
@@ -122,7 +122,7 @@ def compare(
         (folder / "compare.json").write_text(json.dumps(content, indent=2) + "\n")
         draw_comparison(paths, labels, folder)
         if as_json:
-            print_data(json.dumps(content, indent=2))
+            print_json(content)
         else:
             _print_table([*labels, *refused], rows)
         click.echo(f"figure: {folder / 'compare.png'}", err=True)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, runs_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.tables import Table, print_data, print_json, print_tables
 from rig.run_names import find_run
 
 if TYPE_CHECKING:
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 @click.argument("first", shell_complete=complete_run)
 @click.argument("second", shell_complete=complete_run)
 @runs_option
-def diff(first: str, second: str, runs: Path) -> int:
+@json_option
+def diff(first: str, second: str, runs: Path, as_json: bool) -> int:
     """Show what two runs differ in: profile, code, metrics, and the first cycle that differs.
 
     Whether chance explains a metric's difference is told from the runs beside the first one that
@@ -30,10 +31,10 @@ def diff(first: str, second: str, runs: Path) -> int:
     from rig.run_folder import RunFolder
 
     one, other = (RunFolder.open(find_run(name, runs)) for name in (first, second))
-    return show(one, other)
+    return show(one, other, as_json=as_json)
 
 
-def show(one: RunFolder, other: RunFolder) -> int:
+def show(one: RunFolder, other: RunFolder, *, as_json: bool = False) -> int:
     """Print what two runs differ in; return 0 if it is nothing."""
     from rig.replaying.difference import (
         differing_code,
@@ -46,17 +47,27 @@ def show(one: RunFolder, other: RunFolder) -> int:
     settings, code = differing_settings(one, other), differing_code(one, other)
     metrics = metrics_beside(one, other, siblings_of(one, one.path.resolve().parent))
     header = ("", one.path.name, other.path.name)
-    print_tables(
-        [
-            Table("settings that differ", header, settings),
-            Table("code and versions that differ", header, code),
-            Table("metrics", (*header, "difference", "by chance"), [_row(m) for m in metrics]),
-        ]
-    )
     log = first_difference(one, other)
-    print_data(
-        "every cycle of both logs is the same" if log is None else f"the logs differ first at {log}"
-    )
+    if as_json:
+        print_json(
+            {
+                "settings": [change._asdict() for change in settings],
+                "code": [change._asdict() for change in code],
+                "metrics": [metric._asdict() for metric in metrics],
+                "log": None if log is None else str(log),
+            }
+        )
+    else:
+        rows = [_row(metric) for metric in metrics]
+        print_tables(
+            [
+                Table("settings that differ", header, settings),
+                Table("code and versions that differ", header, code),
+                Table("metrics", (*header, "difference", "by chance"), rows),
+            ]
+        )
+        told = "every cycle of both logs is the same"
+        print_data(told if log is None else f"the logs differ first at {log}")
     same = not settings and not code and log is None
     return 0 if same and all(m.by_chance == "the same" for m in metrics) else 1
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from rig.cli.names import complete_rig, configs_option, set_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.doctor.look import Look
@@ -76,7 +75,7 @@ def doctor(
 
 def _show(found: list[Look], *, as_json: bool) -> None:
     if as_json:
-        print_data(json.dumps({"findings": [one._asdict() for one in found]}, indent=2))
+        print_json({"findings": [one._asdict() for one in found]})
         return
     rows = [(one.what, one.verdict.value, one.found) for one in found]
     print_tables([Table("this computer", ("what", "verdict", "found"), rows)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +17,7 @@ from rig.cli.names import (
     json_option,
     runs_option,
 )
-from rig.cli.tables import print_data
+from rig.cli.tables import print_data, print_json
 from rig.run_names import LATEST, find_run
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def explain(word: str, runs: Path, rig: str | None, configs: Path | None, as_jso
         load_profile(rig, REGISTRY, (), find_configs(configs))
     told = _explain(word, runs)
     if as_json:
-        print_data(json.dumps([{"label": label, "text": text} for label, text in told], indent=2))
+        print_json([{"label": label, "text": text} for label, text in told])
     else:
         print_data("\n".join(_line(label, text) for label, text in told))
     return 0

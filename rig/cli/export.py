@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, runs_option
-from rig.cli.tables import print_data, visible
+from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
 TORN = 1
@@ -29,7 +29,8 @@ TORN = 1
     help="File to write; default: log.FORMAT in the run folder, log-indexed.mcap for mcap.",
 )
 @runs_option
-def export(run: str, format: str, out: Path | None, runs: Path) -> int:
+@json_option
+def export(run: str, format: str, out: Path | None, runs: Path, as_json: bool) -> int:
     """Write the log of RUN in another format, and print the file's path.
 
     RUN is a run folder, the name of one, or "latest". A run that crashed exports as far as its
@@ -39,7 +40,10 @@ def export(run: str, format: str, out: Path | None, runs: Path) -> int:
     from rig.export import export_run
 
     made = export_run(path, format, out)
-    print_data(str(made.path))
+    if as_json:
+        print_json({"path": made.path, "missing": made.missing})
+    else:
+        print_data(str(made.path))
     if made.missing is None:
         return 0
     click.echo(visible(f"{made.missing}: what was left of it is exported"), err=True)

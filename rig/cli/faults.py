@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import configs_option, json_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,7 +60,7 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
         for name, kind in kinds_for(subject).items()
     ]
     if as_json:
-        print_data(json.dumps([dict(zip(header, row, strict=True)) for row in rows], indent=2))
+        print_json([dict(zip(header, row, strict=True)) for row in rows])
     else:
         refused = [
             (name, kind_named(name).what, needs) for name, needs in refused_for(subject).items()
@@ -183,7 +183,7 @@ def run(
     rows = make_rows(verdicts)
     page = _keep(folder, f"Faults of {', '.join(rigs or RIGS)}, seed {seed}", verdicts)
     if as_json:
-        print_data(json.dumps([verdict.as_json() for verdict in verdicts], indent=2))
+        print_json([verdict.as_json() for verdict in verdicts])
     else:
         from rig.faults.table import HEADER
 
@@ -224,7 +224,7 @@ def _be_quiet(runs: list[QuietRun], folder: Path, workers: int, as_json: bool) -
     with QuietProgress(len(runs)) as progress:
         endings = run_quietly(runs, folder, workers, progress.told)
     if as_json:
-        print_data(json.dumps([ending.as_json() for ending in endings], indent=2))
+        print_json([ending.as_json() for ending in endings])
     else:
         rows = []
         for name in (*dict.fromkeys(run.rig for run in runs), "all"):

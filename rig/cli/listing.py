@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from itertools import compress
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rig.cli.names import configs_option, json_option, out_option
-from rig.cli.tables import Table, print_data, print_tables, visible
+from rig.cli.tables import Table, print_json, print_tables, visible
 from rig.run_names import list_runs
 
 if TYPE_CHECKING:
@@ -76,7 +75,7 @@ def listing(
         tables.append(Table("runs", header, [_run_row(run) for run in runs]))
     if as_json:
         content = {kind: [entry._asdict() for entry in entries] for kind, entries in made.items()}
-        print_data(json.dumps(content if what is None else content[what], indent=2))
+        print_json(content if what is None else content[what])
         return 0
     print_tables(tables)
     for kind, entries in made.items():

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_run, runs_option, set_option
-from rig.cli.tables import Table, print_data, print_tables, visible
+from rig.cli.names import complete_run, json_option, runs_option, set_option
+from rig.cli.tables import Table, print_data, print_json, print_tables, visible
 from rig.run_names import find_run
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ DIFFERS = 1
     help="Folder for the figure of another law; default: replay in the run folder.",
 )  # fmt: skip
 @runs_option
+@json_option
 def replay(
     run: str,
     verifies: bool,
@@ -44,6 +45,7 @@ def replay(
     overrides: tuple[str, ...],
     out: Path | None,
     runs: Path,
+    as_json: bool,
 ) -> int:
     """Feed the readings in RUN's log to the controllers of the code at hand.
 
@@ -63,15 +65,15 @@ def replay(
     if controller is not None:
         options.append(Setting(f"controller={controller}", f"--controller {controller}"))
     if not options:
-        return _verify(open_recorded(path), explains, from_frames)
+        return _verify(open_recorded(path), explains, from_frames, as_json)
     if verifies or explains or from_frames:
         raise click.UsageError(
             "--verify, --explain and --frames are for the law of the run itself."
         )
-    return _ask(path, options, path / "replay" if out is None else out)
+    return _ask(path, options, path / "replay" if out is None else out, as_json)
 
 
-def _verify(recorded: RecordedRun, explains: bool, from_frames: bool) -> int:
+def _verify(recorded: RecordedRun, explains: bool, from_frames: bool, as_json: bool) -> int:
     from rig.replaying.explain import explain
     from rig.replaying.frames import FramesRig
     from rig.replaying.verify import verify
@@ -86,6 +88,17 @@ def _verify(recorded: RecordedRun, explains: bool, from_frames: bool) -> int:
         found = verify(recorded)
     if found.unknown:
         click.echo(f"{found.unknown} cycles after a fault are not compared", err=True)
+    if as_json:
+        told = found.difference or found.stopped
+        print_json(
+            {
+                "cycles": found.cycles,
+                "unknown": found.unknown,
+                "same": found.same,
+                "difference": None if told is None else str(told),
+            }
+        )
+        return 0 if found.same else DIFFERS
     if found.same:
         print_data(f"{found.cycles} cycles, every number the same")
         return 0
@@ -96,7 +109,7 @@ def _verify(recorded: RecordedRun, explains: bool, from_frames: bool) -> int:
     return DIFFERS
 
 
-def _ask(path: Path, options: list[str], out: Path) -> int:
+def _ask(path: Path, options: list[str], out: Path, as_json: bool) -> int:
     from rig.config.formats import format_quantity
     from rig.replaying.open_loop import answer, draw
     from rig.replaying.recorded import open_recorded, plan_of
@@ -110,7 +123,8 @@ def _ask(path: Path, options: list[str], out: Path) -> int:
         (column.name, format_quantity(rms, column.unit), format_quantity(most, column.unit))
         for column, rms, most in zip(found.columns, found.rms, found.most, strict=True)
     ]
-    print_tables([Table("commands", ("command", "rms difference", "greatest"), rows)])
+    if not as_json:
+        print_tables([Table("commands", ("command", "rms difference", "greatest"), rows)])
     click.echo(
         f"open loop: {names[1]} ({', '.join(options)}) was asked on the readings of {names[0]}, "
         "which it did not cause",
@@ -121,5 +135,13 @@ def _ask(path: Path, options: list[str], out: Path) -> int:
     with paper_style():
         figure = draw(found, names)
         made = save(figure, out, "commands", f"open loop; {imprint_of([recorded.folder])}")
-    click.echo(str(made[0]))
+    if as_json:
+        commands = [
+            {"command": column.name, "unit": column.unit, "rms": rms, "max": most}
+            for column, rms, most in zip(found.columns, found.rms, found.most, strict=True)
+        ]
+        told = None if found.stopped is None else str(found.stopped)
+        print_json({"commands": commands, "stopped": told, "figure": made[0]})
+    else:
+        click.echo(str(made[0]))
     return 0

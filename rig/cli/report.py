@@ -6,15 +6,16 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, runs_option
-from rig.cli.tables import print_data, visible
+from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
 
 @click.command()
 @click.argument("run", shell_complete=complete_run)
 @runs_option
-def report(run: str, runs: Path) -> int:
+@json_option
+def report(run: str, runs: Path, as_json: bool) -> int:
     """Make the figures and the report of RUN again, and print the report's path.
 
     RUN is a run folder, the name of one, or "latest". A run that crashed is reported as far as
@@ -32,5 +33,8 @@ def report(run: str, runs: Path) -> int:
         ) from error
     for sentence in made.failures:
         click.echo(visible(sentence), err=True)
-    print_data(str(made.page))
+    if as_json:
+        print_json({"page": made.page, "failures": made.failures})
+    else:
+        print_data(str(made.page))
     return 0

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, out_option, runs_option, yes_option
-from rig.cli.tables import print_data, visible
+from rig.cli.names import complete_run, json_option, out_option, runs_option, yes_option
+from rig.cli.tables import print_data, print_json, visible
 from rig.run_names import find_run
 
 
@@ -17,7 +17,8 @@ from rig.run_names import find_run
 @out_option
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @yes_option
-def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> int:
+@json_option
+def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None, as_json: bool) -> int:
     """Run RUN again from its folder alone, and say whether the same came of it.
 
     Profile, calibrations and experiment are those in the folder. In simulation, with the same
@@ -26,7 +27,7 @@ def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> 
     path = find_run(run, runs)
     from rig.cli.announce import may_move
     from rig.cli.progress import ProgressLine
-    from rig.cli.run import show
+    from rig.cli.run import as_data, show
     from rig.replaying.difference import differing_code, first_difference
     from rig.replaying.rerun import Repeat
     from rig.run_folder import RunFolder
@@ -38,10 +39,16 @@ def rerun(run: str, runs: Path, out: Path, no_report: bool, yes: str | None) -> 
     line = ProgressLine(repeat.plan.experiment.name, on)
     with line:
         result = repeat.run(out, line, report=not no_report)
-    show(result)
+    made = difference = None
     if repeat.backend.is_simulated and result.path.joinpath("log.mcap").exists():
         made = RunFolder.open(result.path)
         difference = first_difference(repeat.folder, made)
+    if as_json:
+        told = None if difference is None else str(difference)
+        print_json({**as_data(result), "compared": made is not None, "difference": told})
+        return result.exit_code
+    show(result)
+    if made is not None:
         if difference is None:
             print_data("every cycle is as it was")
         else:

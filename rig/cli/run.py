@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +18,7 @@ from rig.cli.names import (
     yes_option,
 )  # fmt: skip
 from rig.cli.on_option import FrameFormat, OnBackend
-from rig.cli.tables import print_data
+from rig.cli.tables import print_data, print_json
 
 if TYPE_CHECKING:
     from rig.experiment.run import Result
@@ -131,7 +130,7 @@ def run(
         )
         line.keep_gains()
     if as_json:
-        print_data(json.dumps(as_data(result), indent=2))
+        print_json(as_data(result))
     else:
         show(result)
     if (

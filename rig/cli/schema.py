@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from rig.cli.names import complete_rig, configs_option
-from rig.cli.tables import print_data, visible
+from rig.cli.tables import print_json, visible
 
 
 @click.command()
@@ -39,5 +38,5 @@ def schema(kind: str, rig: str | None, configs: Path | None) -> int:
         except ProfileError as error:  # it is being written
             click.echo(visible(f"{rig} is not valid yet: {error}"), err=True)
     made = profile_schema(REGISTRY) if kind == "profile" else experiment_schema(REGISTRY)
-    print_data(json.dumps(made, indent=2, ensure_ascii=False))
+    print_json(made)
     return 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from rig.cli.names import complete_rig, configs_option, json_option, out_option, set_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.config import Profile
@@ -60,7 +59,7 @@ def status(
     following = _following(steps)
     if as_json:
         shown = {"stages": [stage._asdict() for stage in stages], "next": following or None}
-        print_data(json.dumps(shown, indent=2, ensure_ascii=False))
+        print_json(shown)
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
     print_tables([Table(f"{profile.name}, {profile.description}", ("what", "state"), rows)])

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from rig.cli.names import complete_run, runs_option
+from rig.cli.names import complete_run, json_option, runs_option
+from rig.cli.tables import print_json
 from rig.run_names import find_run, list_runs
 
 
@@ -19,7 +20,10 @@ from rig.run_names import find_run, list_runs
     help="For how long at most the end is waited for.",
 )  # fmt: skip
 @runs_option
-def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -> int:
+@json_option
+def stop(
+    run: str | None, every: bool, at_once: bool, wait: float, runs: Path, as_json: bool
+) -> int:
     """Stop RUN, the one that goes on, or all of them; orderly, as Ctrl-C in its terminal does.
 
     This is not the emergency stop. It asks a program, which must be able to hear it.
@@ -31,6 +35,8 @@ def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -
     if run is not None and every:
         raise click.UsageError("either a RUN or --all")
     going_on = [find_run(run, runs)] if run is not None else live_runs(runs)
+    if not going_on and as_json:
+        print_json([])
     if not going_on:
         click.echo(f"no run goes on in {runs}", err=True)
         return 1
@@ -38,6 +44,7 @@ def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -
         names = ", ".join(path.name for path in going_on)
         raise click.UsageError(f"{len(going_on)} runs go on ({names}): name one, or --all")
     failed = False
+    ended: dict[Path, str | None] = dict.fromkeys(going_on)
     for path in going_on:
         try:
             process = request_stop(path, at_once=at_once)
@@ -51,8 +58,13 @@ def stop(run: str | None, every: bool, at_once: bool, wait: float, runs: Path) -
         if not wait_for_end(path, wait):
             click.echo(f"{path.name}: it still goes on after {wait:g} s", err=True)
             failed = True
-        elif (folder := RunFolder.open(path)).status is not RunStatus.OK:
+            continue
+        folder = RunFolder.open(path)
+        ended[path] = folder.status.value
+        if folder.status is not RunStatus.OK:
             click.echo(f"{path.name}: {folder.manifest.get('message')}", err=True)
+    if as_json:
+        print_json([{"run": path, "status": status} for path, status in ended.items()])
     return 1 if failed else 0
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import signal
 import threading
 from collections.abc import Iterator
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import configs_option, experiment_argument, rig_option, set_option, yes_option
-from rig.cli.tables import Table, print_data, print_tables
+from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
     from rig.sweeping.result import Sweep
@@ -123,7 +122,7 @@ def sweep(
     with _ended_as_interrupted():
         found = run_sweep(request, SweepProgress)
     if as_json:
-        print_data(json.dumps(found.table, indent=2))
+        print_json(found.table)
     else:
         show(found, request.best)
     return 130 if found.end == "interrupted" else 0

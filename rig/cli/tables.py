@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import PurePath
 from typing import Final, NamedTuple
 
 import click
@@ -59,6 +62,22 @@ def print_data(text: str) -> None:
         sys.stdout.flush()
     except BrokenPipeError:
         abandon_stdout()
+
+
+def print_json(content: object) -> None:
+    """Print data as JSON on stdout: what is no finite number is null, as JSON knows no other."""
+    print_data(json.dumps(finite(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def finite(content: object) -> object:
+    """Return data as JSON can have them: paths as text, and no number that is not finite."""
+    if isinstance(content, float):
+        return content if math.isfinite(content) else None
+    if isinstance(content, Mapping):
+        return {str(key): finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [finite(value) for value in content]
+    return str(content) if isinstance(content, PurePath) else content
 
 
 def abandon_stdout() -> None:
