@@ -209,7 +209,7 @@ def _settled_gains(kalman: Any) -> tuple[float, ...]:
     )
 
 
-class MotionEstimator:
+class MotionEstimator(PlainNumbers):
     """Position, velocity and acceleration of whatever an encoder measures.
 
     Parameters

@@ -234,17 +234,25 @@ class _Motion:
 
 
 def _changes(law: AnyPairLaw, motion: _Motion) -> dict[Path, float]:
-    """Return by how much every number that a law remembers changes in a cycle."""
+    """Return by how much every number changes in a cycle that what is measured gets into.
+
+    What changes by itself, as the phase of a dither, is no part of the loop.
+    """
     other, then = copy.deepcopy((law, motion))
+    alone, there = copy.deepcopy((law, motion))
     before = {path: _get(other, path) for path in _numbers(other)}
     changes = dict.fromkeys(before, 0.0)
+    reached = set()
     for k in range(1, 9):
         then.step(other, 1e-6 * math.sin(2.3 * k), 1e3 * math.cos(1.7 * k))
+        there.step(alone, 0.0, 0.0)
         for path, was in before.items():
             now = _get(other, path)
             changes[path] = max(changes[path], abs(now - was))
             before[path] = now
-    return {path: change for path, change in changes.items() if change > 0.0}
+            if now != _get(alone, path):
+                reached.add(path)
+    return {path: changes[path] for path in changes if path in reached}
 
 
 def _numbers(item: object, path: Path = ()) -> Iterator[Path]:

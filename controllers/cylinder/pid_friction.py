@@ -6,11 +6,23 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
+from controllers.base import Tunable
+from controllers.compiled import inlined
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
 from controllers.cylinder.feedforward import Feedforward, FeedforwardSettings
-from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.law import Integral, Output
+from controllers.cylinder.numeric_law import NumericPairLaw, PairNumbers
 from controllers.cylinder.types import PairModel
 from controllers.estimators import MotionEstimator, motion_gains
+
+_estimate = inlined(MotionEstimator.update)
+_predict = inlined(MotionEstimator.predict)
+_feed_forward = inlined(Feedforward.update)
+_learn = inlined(Feedforward.learn)
+_lead = inlined(RegulatorLead.update)
+_wish = inlined(Integral.wish)
+_grow = inlined(Integral.grow)
+_share = inlined(DifferentialRange.share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,24 +73,38 @@ class PidFrictionSettings:
     )
 
 
-class PidFriction(PairLaw[PidFrictionSettings]):
-    """PID on an estimated velocity, with friction feedforward, regulator lead and dither."""
+class PidFrictionLaw(PairNumbers):
+    """The numbers of a `PidFriction`, and its step of one period.
 
-    Settings = PidFrictionSettings
+    Parameters
+    ----------
+    settings : PidFrictionSettings
+        Gains.
+    model : PairModel
+        Pressures, area, mass, friction, regulators.
+    period : float
+        The loop's period, s.
+    """
 
     def __init__(self, settings: PidFrictionSettings, model: PairModel, period: float) -> None:
-        super().__init__(settings, model, period)
+        self._area = model.area
+        self._per_area = 1.0 / model.area
+        self._period = period
+        self._proportional = settings.proportional
+        self._derivative = settings.derivative
+        self._integral_step = settings.integral * period
         self._range = DifferentialRange(model, settings.pressure_floor)
         self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
         self._feedforward = Feedforward(settings.feedforward, model, period)
         gains = motion_gains(period, settings.resolution, settings.acceleration_step)
         self._motion = MotionEstimator(gains, period)
         self._integral = Integral()
-        self._integral_step = settings.integral * period
+        self._dither_amplitude = settings.dither_amplitude
         self._dither_step = 2.0 * math.pi * settings.dither_frequency * period
         self._dither_phase = 0.0
 
-    def _begin(self, position: float, difference: float) -> None:
+    def reset(self, position: float, difference: float) -> None:
+        """Start bumplessly; see `PairNumbers.reset`."""
         differential = self._range.clip(difference)
         self._integral.reset(differential)
         self._lead.reset(differential)
@@ -86,7 +112,7 @@ class PidFriction(PairLaw[PidFrictionSettings]):
         self._motion.reset(position)
         self._dither_phase = 0.0
 
-    def _step(
+    def step(
         self,
         measured: float,
         difference: float,
@@ -95,27 +121,58 @@ class PidFriction(PairLaw[PidFrictionSettings]):
         wanted_acceleration: float,
         load: float,
     ) -> Output:
-        settings, lead, integral = self.settings, self._lead, self._integral
-        self._motion.update(measured)
-        position, velocity = self._motion.predict(self.period)
+        """Advance by one period; see `PairNumbers.step`."""
+        lead, integral, friction = self._lead, self._integral, self._feedforward
+        _estimate(self._motion, measured)
+        position, velocity = _predict(self._motion, self._period)
         error = wanted - position
         feedforward = self._per_area * (
-            self._feedforward.update(wanted_velocity, wanted_acceleration, error) + load
+            _feed_forward(friction, wanted_velocity, wanted_acceleration, error) + load
         )
-        wish = integral.wish(
-            settings.proportional * error
-            + settings.derivative * (wanted_velocity - velocity)
-            + feedforward
+        wish = _wish(
+            integral,
+            self._proportional * error
+            + self._derivative * (wanted_velocity - velocity)
+            + feedforward,
         )
-        setpoint = lead.update(wish)
-        integral.grow(self._integral_step, error, lead.saturation)
-        integral.value -= self._per_area * self._feedforward.learn(self._area * integral.value)
-        if settings.dither_amplitude > 0.0:
-            setpoint += settings.dither_amplitude * math.sin(self._dither_phase)
+        setpoint = _lead(lead, wish)
+        _grow(integral, self._integral_step, error, lead.saturation)
+        integral.value -= self._per_area * _learn(friction, self._area * integral.value)
+        if self._dither_amplitude > 0.0:
+            setpoint += self._dither_amplitude * math.sin(self._dither_phase)
             self._dither_phase = (self._dither_phase + self._dither_step) % math.tau
+        first, second = _share(self._range, setpoint)
         return (
-            *self._range.share(setpoint),
+            first,
+            second,
             velocity,
             -self._area * integral.value,
             self._area * (wish - feedforward),
         )
+
+
+inlined(PidFrictionLaw.step)
+
+
+class PidFriction(NumericPairLaw[PidFrictionSettings]):
+    """PID on an estimated velocity, with friction feedforward, regulator lead and dither."""
+
+    Settings = PidFrictionSettings
+    Numbers = PidFrictionLaw
+    tunables = (
+        Tunable("proportional", 1e5, 5e8),
+        Tunable("integral", 1e5, 5e9),
+        Tunable("derivative", 1e3, 5e6),
+        Tunable("lead_bandwidth", 60.0, 600.0),
+        Tunable("acceleration_step", 1e-2, 1e1),
+        Tunable("feedforward.gain", 0.3, 1.3),
+        Tunable("feedforward.rounding", 1e-4, 1e-2),
+        Tunable("feedforward.error_rate", 0.05, 50.0),
+    )
+    online = (
+        Tunable("proportional", 1e5, 5e8),
+        Tunable("integral", 0.0, 5e9),
+        Tunable("derivative", 0.0, 5e6),
+        Tunable("dither_amplitude", 0.0, 20e3),
+        Tunable("feedforward.gain", 0.0, 1.3),
+    )

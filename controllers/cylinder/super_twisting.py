@@ -6,10 +6,20 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
+from controllers.base import Tunable
+from controllers.compiled import inlined
 from controllers.cylinder.differential import DifferentialRange, RegulatorLead
-from controllers.cylinder.law import Integral, Output, PairLaw
+from controllers.cylinder.law import Integral, Output
+from controllers.cylinder.numeric_law import NumericPairLaw, PairNumbers
 from controllers.cylinder.types import PairModel
 from controllers.estimators import ForceObserver, disturbance_gains
+
+_observe = inlined(ForceObserver.update)
+_predict = inlined(ForceObserver.predict)
+_lead = inlined(RegulatorLead.update)
+_wish = inlined(Integral.wish)
+_grow = inlined(Integral.grow)
+_share = inlined(DifferentialRange.share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +66,91 @@ class SuperTwistingSettings:
     pressure_floor: Annotated[float, Unit("Pa"), Ge(0)] = 20e3
 
 
-class SuperTwisting(PairLaw[SuperTwistingSettings]):
+class SuperTwistingLaw(PairNumbers):
+    """The numbers of a `SuperTwisting`, and its step of one period.
+
+    Parameters
+    ----------
+    settings : SuperTwistingSettings
+        The surface and the gains on it.
+    model : PairModel
+        Pressures, area, mass, viscous friction, regulators.
+    period : float
+        The loop's period, s.
+    """
+
+    def __init__(self, settings: SuperTwistingSettings, model: PairModel, period: float) -> None:
+        self._area = model.area
+        self._per_area = 1.0 / model.area
+        self._mass = model.mass
+        self._viscous = model.viscous
+        self._period = period
+        self._range = DifferentialRange(model, settings.pressure_floor)
+        self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
+        gains = disturbance_gains(
+            period, settings.resolution, model.mass, settings.force_noise, settings.observed_rate
+        )
+        self._observer = ForceObserver(gains, model.mass, period)
+        rate = settings.disturbance_rate
+        self._surface_rate = settings.surface_rate
+        self._root_gain = settings.proportional_factor * math.sqrt(rate * model.mass)
+        self._integral = Integral()
+        self._integral_step = settings.integral_factor * rate * period
+        self._boundary = settings.boundary
+        self._root_boundary = 1.0 / math.sqrt(settings.boundary)
+        self._per_boundary = 1.0 / settings.boundary
+
+    def reset(self, position: float, difference: float) -> None:
+        """Start bumplessly; see `PairNumbers.reset`."""
+        differential = self._range.clip(difference)
+        self._observer.reset(position, self._area * difference)
+        self._lead.reset(differential)
+        self._integral.reset(self._area * differential)
+
+    def step(
+        self,
+        measured: float,
+        difference: float,
+        wanted: float,
+        wanted_velocity: float,
+        wanted_acceleration: float,
+        load: float,
+    ) -> Output:
+        """Advance by one period; see `PairNumbers.step`."""
+        lead, observer, integral = self._lead, self._observer, self._integral
+        _observe(observer, measured, self._area * difference)
+        position, velocity = _predict(observer, self._period)
+        slip = wanted_velocity - velocity
+        surface = slip + self._surface_rate * (wanted - position)
+        if abs(surface) < self._boundary:
+            root = surface * self._root_boundary
+            sign = surface * self._per_boundary
+        else:
+            sign = math.copysign(1.0, surface)
+            root = sign * math.sqrt(abs(surface))
+        wish = _wish(
+            integral,
+            self._mass * (wanted_acceleration + self._surface_rate * slip)
+            + self._viscous * wanted_velocity
+            + self._root_gain * root
+            + load,
+        )
+        setpoint = _lead(lead, self._per_area * wish)
+        _grow(integral, self._integral_step, sign, lead.saturation)
+        first, second = _share(self._range, setpoint)
+        return (
+            first,
+            second,
+            velocity,
+            observer.disturbance,
+            wish - load - self._viscous * wanted_velocity,
+        )
+
+
+inlined(SuperTwistingLaw.step)
+
+
+class SuperTwisting(NumericPairLaw[SuperTwistingSettings]):
     """Second-order sliding mode on ``s = v_ref - v + lambda (x_ref - x)``.
 
     References
@@ -66,66 +160,21 @@ class SuperTwisting(PairLaw[SuperTwistingSettings]):
     """
 
     Settings = SuperTwistingSettings
-
-    def __init__(self, settings: SuperTwistingSettings, model: PairModel, period: float) -> None:
-        super().__init__(settings, model, period)
-        self._mass = model.mass
-        self._viscous = model.viscous
-        self._range = DifferentialRange(model, settings.pressure_floor)
-        self._lead = RegulatorLead(model, settings.lead_bandwidth, self._range.limit, period)
-        gains = disturbance_gains(
-            period, settings.resolution, model.mass, settings.force_noise, settings.observed_rate
-        )
-        self._observer = ForceObserver(gains, model.mass, period)
-        rate = settings.disturbance_rate
-        self._root_gain = settings.proportional_factor * math.sqrt(rate * model.mass)
-        self._integral = Integral()
-        self._integral_step = settings.integral_factor * rate * period
-        self._root_boundary = 1.0 / math.sqrt(settings.boundary)
-        self._per_boundary = 1.0 / settings.boundary
-
-    def _begin(self, position: float, difference: float) -> None:
-        differential = self._range.clip(difference)
-        self._observer.reset(position, self._area * difference)
-        self._lead.reset(differential)
-        self._integral.reset(self._area * differential)
-
-    def _step(
-        self,
-        measured: float,
-        difference: float,
-        wanted: float,
-        wanted_velocity: float,
-        wanted_acceleration: float,
-        load: float,
-    ) -> Output:
-        settings, lead, observer, integral = (
-            self.settings,
-            self._lead,
-            self._observer,
-            self._integral,
-        )
-        observer.update(measured, self._area * difference)
-        position, velocity = observer.predict(self.period)
-        slip = wanted_velocity - velocity
-        surface = slip + settings.surface_rate * (wanted - position)
-        if abs(surface) < settings.boundary:
-            root = surface * self._root_boundary
-            sign = surface * self._per_boundary
-        else:
-            sign = math.copysign(1.0, surface)
-            root = sign * math.sqrt(abs(surface))
-        wish = integral.wish(
-            self._mass * (wanted_acceleration + settings.surface_rate * slip)
-            + self._viscous * wanted_velocity
-            + self._root_gain * root
-            + load
-        )
-        setpoint = lead.update(self._per_area * wish)
-        integral.grow(self._integral_step, sign, lead.saturation)
-        return (
-            *self._range.share(setpoint),
-            velocity,
-            observer.disturbance,
-            wish - load - self._viscous * wanted_velocity,
-        )
+    Numbers = SuperTwistingLaw
+    tunables = (
+        Tunable("surface_rate", 2.0, 120.0),
+        Tunable("disturbance_rate", 10.0, 1e4),
+        Tunable("proportional_factor", 0.05, 3.0),
+        Tunable("integral_factor", 0.01, 2.0),
+        Tunable("boundary", 5e-4, 0.2),
+        Tunable("lead_bandwidth", 60.0, 600.0),
+        Tunable("force_noise", 0.02, 2.0),
+        Tunable("observed_rate", 0.5, 50.0),
+    )
+    online = (
+        Tunable("surface_rate", 0.0, 120.0),
+        Tunable("disturbance_rate", 10.0, 1e4),
+        Tunable("proportional_factor", 0.0, 3.0),
+        Tunable("integral_factor", 0.0, 2.0),
+        Tunable("boundary", 5e-4, 0.2),
+    )

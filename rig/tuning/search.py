@@ -132,13 +132,18 @@ class GainSearch:
         A loop's margins cost a fiftieth of its trials: most places need no trial.
         """
         places: list[list[float]] = self._rng.uniform(size=(_PLACES, count)).tolist()
-        nominal = [self._bench.ensemble.nominal]
-        nearness = []
-        for place in places:
-            (margin,) = self._bench.margins(gains_at(self._bench.tunables, place), nominal)
-            nearness.append(max(margin.sensitivity, SENSITIVITY) if margin.stable else math.inf)
+        nearness = [self._nearness(place) for place in places]
         order = sorted(range(_PLACES), key=lambda number: nearness[number])
         return [places[number] for number in order[: _FIRST_LOOK * GENERATION - 1]]
+
+    def _nearness(self, place: Sequence[float]) -> float:
+        """Return how near the loop at a place is to instability; infinite: there is none."""
+        gains = gains_at(self._bench.tunables, place)
+        try:
+            (margin,) = self._bench.margins(gains, [self._bench.ensemble.nominal])
+        except ValueError:  # the law refuses these gains
+            return math.inf
+        return max(margin.sensitivity, SENSITIVITY) if margin.stable else math.inf
 
     def _strategy(self, place: Sequence[float], step: float) -> "_Strategy":
         import cma

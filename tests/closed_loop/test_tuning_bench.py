@@ -27,6 +27,12 @@ GENTLE = {
     "pid": tuple(f"controllers.pid.{gain}" for gain in (
         "proportional=8e6", "integral=6e7", "derivative=1e5", "derivative_time=3 ms",
     )),
+    "pid-friction": tuple(f"controllers.pid-friction.{gain}" for gain in (
+        "proportional=8e6", "integral=6e7", "derivative=1e5", "lead_bandwidth=200",
+    )),
+    "super-twisting": tuple(f"controllers.super-twisting.{gain}" for gain in (
+        "surface_rate=12", "disturbance_rate=200", "boundary=50 mm/s", "lead_bandwidth=200",
+    )),
 }  # fmt: skip
 DEVICES = ("regulators", "encoder-agonist")
 READ = ("position_agonist", "position_antagonist", "pressure_agonist", "pressure_antagonist")
@@ -37,10 +43,10 @@ BLIND = tuple(
 """Regulators are drawn here that the profile's alarms would rightly call slow."""
 
 
-def cases(count=4):
+def cases(laws, count=4):
     rng = np.random.default_rng(20261)
     for number in range(count):
-        law = ("cascade", "pid")[number % 2]
+        law = laws[number % len(laws)]
         yield law, (
             f"simulation.seed={rng.integers(1000)}",
             f"plant.friction_scale={rng.uniform(0.6, 1.3)}",
@@ -58,7 +64,7 @@ def planned(law, options):
     return load_plan("cylinder-step" if law == "pid" else "cylinder-sine", options)
 
 
-@pytest.mark.parametrize(("law", "options"), list(cases()))
+@pytest.mark.parametrize(("law", "options"), list(cases(("cascade", "pid"))))
 def test_a_lent_plant_and_its_devices_do_to_the_bit_what_those_of_a_run_do(law, options, tmp_path):
     options = [o for o in options if "amplitude" not in o or law == "cascade"]
     plan = planned(law, options)
@@ -78,7 +84,7 @@ def test_a_lent_plant_and_its_devices_do_to_the_bit_what_those_of_a_run_do(law, 
         lent.exchange(lent.memory, setpoints, seen, truth)
 
 
-@pytest.mark.parametrize(("law", "options"), list(cases()))
+@pytest.mark.parametrize(("law", "options"), list(cases(tuple(GENTLE))))
 def test_the_compiled_loop_does_to_the_bit_what_law_and_limits_do_one_by_one(law, options):
     plan = planned(law, [o for o in options if "amplitude" not in o])
     profile, cycles = plan.profile, 4000

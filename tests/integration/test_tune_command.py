@@ -82,7 +82,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
     [
         (("tune", "cylindre"), "cylinder"),
         (("tune", "cylinder", "--controller", "pidd"), "it has pid"),
-        (("tune", "cylinder", "--controller", "super-twisting"), "may be tuned"),
+        (("tune", "joint", "--controller", "joint-cascade"), "has no controller"),
         (("tune", "arm", "--controller", "esc"), "tuned"),
         (("tune", "cylinder", "--for", "arm-wrist-hit"), "cylinder"),
         (("tune", "cylinder", "--set", "plant.model=spherical-joint"), "plant"),

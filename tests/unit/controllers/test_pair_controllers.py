@@ -322,8 +322,9 @@ def test_a_pair_at_rest_teaches_nothing_and_lessons_are_bounded(model):
     assert feedforward.scale == 3.0
 
 
-def test_compiled_cascade_is_the_same_law(model):
-    plain, compiled = build(Cascade, model), build(Cascade, model)
+@every
+def test_a_compiled_law_is_the_same_law_to_the_bit(kind, model):
+    plain, compiled = build(kind, model), build(kind, model)
     compiled.compile()
     for start in (0.0, 1e-3):  # the second time from anew
         for controller in (plain, compiled):

@@ -12,6 +12,7 @@ from controllers.cylinder.cascade_settings import CascadeSettings
 from controllers.cylinder.margins import loop_margins
 from controllers.cylinder.pid import Pid, PidSettings
 from controllers.cylinder.pid_friction import PidFriction, PidFrictionSettings
+from controllers.cylinder.super_twisting import SuperTwisting, SuperTwistingSettings
 from controllers.cylinder.types import PairModel, PairReference, PairState
 
 PERIOD, FINE, SPEED = 1e-3, 2e-5, 20e-3
@@ -20,6 +21,10 @@ MODEL = PairModel(
     regulator_bandwidth=40.0, regulator_damping=1.0, coulomb=0.0, breakaway=0.0,
     stribeck_velocity=8e-3, viscous=50.0, regulator_dead_time=2e-3,
 )  # fmt: skip
+
+
+TWISTED = 100
+"""Seeds from here on draw a sliding mode."""
 
 
 def draw(seed):
@@ -35,6 +40,16 @@ def draw(seed):
     share = np.random.default_rng([seed, 1]).choice([0.0, 0.3, 0.9])
     model = replace(model, regulator_monitor_time=share * model.regulator_dead_time)
     kind = drawn.integers(3)
+    if seed >= TWISTED:
+        settings = SuperTwistingSettings(
+            surface_rate=float(drawn.uniform(15.0, 60.0)),
+            disturbance_rate=float(10 ** drawn.uniform(2.5, 3.7)),
+            boundary=float(10 ** drawn.uniform(-2.0, -1.2)),
+            lead_bandwidth=float(drawn.uniform(100.0, 600.0)),
+            force_noise=float(drawn.uniform(0.05, 1.0)),
+            observed_rate=float(drawn.uniform(1.0, 30.0)),
+        )
+        return SuperTwisting(settings, model, PERIOD), model
     if kind == 0:
         settings = CascadeSettings(
             position_rate=float(drawn.uniform(20.0, 90.0)),
@@ -124,7 +139,7 @@ KEPT = 0.96
 grown to where the setpoints end, has more."""
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", [*range(24), *range(TWISTED, TWISTED + 8)])
 def test_a_drawn_loop_bears_as_much_more_dead_time_as_its_margin_says(seed):
     law, model = draw(seed)
     margins = loop_margins(law, model)
@@ -142,6 +157,21 @@ def test_a_drawn_loop_bears_as_much_more_dead_time_as_its_margin_says(seed):
 def test_the_draws_are_of_both_kinds():
     found = [loop_margins(*draw(seed)).stable for seed in range(24)]
     assert 6 < sum(found) < 22
+    found = [loop_margins(*draw(seed)).stable for seed in range(TWISTED, TWISTED + 8)]
+    assert 0 < sum(found) < 8
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_dither_is_no_part_of_the_loop(seed):
+    chance = np.random.default_rng(seed)
+    quiet = PidFrictionSettings(
+        proportional=float(chance.uniform(1e7, 3e7)), derivative=float(chance.uniform(1e5, 3e5)),
+        integral=1e8, lead_bandwidth=float(chance.uniform(150.0, 400.0)), dither_amplitude=0.0,
+    )  # fmt: skip
+    shaken = replace(quiet, dither_amplitude=2e3, dither_frequency=float(chance.uniform(10, 30)))
+    without, along = (loop_margins(PidFriction(s, MODEL, PERIOD), MODEL) for s in (quiet, shaken))
+    assert without.stable
+    assert along == pytest.approx(without, rel=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -9,8 +9,10 @@ import pytest
 
 from controllers.compiled import record_type
 from controllers.cylinder.cascade import Cascade
+from controllers.cylinder.law import PairLaw
 from controllers.cylinder.pid import Pid
 from controllers.cylinder.pid_friction import PidFriction
+from controllers.cylinder.super_twisting import SuperTwisting
 from controllers.cylinder.types import PairModel, PairReference, PairState
 from rig.steering.mailbox import BOX, Mailbox
 from rig.steering.online_gains import HOLD, OnlineGains
@@ -23,7 +25,8 @@ MODEL = PairModel(
     coulomb=3.0, breakaway=4.0, stribeck_velocity=0.01, viscous=40.0,
 )  # fmt: skip
 
-tuned = pytest.mark.parametrize("kind", [Cascade, Pid], ids=lambda kind: kind.__name__)
+LAWS = (Cascade, Pid, PidFriction, SuperTwisting)
+tuned = pytest.mark.parametrize("kind", LAWS, ids=lambda kind: kind.__name__)
 
 
 @pytest.fixture
@@ -213,8 +216,15 @@ def test_on_hardware_nothing_changes_unless_somebody_holds_on(box):
     assert law.settings.position_rate == 60.0
 
 
+class Fixed(PairLaw):
+    """A law that names no gain."""
+
+    def _begin(self, position, difference):
+        raise NotImplementedError
+
+
 def test_a_law_without_such_gains_says_so():
-    law = PidFriction(PidFriction.Settings(), MODEL, PERIOD)
+    law = Fixed(PidFriction.Settings(), MODEL, PERIOD)
     assert not law.online
     with pytest.raises(ValueError, match="no gains that change"):
         law.retune(replace(law.settings))

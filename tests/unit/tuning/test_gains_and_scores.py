@@ -3,12 +3,17 @@
 import random
 from collections import Counter
 from itertools import combinations
+from typing import get_type_hints
 
 import numpy as np
 import pytest
 
 from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.cascade_settings import CascadeSettings
+from controllers.cylinder.pid import Pid
+from controllers.cylinder.pid_friction import PidFriction
+from controllers.cylinder.super_twisting import SuperTwisting
+from controllers.cylinder.types import PairModel
 from rig.hal.bench import Trial, Unknown
 from rig.hal.mechanism import ClosedLoop
 from rig.mechanisms.cylinder.programme import lasting_error
@@ -27,19 +32,45 @@ UNKNOWNS = (
 )
 
 
+LAWS = (Cascade, Pid, PidFriction, SuperTwisting)
+
+
 @pytest.mark.parametrize("number", range(20))
 def test_gains_that_were_put_into_settings_come_out_again(number):
+    law = LAWS[number % 4]
     rng = np.random.default_rng([77, number])
-    place = rng.uniform(0.0, 1.0, len(Cascade.tunables)).tolist()
-    gains = gains_at(Cascade.tunables, place)
-    settings = with_gains(CascadeSettings(), gains)
-    assert values_of(Cascade.tunables, settings) == gains
-    assert place_of(Cascade.tunables, settings) == pytest.approx(place, abs=1e-3)
-    for tunable in Cascade.tunables:
+    place = rng.uniform(0.0, 1.0, len(law.tunables)).tolist()
+    gains = gains_at(law.tunables, place)
+    settings = with_gains(law.Settings(), gains)
+    assert values_of(law.tunables, settings) == gains
+    assert place_of(law.tunables, settings) == pytest.approx(place, abs=1e-3)
+    for tunable in law.tunables:
         assert tunable.low * 0.999 <= gains[tunable.key] <= tunable.high * 1.001
     again = nested(gains)
-    assert again["feedforward"]["distance"] == gains["feedforward.distance"]
-    assert again["position_rate"] == gains["position_rate"]
+    for key, gain in gains.items():
+        name, _, below = key.partition(".")
+        assert (again[name][below] if below else again[name]) == gain
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)
+def test_a_search_and_a_person_stay_within_what_a_profile_may_say(law):
+    """Both ends of every gain pass the bounds of the setting, and a law can be made of them."""
+    model = PairModel(1.8e-4, 0.138, 0.12e6, 0.0, 0.5e6, 40.0, 1.0, 6.5, 6.7, 3e-3, 30.0)
+    for gain in (*law.tunables, *law.online):
+        for value in (gain.low, gain.high):
+            settings = with_gains(law.Settings(), {gain.key: value})
+            owner, name = settings, gain.key
+            if "." in name:
+                part, name = name.split(".")
+                owner = getattr(settings, part)
+            kind = get_type_hints(type(owner), include_extras=True)[name]
+            for bound in kind.__metadata__:
+                if hasattr(bound, "gt"):
+                    assert value > bound.gt, gain
+                for side, holds in (("ge", value.__ge__), ("le", value.__le__)):
+                    if hasattr(bound, side):
+                        assert holds(getattr(bound, side)), gain
+            law(settings, model, 1e-3)
 
 
 def test_what_no_search_may_change_of_a_law_stays():
