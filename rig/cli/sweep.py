@@ -16,6 +16,7 @@ from rig.cli.names import configs_option, experiment_argument, rig_option, set_o
 from rig.cli.tables import Table, print_json, print_tables
 
 if TYPE_CHECKING:
+    from rig.sweeping.data import SweepData
     from rig.sweeping.result import Sweep
 
 _TOLD = {"failed": "missed a bound"}
@@ -142,15 +143,31 @@ def _ended_as_interrupted() -> Iterator[None]:
 
 
 def show(found: Sweep, metric: str | None) -> None:
-    """Print the best points on stdout, and where all of them are on stderr."""
+    """Print the best points or the table of variations, and where all of them are on stderr."""
     from rig.sweeping.best_points import best_points
+    from rig.sweeping.variations import VARIATION
 
     data = found.data
     counts = {status: data.statuses.count(status) for status in dict.fromkeys(data.statuses)}
     if data.metrics:
         name, _ = data.metric(metric)
-        header, rows = best_points(data, metric)
-        print_tables([Table(f"best in {name}", header, rows)])
+        if VARIATION in data.settings:
+            print_tables(_of_variations(data, name))
+        else:
+            header, rows = best_points(data, metric)
+            print_tables([Table(f"best in {name}", header, rows)])
     told = ", ".join(f"{count} {_TOLD.get(status, status)}" for status, count in counts.items())
     click.echo(f"{len(data.points)} of {found.total} points: {told or 'none'}", err=True)
     click.echo(f"{found.end}: {found.folder / 'sweep.csv'}, sweep.html", err=True)
+
+
+def _of_variations(data: SweepData, metric: str) -> list[Table]:
+    from rig.sweeping.variation_table import table_of
+    from rig.sweeping.variations import VARIATION
+
+    table = table_of(data, metric)
+    header = (VARIATION, *(law or metric for law in table.laws))
+    return [
+        Table(metric, header, table.texts()),
+        Table("what stopped them, one of each", ("fault", "said"), list(table.faults().items())),
+    ]

@@ -50,9 +50,9 @@ class Axis(NamedTuple):
     texts: tuple[str, ...]
     written: Written = on_command_line
 
-    def option(self, text: str) -> Setting:
-        """Return one of its values as an option for ``--set``."""
-        return Setting(f"{self.setting}={text}", self.written("vary", self.setting, text))
+    def options(self, text: str) -> tuple[Setting, ...]:
+        """Return one of its values as options for ``--set``: as one."""
+        return (Setting(f"{self.setting}={text}", self.written("vary", self.setting, text)),)
 
 
 class DrawnAxis(NamedTuple):

@@ -59,8 +59,8 @@ class SweepData:
     ----------
     settings : dict of str to list
         What was varied, with its values.
-    points, statuses : list of str
-        The points' names, and what became of them.
+    points, statuses, reasons : list of str
+        The points' names, what became of them, and why.
     metrics : dict of str to MetricColumn
         By name.
     """
@@ -68,6 +68,7 @@ class SweepData:
     settings: dict[str, list[Cell]]
     points: list[str] = field(default_factory=list)
     statuses: list[str] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
     metrics: dict[str, MetricColumn] = field(default_factory=dict)
 
     @classmethod
@@ -121,6 +122,7 @@ class SweepData:
         count = len(self.points)
         self.points.append(finding["point"])
         self.statuses.append(finding["status"])
+        self.reasons.append(finding["reason"])
         for metric in finding["metrics"]:
             name = metric["name"]
             if name not in self.metrics:

@@ -7,6 +7,8 @@ from rig.sweeping.curves import draw_curve, draw_groups
 from rig.sweeping.data import SweepData
 from rig.sweeping.maps import draw_map
 from rig.sweeping.parallel import draw_parallel
+from rig.sweeping.variation_figure import draw_variations
+from rig.sweeping.variations import VARIATION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,6 +34,8 @@ def draw_sweep(data: SweepData, metric: str | None = None) -> "Figure":
     """
     name, _ = data.metric(metric)
     varied = data.varied
+    if VARIATION in varied:
+        return draw_variations(data, name)
     grid = len(varied) == 2 and _is_grid(data, varied)
     if len(varied) > 2 or (len(varied) == 2 and not grid):
         return draw_parallel(data, name, varied)

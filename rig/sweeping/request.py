@@ -11,7 +11,8 @@ import numpy as np
 from rig.assembly import Backend
 from rig.config.setting import Setting
 from rig.hal import ConfigurationError
-from rig.sweeping.axis import Axis, DrawnAxis
+from rig.sweeping.axis import Axis
+from rig.sweeping.design import AnyAxis
 from rig.sweeping.stop_rule import StopRule
 from rig.sweeping.written import Written
 
@@ -29,7 +30,7 @@ class SweepRequest:
     ----------
     experiment : str
         A name, or the path of a file.
-    axes : tuple of Axis or DrawnAxis
+    axes : tuple of Axis, DrawnAxis or Variations
         What is varied.
     seeds : Axis, optional
         Seeds of the simulation.
@@ -64,7 +65,7 @@ class SweepRequest:
     """
 
     experiment: str
-    axes: tuple[Axis | DrawnAxis, ...] = ()
+    axes: tuple[AnyAxis, ...] = ()
     seeds: Axis | None = None
     on: str = "virtual"
     options: tuple[str, ...] = ()

@@ -26,6 +26,8 @@ from rig.sweeping.table import (
     write_csv,
     write_parquet,
 )
+from rig.sweeping.variation_table import write_variations
+from rig.sweeping.variations import VARIATION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -179,4 +181,6 @@ def write_sweep(folder: Path, rows: SweepRows, end: SweepEnd, say: Callable[[str
     except ConfigurationError as error:
         say(str(error))
     data = SweepData.of(tuple(columns.settings), rows)
+    if VARIATION in data.settings:
+        write_variations(folder, data)
     return Sweep(folder, end, rows.design.count, columns, data)

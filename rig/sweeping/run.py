@@ -30,6 +30,7 @@ from rig.sweeping.request import SweepRequest
 from rig.sweeping.result import Sweep, SweepEnd, SweepRows, write_sweep
 from rig.sweeping.serial import Serial
 from rig.sweeping.source import PointSource, freeze_configs, name_unresolved, resolve
+from rig.sweeping.variations import Variations
 
 LOGS = "runs"
 _CONFIGS = ".configs"
@@ -125,17 +126,18 @@ def check_axes(source: PointSource, design: Design, configs: Path) -> None:
     ConfigurationError
         A setting does not exist, or a value is not one of it.
     """
-    first = design.options(0)
-    resolve(source, first, configs)
+    first = design.texts(0)
+    resolve(source, design.options_of(first), configs)
     for place, axis in enumerate(design.axes):
         for text in _telling(axis):
-            option = axis.option(text)
+            texts = (*first[:place], text, *first[place + 1 :])
             try:
-                resolve(source, (*first[:place], option, *first[place + 1 :]), configs)
+                resolve(source, design.options_of(texts), configs)
             except ProfileError as error:
-                if option.written in str(error):
+                said = [option.written for option in axis.options(text)]
+                if any(option in str(error) for option in said):
                     raise
-                raise ConfigurationError(f"{option.written}: {reason_of(error)}") from error
+                raise ConfigurationError(f"{', '.join(said)}: {reason_of(error)}") from error
 
 
 def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:
@@ -147,10 +149,10 @@ def _check_metrics(request: SweepRequest, experiment: Experiment) -> None:
             raise ConfigurationError(f"{option}: {experiment.name} has no metric {name!r}; {hint}")
 
 
-def _telling(axis: Axis) -> tuple[str, ...]:
+def _telling(axis: Axis | Variations) -> tuple[str, ...]:
     """Return the values that tell whether all can be: of many numbers the ends and some between."""
     count = len(axis.texts)
-    if count <= 20:
+    if count <= 20 or isinstance(axis, Variations):
         return axis.texts
     return tuple(axis.texts[place] for place in (0, count // 2, count - 1))
 

@@ -16,6 +16,7 @@ from rig.hal import ConfigurationError
 from rig.sweeping.axis import MAX_VALUES, Axis, DrawnAxis, make_axis, parse_seeds
 from rig.sweeping.request import SweepRequest, as_options, as_text
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
+from rig.sweeping.variations import Variations, make_variations
 from rig.sweeping.written import Written, in_file
 
 if TYPE_CHECKING:
@@ -72,6 +73,22 @@ def axes_of(vary: Mapping[str, object], written: Written) -> tuple[Axis | DrawnA
     return tuple(_axis(setting, values, written) for setting, values in vary.items())
 
 
+def variations_of(named: Mapping[str, object]) -> Variations:
+    """Return variations from their names and the settings that each one changes.
+
+    Raises
+    ------
+    ConfigurationError
+        One is no mapping of settings to values, or has a name that none can have.
+    """
+    found = {}
+    for name, settings in named.items():
+        if not isinstance(settings, dict):
+            raise ConfigurationError(f"{name}: expected settings with their values, as in a.b: c")
+        found[name] = as_options(settings, in_file)
+    return make_variations(found)
+
+
 def seeds_of(value: object) -> Axis:
     """Return the axis of seeds from ``0:20``, one number, or a list of numbers."""
     if isinstance(value, list | tuple | range | np.ndarray):
@@ -126,7 +143,12 @@ _READERS: Final[dict[str, Callable[[SweepRequest, Plain], SweepRequest]]] = {
         request, options=(*request.options, *as_options(_mapping(value), in_file))
     ),
     "perturbation": _perturbation,
-    "vary": lambda request, value: replace(request, axes=axes_of(_mapping(value), in_file)),
+    "vary": lambda request, value: replace(
+        request, axes=(*axes_of(_mapping(value), in_file), *request.axes)
+    ),
+    "variations": lambda request, value: replace(
+        request, axes=(*request.axes, variations_of(_mapping(value)))
+    ),
     "seeds": lambda request, value: replace(request, seeds=seeds_of(value)),
     "repeat": _repeat,
     "draw_seed": lambda request, value: replace(request, draw_seed=int(str(value))),
