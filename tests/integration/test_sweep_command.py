@@ -67,6 +67,38 @@ def test_a_sweep_from_command_to_page(tmp_path, capsys):
     assert {name: (serial / name).read_bytes() for name in before} == before
 
 
+def test_variations_are_rows_laws_are_columns_and_what_stopped_is_named(tmp_path, capsys):
+    file, out = tmp_path / "varied.yaml", tmp_path / "out"
+    text = (
+        "experiment: cylinder-step\non: sim\nset: {loop.rate: 200, reference.repeats: 1}\n"
+        "vary: {controller: [cascade, pid]}\nmetric: overshoot\nvariations:\n"
+        "  friction x 1.2: {plant.friction_scale: 1.2}\n"
+        "  no supply: {plant.regulator.supply_pressure: 0 kPa}\n"
+    )
+    file.write_text(text)
+    code, shown, told = run(capsys, file, "--out", out, "--configs", CONFIGS, "--workers", 1)
+    assert code == 0 and "6 of 6 points" in told
+    rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    reason = next(row["reason"] for row in rows if row["variation"] == "no supply")
+    assert reason and "supply" in reason
+    table, faults = shown.split("\n\n")
+    title, header, *lines = table.splitlines()
+    assert title == "# overshoot" and header.split() == ["variation", "cascade", "pid"]
+    names = ["nominal", "friction x 1.2", "no supply", "worst"]
+    assert all(line.startswith(name) for line, name in zip(lines, names, strict=True))
+    assert lines[3].count(" stopped, ") == 2
+    assert reason in faults
+    tables = json.loads((out / "variations.json").read_text())
+    of_cascade = tables[[table["metric"] for table in tables].index("overshoot")]["rows"]
+    for row in rows:
+        if row["controller"] == "cascade" and row["overshoot"]:
+            assert of_cascade[row["variation"]][0]["value"] == float(row["overshoot"])
+    assert (out / "sweep.png").stat().st_size > 10_000
+    file.write_text(text + "  payload: {plant.carriage.mass: 100 g}\n")
+    assert run(capsys, file, "--out", out, "--configs", CONFIGS, "--workers", 1)[0] == 0
+    assert (out / "points.jsonl").read_text().count("\n") == 8  # the others are finished
+
+
 def test_a_sweep_file_says_what_options_say(tmp_path, capsys):
     file = tmp_path / "friction.yaml"
     file.write_text(
