@@ -42,7 +42,7 @@ class Claim(NamedTuple):
     reduce : str
         ``max`` or ``min``: which of a sweep's points.
     where : str
-        ``column=value`` of these points, apart by spaces.
+        ``column=value`` of these points, apart by spaces, in quotes where they have some.
     """
 
     command: str
@@ -75,11 +75,12 @@ def made(command: str, folder: Path) -> list[dict[str, str]]:
 
 def value_of(claim: Claim, rows: list[dict[str, str]]) -> float:
     """Return what a claim's number should be, in its unit."""
-    wanted = dict(part.split("=") for part in claim.where.split())
+    wanted = dict(part.split("=", 1) for part in shlex.split(claim.where))
     values = [
         float(row[claim.metric])
         for row in rows
-        if all(_same(row[column], value) for column, value in wanted.items())
+        if row[claim.metric]  # a run that was stopped has none
+        and all(_same(row[column], value) for column, value in wanted.items())
     ]
     if not values:
         raise SystemExit(f"{claim.command} has no {claim.metric} where {claim.where}")
