@@ -18,6 +18,7 @@ from controllers.arm.motions import (
     integrated_motion,
     unknown_path,
 )
+from controllers.arm.online.follower import OnDirection, TwistFollower
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.region import (
     elbow_scale,
@@ -268,6 +269,10 @@ class Esc(ArmLaw[EscSettings]):
         if self.settings.limit_acceleration:
             sin_qs = max(sin_qs, region_for_acceleration(self.geometry, trajectory.speed))
         return sin_qs
+
+    def follower(self, *, through: bool) -> TwistFollower:
+        """Return what keeps the hand on the directions that it is asked for."""
+        return OnDirection(self.geometry, self.period, through=through)
 
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period."""

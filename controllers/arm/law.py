@@ -6,13 +6,16 @@ from typing import Any, ClassVar
 
 from controllers.arm.geometry import ArmGeometry
 from controllers.arm.kinematics import dimensions_of
+from controllers.arm.online.commands import ArmTwists
+from controllers.arm.online.follower import TwistFollower
+from controllers.arm.online.rehearsal import rehearse
 from controllers.arm.plan import ArmPlan, Sample, make_plan
 from controllers.arm.promises import Promises, check_promises
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
-from controllers.motion import check_length
+from controllers.motion import InfeasibleMotion, check_length
 
 
 class MotionEnd:
@@ -73,6 +76,7 @@ class ArmLaw(
         self._trajectory: Trajectory | None = None
         self._motion: Motion | None = None
         self._last: Sample | None = None
+        self._follower: TwistFollower | None = None
 
     @abstractmethod
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
@@ -112,9 +116,39 @@ class ArmLaw(
             end.marks,
         )
         check_promises(self.geometry, trajectory, plan, self.promised(trajectory))
-        self._trajectory = trajectory
+        self._trajectory, self._follower = trajectory, None
         self._motion = None
         return plan
+
+    def follower(self, *, through: bool) -> TwistFollower:
+        """Return what follows twists that come from outside; see `ArmTwists.boundary`.
+
+        Raises
+        ------
+        InfeasibleMotion
+            The law needs a whole path.
+        """
+        del through
+        raise InfeasibleMotion(
+            f"{self.name} plans whole paths; esc, dls and servo-halt follow twists as they come."
+        )
+
+    def prepare_twists(self, twists: ArmTwists) -> ArmPlan | None:
+        """Make ready for twists; return what will come of them if they are known beforehand.
+
+        Raises
+        ------
+        InfeasibleMotion
+            The law follows no twists, or they cannot be read or take too long.
+        """
+        self._follower = self.follower(through=twists.boundary == "back")
+        self._follower.rest(twists.start)
+        rows = twists.known()
+        if rows is None:
+            return None
+        return rehearse(
+            self.name, self.geometry, self.period, self._follower, rows, twists.frame, self.longest
+        )
 
     def reset(self, state: ArmState) -> None:
         """Go back to the beginning of the path."""
@@ -126,6 +160,8 @@ class ArmLaw(
     def update(self, state: ArmState, reference: ArmReference) -> ArmCommand:
         """Return the command for this period; at the end of the path the arm rests."""
         del state
+        if self._follower is not None:
+            return self._follow(self._follower, reference)
         if not reference.following or self._motion is None:
             return ArmCommand(reference.positions, reference.velocities)
         sample = next(self._motion, None)
@@ -134,6 +170,13 @@ class ArmLaw(
             return ArmCommand(end, AT_REST)
         self._last = sample
         return ArmCommand(sample.positions, sample.velocities)
+
+    def _follow(self, follower: TwistFollower, reference: ArmReference) -> ArmCommand:
+        """Return the command for a twist; while none is followed, that of the reference."""
+        if not reference.following or reference.twist is None:
+            follower.rest(reference.positions)
+            return ArmCommand(reference.positions, reference.velocities)
+        return ArmCommand(*follower.step(reference.twist))
 
 
 AnyArmLaw = ArmLaw[Any]

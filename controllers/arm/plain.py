@@ -17,6 +17,8 @@ from controllers.arm.decomposition import full_scale, joint_rates
 from controllers.arm.integration import moved
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
+from controllers.arm.online.follower import TwistFollower
+from controllers.arm.online.rivals import DampedTwist, HaltingTwist
 from controllers.arm.plan import Sample
 from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.trajectory import Trajectory
@@ -24,6 +26,8 @@ from controllers.arm.types import AT_REST, Joints, Twist
 from controllers.arm.vectors import along, minus, rotation_error
 
 _HALTED = 1e-2
+_DAMPING = 0.1
+"""Of twists, where the settings have none: what comes is not known, and nothing can be tuned."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +163,17 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
         solved = np.linalg.solve(J @ J.T + square * np.eye(6), wanted)
         return tuple((J.T @ solved).tolist())
 
+    def follower(self, *, through: bool) -> TwistFollower:
+        """Return the same inverse for twists; nothing is tuned to what is not yet known."""
+        del through
+        damping = self.settings.damping
+        return DampedTwist(
+            self.geometry,
+            self.period,
+            self.settings.manipulability,
+            _DAMPING if damping is None else damping,
+        )
+
     def _tuned(self, trajectory: Trajectory) -> DampedSettings:
         """Return the narrowest region, then the least damping in it, that keeps the limits.
 
@@ -218,6 +233,11 @@ class ServoHalt(_InverseLaw[ServoHaltSettings]):
 
     Settings = ServoHaltSettings
     name = "servo-halt"
+
+    def follower(self, *, through: bool) -> TwistFollower:
+        """Return the same rule for twists, as MoveIt Servo has it."""
+        del through
+        return HaltingTwist(self.geometry, self.period, self.settings.slow, self.settings.halt)
 
     def share(self, q: Joints) -> float:
         """Return the share of the commanded speed, 1 … 0 between the condition numbers."""

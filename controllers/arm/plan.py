@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ from controllers.arm.kinematics import (
     singularity_indices,
     wrist_in_plane,
 )
-from controllers.arm.trajectory import Trajectory
-from controllers.arm.types import ArmReference, Joints, Twist
+from controllers.arm.types import ArmReference, Joints, Twist, Vector
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
@@ -169,10 +168,17 @@ class ArmPlan:
             yield float(self.t[k]) + h * x
 
 
+class WithPlaces(Protocol):
+    """What a hand is held against."""
+
+    def foot(self, position: Vector) -> Vector:
+        """Return the place that is nearest to a tool point, base axes, m."""
+
+
 def make_plan(
     law: str,
     geometry: ArmGeometry,
-    trajectory: Trajectory,
+    trajectory: WithPlaces,
     samples: list[Sample],
     period: float,
     duration: float,

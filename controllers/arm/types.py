@@ -52,11 +52,15 @@ class ArmReference(NamedTuple):
     following : bool
         Whether the law moves along its path: it advances by one period. If not, the arm is being
         brought to the path or kept from it, and the law commands the positions given here.
+    twist : tuple of float, optional
+        What is asked of the hand from outside: velocity (m/s) and angular velocity (rad/s), base
+        axes. None: the law follows its path.
     """
 
     positions: Joints
     velocities: Joints
     following: bool
+    twist: tuple[float, float, float, float, float, float] | None = None
 
 
 class ArmCommand(NamedTuple):

@@ -18,7 +18,7 @@ OUTCOMES = ("done", "halts", "stalls")
 """How a law's motion ends; a fact gives the place in this list."""
 
 
-def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -> dict[str, Fact]:
+def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[str, Fact]:
     """Return the numbers that are known of a plan; what never happens is infinite."""
     assert isinstance(path, get_args(ArmPathSettings))
     rates, accelerations = plan.peak_rates, plan.peak_accelerations

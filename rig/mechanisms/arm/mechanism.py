@@ -3,82 +3,35 @@
 from collections.abc import Mapping
 from typing import Any, get_args
 
-import numpy as np
-
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import (
     dimensions_of,
     forward,
     hand_twist,
-    link_points,
     singularity_indices,
 )
-from controllers.arm.plan import ArmPlan
+from controllers.arm.online.commands import ArmTwists
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
 from rig.hal import Device
 from rig.hal.columns import Column
-from rig.hal.motion import Motion, Segment
-from rig.mechanisms.arm.facts import INDICES, facts_of_plan
+from rig.hal.motion import Motion
+from rig.mechanisms.arm.facts import INDICES
+from rig.mechanisms.arm.live_row import commanded_row
+from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
 from rig.mechanisms.arm.settings import ArmSettings
+from rig.mechanisms.arm.twists import HeardTwists, KnownTwists
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
-from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
+from rig.mechanisms.servo.planned import PlannedAxes
 from rig.mechanisms.servo.settings import ServoLimits
 from rig.mechanisms.servo.targets import AxisTargets
 
-SETTLING = 0.25
-"""For how long the end of the motion is held before the run ends, s: the arm gets there later."""
 _TWIST = (
     *((f"v{axis}", "m/s") for axis in "xyz"),
     *((f"w{axis}", "rad/s") for axis in "xyz"),
 )
 """The hand's velocity and angular velocity, base axes: names and units."""
 _NOTHING_PLANNED = (0.0,) * 30
-
-
-class PlannedArmMotion(PlannedMotion[ArmReference]):
-    """A plan of a law as the loop follows it, with what is known of it beforehand."""
-
-    def __init__(self, plan: ArmPlan, geometry: ArmGeometry, path: ArmPathSettings) -> None:
-        self.plan = plan
-        arm = dimensions_of(geometry)
-        points = [link_points(arm, tuple(q)) for q in plan.positions.tolist()]
-        columns = [
-            plan.hand,
-            np.array([point[2] for point in points]),
-            np.array([point[3] for point in points]),
-            plan.twist,
-            plan.command,
-            plan.indices,
-            plan.scale,
-            plan.inside,
-            plan.path,
-        ]
-        super().__init__(np.column_stack(columns).tolist())
-        self.facts = facts_of_plan(plan, geometry, path)
-
-    @property
-    def duration(self) -> float:
-        """How long it takes, s: whole periods, and `SETTLING`."""
-        return float(self.plan.t[-1]) + SETTLING
-
-    @property
-    def segments(self) -> tuple[Segment, ...]:
-        """The whole motion, the path without the settling, and the law's region if it has one."""
-        # A law that halts where it starts has one cycle.
-        end = max(min(self.plan.duration, float(self.plan.t[-1])), self.plan.period)
-        whole = (Segment("all", 0.0, self.duration), Segment("path", 0.0, end))
-        region = self.plan.marks.get("region", ())
-        if len(region) < 2:
-            return whole
-        return (*whole, Segment("region", region[0], min(region[1], self.duration)))
-
-    def at(self, t: float) -> ArmReference:
-        """Return what the arm should do at `t`."""
-        plan = self.plan
-        if t > plan.t[-1] + 0.5 * plan.period:
-            return plan.at(float(plan.t[-1]))._replace(velocities=(0.0,) * 6)
-        return plan.at(t)
 
 
 class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
@@ -139,8 +92,13 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     @classmethod
     def plan(
         cls, settings: ArmSettings, reference: object, controller: Any, period: float
-    ) -> PlannedArmMotion:
+    ) -> Motion[ArmReference]:
         """Have the law work out the whole motion; see `Mechanism.plan`."""
+        if isinstance(reference, ArmTwists):
+            plan = controller.prepare_twists(reference)
+            if plan is None:
+                return HeardTwists(reference, settings.geometry)
+            return KnownTwists(plan, settings.geometry, reference)
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
@@ -159,7 +117,12 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
     ) -> tuple[float, ...]:
         """Return this cycle's values for `columns`."""
         motion, arm, q = self.motion, self._arm, state.positions
-        planned = motion.sample(self._followed) if motion is not None else _NOTHING_PLANNED
+        if motion is not None:
+            planned = motion.sample(self._followed)
+        elif reference.twist is not None:
+            planned = commanded_row(arm, command, reference.twist, self._period)
+        else:
+            planned = _NOTHING_PLANNED
         if reference.following:
             self._followed += 1
         return (

@@ -25,6 +25,8 @@ PARTS = MechanismParts(
         "arm-line": f"{_HERE}.references:Line",
         "arm-straight": f"{_HERE}.references:StraightPath",
         "arm-path": f"{_HERE}.references:PosePath",
+        "arm-gamepad": f"{_HERE}.references:GamepadTwists",
+        "arm-twist": f"{_HERE}.references:TwistRows",
     },
     plants={
         "arm": PlantModel(
@@ -35,6 +37,9 @@ PARTS = MechanismParts(
     },
     measures=(f"{_HERE}.measures:ARM_MEASURES",),
     figures=(f"{_HERE}.figures:ARM_FIGURES",),
-    comparisons=(f"{_HERE}.comparison:ARM_COMPARISON",),
+    comparisons=(
+        f"{_HERE}.twist_comparison:TWIST_COMPARISON",
+        f"{_HERE}.comparison:ARM_COMPARISON",
+    ),
     procedures=(f"{_HERE}.calibration.zeros:ArmZeros", f"{_HERE}.calibration.links:ArmLinks"),
 )

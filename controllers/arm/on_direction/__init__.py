@@ -1,0 +1,1 @@
+"""A hand kept on one direction: what a period costs the joints, and how fast it may go."""

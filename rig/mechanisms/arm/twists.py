@@ -1,0 +1,145 @@
+"""Twists that come from outside, as the loop follows them: known beforehand, or as they come."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.online.commands import ArmTwists, Heard
+from controllers.arm.online.rehearsal import asked_in_base
+from controllers.arm.plan import ArmPlan
+from controllers.arm.types import AT_REST, ArmReference
+from rig.hal import Device, SafetyError
+from rig.hal.motion import Fact, Motion, Note, Segment
+from rig.mechanisms.arm.planned_motion import SETTLING, PlannedArmMotion
+from rig.mechanisms.arm.twist_facts import facts_of_twists
+
+_NUMBERS = 6
+
+
+class KnownTwists(PlannedArmMotion):
+    """Twists that a law has gone through beforehand."""
+
+    def at(self, t: float) -> ArmReference:
+        """Return what the arm should do at `t`, and what it is asked for."""
+        reference = super().at(t)
+        if not reference.following:
+            return reference
+        k = min(round(t / self.plan.period), len(self.plan.t) - 1)  # the last asks for rest
+        return reference._replace(twist=tuple(self.plan.command[k].tolist()))
+
+    @classmethod
+    def facts_from(cls, plan: ArmPlan, geometry: ArmGeometry, asked: object) -> dict[str, Fact]:
+        """Return what is known of it beforehand."""
+        del asked
+        return facts_of_twists(plan, geometry)
+
+
+class HeardTwists(Motion[ArmReference]):
+    """Twists as they are heard; who says nothing stops the hand.
+
+    Parameters
+    ----------
+    twists : ArmTwists
+        Who is listened to.
+    geometry : ArmGeometry
+        The arm.
+    """
+
+    watches = True
+
+    def __init__(self, twists: ArmTwists, geometry: ArmGeometry) -> None:
+        self._twists, self._geometry = twists, geometry
+        self._ear: Heard | None = None
+        self._asked = AT_REST
+        self._heard = 0.0
+        self._silent = False
+        self._at_rest = ArmReference(twists.start, AT_REST, False)
+
+    @property
+    def duration(self) -> float:
+        """How long is listened, s."""
+        return self._twists.duration + SETTLING
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        """All of it."""
+        return (Segment("all", 0.0, self.duration),)
+
+    @property
+    def foreseen(self) -> Motion[ArmReference]:
+        """Nothing: the arm where it starts."""
+        return _Unheard(self._at_rest, self.duration)
+
+    def attach(self, devices: Mapping[str, Device]) -> None:
+        """Begin to listen."""
+        del devices
+        self._ear = self._twists.listen()
+
+    def at(self, t: float) -> ArmReference:
+        """Return what is asked for now; right at the start and after the end the arm rests."""
+        following = self._at_rest._replace(following=True, twist=self._asked)
+        return following if t > 0.0 else self._at_rest
+
+    def see(self, t: float, state: object, here: object) -> Sequence[Note]:
+        """Ask for the twist of this cycle."""
+        assert isinstance(here, ArmReference)
+        if t >= self._twists.duration:
+            self._asked = AT_REST
+            if self._ear is not None:
+                self._ear.leave()
+                self._ear = None
+            return ()
+        told = None if self._ear is None else self._ear.twist(t)
+        if told is not None:
+            return self._take(t, told, here)
+        since = t - self._heard
+        if since <= self._twists.silence or self._silent:
+            return ()
+        self._silent, self._asked = True, AT_REST
+        return (
+            Note(
+                "silence",
+                f"no twist has been heard for {1e3 * since:.0f} ms: the hand comes to rest, and "
+                "goes on after a twist of zero",
+            ),
+        )
+
+    def _take(self, t: float, told: Sequence[float], here: ArmReference) -> Sequence[Note]:
+        try:
+            vx, vy, vz, wx, wy, wz = (float(value) for value in told)
+        except (TypeError, ValueError) as error:
+            raise SafetyError(f"{self._name} returned {told!r}, not {_NUMBERS} numbers") from error
+        twist = (vx, vy, vz, wx, wy, wz)
+        if not all(math.isfinite(value) for value in twist):
+            raise SafetyError(f"{self._name} asks for {twist}, which are not all numbers")
+        self._heard = t
+        if self._silent:
+            if any(twist):
+                return ()
+            self._silent = False
+            return (Note("twist", "a twist of zero has been heard: the hand follows again"),)
+        self._asked = asked_in_base(self._geometry, here.positions, twist, self._twists.frame)
+        return ()
+
+    @property
+    def _name(self) -> str:
+        return f"{type(self._twists).__name__}.twist()"
+
+
+class _Unheard(Motion[ArmReference]):
+    """What is known of twists that nobody has asked for yet."""
+
+    def __init__(self, start: ArmReference, duration: float) -> None:
+        self._start, self._duration = start, duration
+
+    @property
+    def duration(self) -> float:
+        return self._duration
+
+    @property
+    def segments(self) -> tuple[Segment, ...]:
+        return (Segment("all", 0.0, self._duration),)
+
+    def at(self, t: float) -> ArmReference:
+        del t
+        return self._start

@@ -1,0 +1,196 @@
+"""Twists that are heard while the arm moves: silence, nonsense, the tool's frame, a gamepad."""
+
+import math
+import os
+import sys
+import time
+from types import SimpleNamespace
+
+import pytest
+
+from controllers.arm.geometry import ArmGeometry
+from controllers.arm.online.commands import ArmTwists, TwistRows
+from controllers.arm.types import AT_REST, ArmReference
+from controllers.motion import InfeasibleMotion
+from rig.hal import SafetyError
+from rig.mechanisms.arm.gamepad import GamepadTwists
+from rig.mechanisms.arm.twists import HeardTwists
+
+HERE = ArmReference((0.0, 0.3, 1.5, 0.0, 0.5, 0.0), AT_REST, True)
+AHEAD = (0.1, 0.0, 0.0, 0.0, 0.0, 0.0)
+PERIOD = 5e-3
+
+
+class Told(ArmTwists):
+    """Says what a function of time says."""
+
+    __slots__ = ("say",)
+
+    def twist(self, t):
+        return self.say(t)
+
+
+def heard(say, **settings):
+    twists = Told(**settings)
+    object.__setattr__(twists, "say", say)
+    motion = HeardTwists(twists, ArmGeometry())
+    motion.attach({})
+    return motion
+
+
+def followed(motion, until):
+    """Return the asked twists cycle by cycle, and the notes with their instants."""
+    asked, notes = {}, []
+    for k in range(1, round(until / PERIOD) + 1):
+        t = k * PERIOD
+        notes += [(t, note) for note in motion.see(t, None, HERE)]
+        asked[round(t, 6)] = motion.at(t).twist
+    return asked, notes
+
+
+def test_silence_stops_the_hand_within_its_time_and_says_so():
+    motion = heard(lambda t: AHEAD if t < 0.5 else None, silence=0.06)
+    asked, notes = followed(motion, 1.0)
+    assert asked[0.5] == asked[0.555] == AHEAD  # a cycle or two without news is no silence
+    first = min(t for t, twist in asked.items() if t > 0.1 and twist == AT_REST)
+    assert first - 0.495 <= 0.1
+    assert [note.kind for _, note in notes] == ["silence"]
+    assert "the hand comes to rest" in notes[0][1].message
+
+
+def test_after_silence_the_hand_waits_for_a_twist_of_zero():
+    def say(t):
+        if 0.2 < t < 0.4:
+            return None
+        return AT_REST if 0.6 <= t < 0.61 else AHEAD
+
+    asked, notes = followed(heard(say), 1.0)
+    assert all(twist == AT_REST for t, twist in asked.items() if 0.3 < t < 0.61)
+    assert asked[0.7] == AHEAD
+    assert [note.kind for _, note in notes] == ["silence", "twist"]
+
+
+def test_silence_cannot_be_set_beyond_a_tenth_of_a_second():
+    from rig.mechanisms.arm.references import TwistRows as Named
+
+    assert Named is TwistRows
+    hint = ArmTwists.__annotations__["silence"]
+    assert hint.__metadata__[1].le == 0.1
+
+
+@pytest.mark.parametrize(
+    "told", [(1.0, 2.0), (math.nan,) * 6, (math.inf, *(0.0,) * 5), "left", 3.0]
+)
+def test_nonsense_makes_the_rig_safe(told):
+    motion = heard(lambda _: told)
+    with pytest.raises(SafetyError, match=r"Told\.twist\(\)"):
+        motion.see(PERIOD, None, HERE)
+
+
+def test_twists_in_the_tools_axes_turn_with_it():
+    motion = heard(lambda _: (0.0, 0.0, 0.1, 0.0, 0.0, 0.2), frame="tool")
+    motion.see(PERIOD, None, HERE)
+    lean = 0.3 + 1.5 + 0.5  # q1 = q4 = 0: the tool leans by q2 + q3 + q5 from the vertical
+    x, z = math.sin(lean), math.cos(lean)
+    assert motion.at(PERIOD).twist == pytest.approx((0.1 * x, 0, 0.1 * z, 0.2 * x, 0, 0.2 * z))
+
+
+def test_before_the_start_and_beyond_the_end_the_arm_rests():
+    motion = heard(lambda _: AHEAD, duration=0.1)
+    assert not motion.at(0.0).following
+    motion.see(0.05, None, HERE)
+    assert motion.at(0.05).twist == AHEAD
+    motion.see(0.1, None, HERE)
+    assert motion.at(0.1).twist == AT_REST
+    assert motion.duration > 0.1
+    assert not motion.foreseen.at(0.05).following
+
+
+# A gamepad ----------------------------------------------------------------------------------
+
+
+class FakePad:
+    """A gamepad whose events a test writes."""
+
+    def __init__(self):
+        self.fd, self._out = os.pipe()
+        self.queue = []
+        self.closed = self.broken = False
+
+    def absinfo(self, code):
+        return SimpleNamespace(min=-1, max=1) if code >= 0x10 else SimpleNamespace(min=0, max=255)
+
+    def capabilities(self):
+        return {1: [0x130, 0x136]}
+
+    def press(self, *events):
+        self.queue += [SimpleNamespace(type=a, code=b, value=c) for a, b, c in events]
+        os.write(self._out, b".")
+
+    def read(self):
+        os.read(self.fd, 1)
+        if self.broken:
+            raise OSError("No such device")
+        events, self.queue = self.queue, []
+        return events
+
+    def close(self):
+        self.closed = True
+
+
+@pytest.fixture
+def pad(monkeypatch):
+    pad = FakePad()
+    module = SimpleNamespace(InputDevice=lambda _: pad, list_devices=lambda: ["/dev/input/event0"])
+    monkeypatch.setitem(sys.modules, "evdev", module)
+    return pad
+
+
+def newest(ear, until, seconds=5.0):
+    """Return the first twist that a condition holds of."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        twist = ear.twist(0.0)
+        if twist is not None and until(twist):
+            return twist
+        time.sleep(1e-3)
+    pytest.fail("the gamepad was not heard")
+    return None
+
+
+def test_sticks_move_the_hand_while_the_button_is_held(pad):
+    twists = GamepadTwists(speed=0.2, turn_rate=1.0, dead_zone=0.1)
+    assert twists.known() is None
+    ear = twists.listen()
+    try:
+        pad.press((3, 0x01, 0))  # pushed away, and the button not held
+        assert newest(ear, lambda _: True) == AT_REST
+        pad.press((1, 0x136, 1), (3, 0x10, 1))
+        twist = newest(ear, any)
+        assert twist == pytest.approx((0.2, 0, 0, 1.0, 0, 0))
+        pad.press((1, 0x136, 0))
+        assert newest(ear, lambda one: not any(one)) == AT_REST
+    finally:
+        ear.leave()
+    assert pad.closed
+
+
+def test_a_gamepad_that_is_pulled_out_falls_silent(pad):
+    ear = GamepadTwists().listen()
+    newest(ear, lambda _: True)
+    pad.broken = True
+    pad.press((1, 0x136, 1))
+    ear._thread.join(timeout=5.0)
+    ear.twist(0.0)
+    assert ear.twist(0.0) is None
+    ear.leave()
+
+
+def test_what_is_missing_is_said(monkeypatch):
+    monkeypatch.setitem(sys.modules, "evdev", None)
+    with pytest.raises(InfeasibleMotion, match=r"pip install 'rig-controller\[gamepad\]'"):
+        GamepadTwists().known()
+    empty = SimpleNamespace(InputDevice=None, list_devices=list)
+    monkeypatch.setitem(sys.modules, "evdev", empty)
+    with pytest.raises(InfeasibleMotion, match="there is no gamepad"):
+        GamepadTwists().known()
