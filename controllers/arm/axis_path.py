@@ -98,8 +98,7 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
             ]
         except OutOfReach as error:
             raise InfeasibleMotion(
-                f"after {trajectory.speed * t:.4f} m of {trajectory.speed * last:.4f} m the line "
-                f"leaves the workspace: {error}."
+                f"{_gone(trajectory, t)} the path leaves the workspace: {error}."
             ) from error
         best = min(found, key=lambda q: math.dist(q, guess))
         return None if abs(math.sin(best[4])) < _UNDECIDED else best
@@ -115,13 +114,19 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
                 step *= 0.5 if q is not None else 0.77
                 continue
             raise InfeasibleMotion(
-                f"after {trajectory.speed * t:.4f} m the line meets a singularity that the joints "
-                f"do not pass smoothly: the wrist or the base would have to jump."
+                f"{_gone(trajectory, t)} the path meets a singularity that the joints do not pass "
+                f"smoothly: the wrist or the base would have to jump."
             )
         nominal.append(t)
         joints.append(q)
         step *= 1.6 if moved < 0.4 * FINEST else 1.0
     return AxisPath(joints, nominal, nominal)
+
+
+def _gone(trajectory: Trajectory, t: float) -> str:
+    """Return in words how far along a path an instant is."""
+    speed, unit = (trajectory.speed, "m") if trajectory.speed else (trajectory.turn_rate, "rad")
+    return f"after {speed * t:.4f} {unit} of {speed * trajectory.duration:.4f} {unit}"
 
 
 def _extrapolated(nominal: list[float], joints: list[Joints], t: float) -> Joints:

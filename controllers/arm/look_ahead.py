@@ -16,6 +16,7 @@ from controllers.arm.promises import ALL_JOINTS, Promises
 from controllers.arm.retiming import Timing, follow_axis_path, retime_within
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.trajectory import Trajectory
+from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion
 
 _SHORTEST = 0.125
@@ -80,7 +81,7 @@ class LookAhead(ArmLaw[LookAheadSettings]):
             return axis_path_of_line(self.arm, trajectory)
         from controllers.arm.pose_trajectory import PoseTrajectory  # half a second, with scipy
 
-        if isinstance(trajectory, PoseTrajectory):
+        if isinstance(trajectory, PoseTrajectory | TurnTrajectory):
             return axis_path_of_line(self.arm, trajectory)
         samples, period = self._fine(trajectory, _FINE), _FINE
         longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))

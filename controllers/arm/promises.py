@@ -10,6 +10,7 @@ from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
 from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
 from controllers.arm.trajectory import Trajectory
+from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
@@ -93,6 +94,8 @@ def _slower(trajectory: Trajectory, factor: float) -> str:
         speed = _floor(trajectory.speed / factor)
         dwell = trajectory.dwell * trajectory.speed / speed
         return f"at {speed:g} m/s with a dwell of {dwell:.6g} s it would fit"
+    if isinstance(trajectory, TurnTrajectory):
+        return f"at a rate of {_floor(trajectory.rate / factor):g} rad/s it would fit"
     return f"at {_floor(trajectory.speed / factor):g} m/s it would fit"
 
 

@@ -26,6 +26,7 @@ PARTS = MechanismParts(
         "arm-straight": f"{_HERE}.references:StraightPath",
         "arm-path": f"{_HERE}.references:PosePath",
         "arm-gamepad": f"{_HERE}.references:GamepadTwists",
+        "arm-turn": f"{_HERE}.references:TurnPath",
         "arm-twist": f"{_HERE}.references:TwistRows",
     },
     plants={

@@ -9,6 +9,7 @@ from controllers.arm.paths import Circle, DwellLine, Line, TurnBack
 from controllers.arm.pose_path import PosePath
 from controllers.arm.straight_path import StraightPath
 from controllers.arm.trajectory import ArmPath
+from controllers.arm.turn_path import TurnPath
 from rig.mechanisms.arm.gamepad import GamepadTwists
 
 __all__ = [
@@ -21,5 +22,6 @@ __all__ = [
     "PosePath",
     "StraightPath",
     "TurnBack",
+    "TurnPath",
     "TwistRows",
 ]
