@@ -59,8 +59,8 @@ class _Clamped(TwistFollower):
         )
         self._rates = (after - before) / self._period
         self.positions = tuple(after.tolist())
-        applied: Six = tuple(self._rates.tolist())
-        return self.positions, applied
+        q1, q2, q3, q4, q5, q6 = self._rates.tolist()
+        return self.positions, (q1, q2, q3, q4, q5, q6)
 
 
 class DampedTwist(_Clamped):
