@@ -146,7 +146,7 @@ def _following(
         for name, spec in experiment.metrics.items()
         if spec.segments == "*" and (motion is None or (spec.measure or name) not in motion.facts)
     }
-    if motion is None:  # what a law has planned is not known of a plan in Python
+    if motion is None or motion.watches:  # what a law would have planned is not known
         planned = REGISTRY.measures(None, Measure)
         metrics = {n: spec for n, spec in metrics.items() if (spec.measure or n) in planned}
     kept = keep_source(given, sources)

@@ -51,7 +51,7 @@ def followed(motion, until):
 def test_silence_stops_the_hand_within_its_time_and_says_so():
     motion = heard(lambda t: AHEAD if t < 0.5 else None, silence=0.06)
     asked, notes = followed(motion, 1.0)
-    assert asked[0.5] == asked[0.555] == AHEAD  # a cycle or two without news is no silence
+    assert asked[0.5] == asked[0.55] == AHEAD  # a cycle or two without news is no silence
     first = min(t for t, twist in asked.items() if t > 0.1 and twist == AT_REST)
     assert first - 0.495 <= 0.1
     assert [note.kind for _, note in notes] == ["silence"]
