@@ -54,7 +54,7 @@ def test_before_its_path_a_law_goes_where_it_is_led():
 def test_the_plan_as_a_reference():
     plan = law_of(Esc).prepare(TurnBack())
     before, during, after = plan.at(-1.0), plan.at(10 * PERIOD), plan.at(plan.duration + 1.0)
-    assert before == (tuple(plan.positions[0]), REST, False)
-    assert during == (tuple(plan.positions[10]), tuple(plan.velocities[10]), True)
-    assert after == (tuple(plan.positions[-1]), REST, False)
+    assert before == (tuple(plan.positions[0]), REST, False, None)
+    assert during == (tuple(plan.positions[10]), tuple(plan.velocities[10]), True, None)
+    assert after == (tuple(plan.positions[-1]), REST, False, None)
     assert plan.t[-2] < plan.duration <= plan.t[-1] + 1e-12
