@@ -67,10 +67,10 @@ def test_a_region_that_is_entered_and_left_is_a_segment(marks, region):
 def test_after_its_last_cycle_the_motion_rests_at_its_end():
     motion = arm_motion(count=5)
     last = (4 / 64,) * 6
-    assert motion.at(4.0 * PERIOD) == (last, (1.0,) * 6, True)
-    assert motion.at(4.5 * PERIOD) == (last, (1.0,) * 6, True)
-    assert motion.at(math.nextafter(4.5 * PERIOD, 1.0)) == (last, STILL, True)
-    assert motion.at(motion.duration) == (last, STILL, True)
+    assert motion.at(4.0 * PERIOD) == (last, (1.0,) * 6, True, None)
+    assert motion.at(4.5 * PERIOD) == (last, (1.0,) * 6, True, None)
+    assert motion.at(math.nextafter(4.5 * PERIOD, 1.0)) == (last, STILL, True, None)
+    assert motion.at(motion.duration) == (last, STILL, True, None)
     assert motion.at(0.0).positions == STILL
     assert motion.waits  # for a cycle that comes late: no step is left out
 
@@ -132,7 +132,7 @@ def test_what_is_no_reference_for_an_arm_is_refused():
 
 def test_an_approach_goes_from_rest_to_rest():
     start, end = ArmReference(STILL, STILL, False), ArmReference((1.0,) * 6, STILL, False)
-    assert Arm.approach(start, end, 2.0, 1.0) == ((0.5,) * 6, (0.9375,) * 6, False)
+    assert Arm.approach(start, end, 2.0, 1.0) == ((0.5,) * 6, (0.9375,) * 6, False, None)
 
 
 # What is known beforehand --------------------------------------------------------------------
