@@ -169,7 +169,7 @@ class ArmPlan:
 
 
 class WithPlaces(Protocol):
-    """What a hand is held against."""
+    """A path that a hand is held against."""
 
     def foot(self, position: Vector) -> Vector:
         """Return the place that is nearest to a tool point, base axes, m."""

@@ -127,7 +127,7 @@ class HeardTwists(Motion[ArmReference]):
 
 
 class _Unheard(Motion[ArmReference]):
-    """What is known of twists that nobody has asked for yet."""
+    """The motion of twists that nobody has asked for yet: it stays where it starts."""
 
     def __init__(self, start: ArmReference, duration: float) -> None:
         self._start, self._duration = start, duration
