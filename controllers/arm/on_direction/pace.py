@@ -19,6 +19,8 @@ _ROOM = 0.998
 _ROUNDS = 3
 _EDGE = 1e-9
 """rad, and of S3."""
+_SURFACE = 1e-4
+"""c (m) at which the hand stands before the void round the axis of q1: 0.1 um from it and less."""
 _REST = 1e-12
 _HALVINGS = 4
 _FINE = 1e-3
@@ -96,8 +98,9 @@ def _permitted(n: TwistNumbers, q: Six, after: Six, side: float, u: Six, rates: 
     s3 = math.sin(after[2] + n.elbow_angle)
     if not n.through and side * s3 < -_EDGE:
         return False
-    if n.offset != 0.0:  # the axis of q1 is in a void
-        return _radius(n, q) * _radius(n, after) >= 0.0
+    if n.offset != 0.0:  # the axis of q1 is in a void, whose surface is a boundary
+        before, c = _radius(n, q), _radius(n, after)
+        return before * c >= 0.0 and (abs(c) >= _SURFACE or abs(c) >= abs(before))
     return True
 
 
