@@ -47,6 +47,8 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
         try:
             check(profile)
         except ConfigurationError as error:
+            if _is_of_a_package(error):
+                raise  # the checks that follow believe its answers
             found.append(error)
     if not found:
         try:
@@ -66,13 +68,15 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
 def _as_one(found: Sequence[ConfigurationError], profile: Profile) -> ConfigurationError:
     """Return everything that was found as one error, each with its places."""
     for error in found:
-        if type(error) not in (
-            ConfigurationError,
-            SeveralErrors,
-        ):  # a package's, which has no place in a file
+        if _is_of_a_package(error):
             return error
     texts = dict.fromkeys(text for error in found for text in SeveralErrors.told_by(error))
     return SeveralErrors([places_named(text, profile.places) for text in texts])
+
+
+def _is_of_a_package(error: ConfigurationError) -> bool:
+    """Return whether it is about code, which has no place in a file."""
+    return type(error) not in (ConfigurationError, SeveralErrors)
 
 
 def _check_nodes(profile: Profile) -> None:

@@ -47,10 +47,11 @@ class FaultLatch:
         A file that cannot be read latches as well: it may hold a fault.
         """
         try:
-            if not os.path.lexists(self.path):
-                return None
+            self.path.lstat()  # what cannot be looked at may hold a fault, too
             kept = json.loads(read_regular(self.path, _MOST).decode())
             return f"{kept['fault']} ({kept['since']}, {kept['run']})"
+        except FileNotFoundError:
+            return None
         except (
             ConfigurationError, OSError, ValueError, KeyError, TypeError, RecursionError,
         ) as error:  # fmt: skip

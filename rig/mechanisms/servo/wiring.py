@@ -12,12 +12,12 @@ def wire_axes(
     offered = [(name, servo.name) for servo in servos for name in servo.axis_names]
     found = [name for name, _ in offered]
     wrong: list[str] = []
-    for name, device in offered:
+    for k, (name, device) in enumerate(offered):
         if name not in names:
             wrong.append(
                 f"{device}: the mechanism has no joint {name!r}; it has {', '.join(names)}"
             )
-        if found.count(name) > 1:
+        if found.count(name) > 1 and found.index(name) == k:
             wrong.append(f"{device}: two drives move the joint {name!r}")
     for name in names:
         if name not in found:

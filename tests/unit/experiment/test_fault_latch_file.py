@@ -69,6 +69,15 @@ def test_a_file_that_cannot_be_understood_latches_too(latch, text):
         latch.check()
 
 
+def test_a_file_of_64_kib_is_read_and_a_longer_one_latches_unread(latch):
+    latch.set(RUN, "it broke")
+    text = latch.path.read_text(encoding="utf-8")
+    latch.path.write_text(text.ljust(65536))
+    assert str(latch.reason()).startswith("it broke (")
+    latch.path.write_text(text.ljust(65537))
+    assert "it has more than 65536 bytes" in str(latch.reason())
+
+
 def test_a_file_that_cannot_be_opened_or_removed_latches_too(latch):
     latch.path.mkdir(parents=True)
     assert "cannot be read" in str(latch.reason())
