@@ -156,6 +156,8 @@ def _legs():
         )  # fmt: skip
     for name, experiment, reason, events, status in (
         ("walk", "legs-walk", "a step, and a stop in it", ((1.7, "stop"),), "aborted"),
+        ("walk-trapezoid", "legs-walk-trapezoid", "a step with ramps of the joints' norm",
+         ((1.7, "stop"),), "aborted"),
         ("late", "legs-squat", "late cycles hold the motion",
          ((1.3, "pause", 12e-3), (1.5, "pause", 7e-3), (1.7, "stop")), "aborted"),
         ("stop-twice", "legs-squat", "stopped at once while it brakes", (_STOP, (1.5, "stop")),
@@ -167,7 +169,7 @@ def _legs():
     ):  # fmt: skip
         yield Recording(
             f"legs-{name}", reason, experiment, "virtual",
-            _SHORT if experiment == "legs-walk" else _BEND, events, status,
+            _SHORT if experiment.startswith("legs-walk") else _BEND, events, status,
         )  # fmt: skip
     yield Recording(
         "legs-footsteps", "a step round a bend", "legs-footsteps", "virtual", _SHORT,

@@ -40,7 +40,7 @@ LAWS = {
     "arm dls": "arm-dls-circle", "arm look-ahead": "arm-look-ahead-near-miss",
     **{f"legs {law}": f"legs-{law}-squat"
        for law in ("inverse", "sc", "min-jerk", "clamp", "dls")},
-    "legs sc-trapezoid": "legs-sc-trapezoid-squat", "legs sc-smooth": "legs-walk",
+    "legs sc-trapezoid": "legs-walk-trapezoid", "legs sc-smooth": "legs-walk",
 }  # fmt: skip
 
 BITS = {"legs dls": 1 << 12}
