@@ -17,6 +17,7 @@ from controllers.arm.geometry import SixAngles
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.trajectory import ArmPath, Trajectory
 from controllers.motion import InfeasibleMotion
+from controllers.text_file import read_lines
 
 Length = Annotated[float, Unit("m")]
 Place = tuple[Length, Length, Length]
@@ -87,10 +88,7 @@ def read_places(path: Path) -> tuple[list[Place], list[Quaternion] | None]:
     InfeasibleMotion
         With the line and what is wrong with it.
     """
-    try:
-        rows = list(csv.reader(path.read_text("utf-8").splitlines(), skipinitialspace=True))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InfeasibleMotion(f"{path}: {error}.") from error
+    rows = list(csv.reader(read_lines(path), skipinitialspace=True))
     names = [name.strip().replace("(", " ").replace(")", "").split() for name in (rows or [[]])[0]]
     columns = {name[0]: k for k, name in enumerate(names) if name}
     missing = [name for name in _POSITION if name not in columns]

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from controllers.gait.footprints import MOST_STEPS, Footstep
 from controllers.motion import InfeasibleMotion
+from controllers.text_file import read_lines
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3}
@@ -61,10 +62,7 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     InfeasibleMotion
         With file, line, column, and what is wrong there.
     """
-    try:
-        lines = path.read_text("utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InfeasibleMotion(f"{path}: {error}.") from error
+    lines = read_lines(path)
     numbered = [
         (number, [cell.strip() for cell in next(csv.reader([line]))])
         for number, line in enumerate(lines, 1)

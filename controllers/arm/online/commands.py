@@ -14,6 +14,7 @@ from annotated_types import Gt, Interval, Unit
 from controllers.arm.geometry import SixAngles
 from controllers.arm.on_direction.numbers import Six
 from controllers.motion import InfeasibleMotion
+from controllers.text_file import read_lines
 
 Time = Annotated[float, Unit("s")]
 Speed = Annotated[float, Unit("m/s")]
@@ -161,10 +162,7 @@ def read_rows(path: Path) -> list[Row]:
     InfeasibleMotion
         With the line and what is wrong with it.
     """
-    try:
-        lines = list(csv.reader(path.read_text("utf-8").splitlines(), skipinitialspace=True))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InfeasibleMotion(f"{path}: {error}.") from error
+    lines = list(csv.reader(read_lines(path), skipinitialspace=True))
     names = _columns(path, lines[0] if lines else [])
     rows: list[Row] = []
     for number, line in enumerate(lines[1:], 2):

@@ -1,0 +1,32 @@
+"""Text of a file that somebody else may have written: no pipe that waits, no endless device."""
+
+import os
+import stat
+from pathlib import Path
+from typing import Final
+
+from controllers.motion import InfeasibleMotion
+
+MOST: Final = 1 << 24
+"""Bytes that a file of a motion may have."""
+
+
+def read_lines(path: Path) -> list[str]:
+    """Return the lines of a regular file in UTF-8.
+
+    Raises
+    ------
+    InfeasibleMotion
+        It cannot be read, is no regular file, or is longer than `MOST` bytes.
+    """
+    try:
+        # Looked at before it is opened: to open a device may already do something.
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InfeasibleMotion(f"{path}: it is not a regular file.")
+        with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as stream:
+            content = stream.read(MOST + 1)
+        if len(content) > MOST:
+            raise InfeasibleMotion(f"{path}: it has more than {MOST} bytes.")
+        return content.decode("utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InfeasibleMotion(f"{path}: {error}.") from error
