@@ -76,6 +76,8 @@ def main() -> None:
                 for look in looks:
                     page = opened(browser, address, look)
                     page.evaluate(f"board.jump({moment})")
+                    while not page.evaluate(f"board.scene.holds({moment})"):
+                        time.sleep(0.1)
                     time.sleep(2.0)
                     shot = Image.open(io.BytesIO(page.screenshot()))
                     name = f"watch-{experiment.partition('-')[0]}-{look}.webp"

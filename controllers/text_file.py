@@ -19,6 +19,9 @@ def read_lines(path: Path) -> list[str]:
     InfeasibleMotion
         It cannot be read, is no regular file, or is longer than `MOST` bytes.
     """
+    if path.is_symlink() and Path(os.path.realpath(path)).suffix != path.suffix:
+        # Errors quote what is read: a link must not have them quote what is no such file.
+        raise InfeasibleMotion(f"{path}: it is a link to a file of another kind.")
     try:
         # Looked at before it is opened: to open a device may already do something.
         if not stat.S_ISREG(path.stat().st_mode):

@@ -14,7 +14,10 @@ def keep_kernels() -> None:
     Numba tries the folder of the sources and the user's cache by itself, and would compile in each
     process if it can write to neither. It reads this when it is imported.
     """
-    if _NAME in os.environ or _is_writable(_beside()) or _is_writable(_at_home()):
+    if _NAME in os.environ or _is_writable(_beside()):
+        return
+    # What is kept there runs: a relative one would be whoever's this working folder is.
+    if _at_home().is_absolute() and _is_writable(_at_home()):
         return
     folder = Path(tempfile.gettempdir(), f"rig-kernels-{os.getuid()}")
     try:

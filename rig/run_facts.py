@@ -1,6 +1,7 @@
 """The facts of a run as its folder keeps them, each file with a type: checked where it is read."""
 
 import contextlib
+import os
 import re
 from datetime import datetime
 from enum import StrEnum
@@ -130,7 +131,7 @@ def read_metrics(folder: Path) -> list[MetricRow]:
         It holds something else.
     """
     path = folder / METRICS
-    return read_json(path, MetricRows)["metrics"] if path.exists() else []
+    return read_json(path, MetricRows)["metrics"] if os.path.lexists(path) else []
 
 
 def read_events(folder: Path) -> list[Event]:
@@ -142,7 +143,7 @@ def read_events(folder: Path) -> list[Event]:
         There is something else than a file of lines.
     """
     path = folder / EVENTS
-    if not path.exists():
+    if not os.path.lexists(path):
         return []
     events = []
     for line in read_regular(path, MOST).decode(errors="replace").split("\n"):

@@ -268,7 +268,7 @@ class RunFolder:
             It holds something else.
         """
         path = self.path / name
-        return read_json(path, kind) if path.exists() else cast("Kind", {})
+        return read_json(path, kind) if os.path.lexists(path) else cast("Kind", {})
 
     def metrics(self) -> tuple[MetricRow, ...]:
         """Return the entries of ``metrics.json``."""

@@ -32,7 +32,9 @@ class SpareRoom:
         OSError
             There is not even that much.
         """
-        descriptor = os.open(self._path, os.O_WRONLY | os.O_CREAT, 0o644)
+        descriptor = os.open(
+            self._path, os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o644
+        )
         try:
             os.posix_fallocate(descriptor, 0, _SIZE)
         finally:

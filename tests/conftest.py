@@ -7,7 +7,7 @@ import sys
 import hypothesis
 import pytest
 
-from rig import provenance
+from rig import plug_ins, provenance
 
 pytest_plugins = "rig.testing.plugin"
 
@@ -50,6 +50,12 @@ def _one_look_at_the_checkout():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(provenance, "git_state", remembered)
         yield
+
+
+@pytest.fixture(autouse=True)
+def _led_to_nothing_yet(monkeypatch):
+    """Forget the packages that rows led other tests of this process to: manifests name them."""
+    monkeypatch.setattr(plug_ins, "_LED_TO", set())
 
 
 def pytest_ignore_collect(collection_path, config):

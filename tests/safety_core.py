@@ -38,6 +38,8 @@ SAFETY_CORE = {
         "mechanisms/test_pneumatic_pressure_alarm.py",
         "mechanisms/test_pneumatic_pressure_words.py",
     ),
+    "rig/mechanisms/pneumatic/alarms/dead_time.py": ("mechanisms/test_pneumatic_dead_time.py",),
+    "rig/mechanisms/pneumatic/alarms/ways.py": ("mechanisms/test_pneumatic_pressure_ways.py",),
     "rig/mechanisms/pneumatic/alarms/work.py": ("mechanisms/test_pneumatic_work_alarm.py",),
     "rig/mechanisms/pneumatic/alarms/tracking.py": ("mechanisms/test_pneumatic_tracking_alarm.py",),
     "rig/mechanisms/pneumatic/cut_wire.py": ("mechanisms/test_pneumatic_cut_wire.py",),

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.arm.inverse import BRANCHES, OutOfReach, inverse
+from controllers.arm.inverse import BRANCHES, OutOfReach, reachable
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import Joints
@@ -89,13 +89,12 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
     last = trajectory.duration
     step = last / _COARSEST
     elbow = 1 if math.sin(start[2] + arm.elbow_angle) >= 0.0 else -1
+    branches = [branch for branch in BRANCHES if branch.elbow == elbow]
 
     def solve(t: float, guess: Joints) -> Joints | None:
         try:
             pose = trajectory.pose(t)
-            found = [
-                inverse(arm, pose, branch, guess) for branch in BRANCHES if branch.elbow == elbow
-            ]
+            found = reachable(arm, pose, branches, guess)
         except OutOfReach as error:
             raise InfeasibleMotion(
                 f"{_gone(trajectory, t)} the path leaves the workspace: {error}."

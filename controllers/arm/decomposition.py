@@ -65,7 +65,7 @@ def position_rates(arm: Dimensions, q: Joints, v: Vector, scale: Scale) -> Vecto
     """
     c1, s1 = math.cos(q[0]), math.sin(q[0])
     frame = elbow_frame(arm, q[1], q[2])
-    c = frame.radius * frame.sine
+    c = frame.radius * frame.sine + arm.a1
     along_y = c1 * v[1] - s1 * v[0]
     turn = along_y / c if c != 0.0 else 0.0
     # The shoulder's offset makes q1 move the wrist within the arm's plane, too.

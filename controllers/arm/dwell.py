@@ -75,7 +75,9 @@ def integral_exact(arm: Dimensions, q_s: float) -> float:
     return float(4.0 / reach * ellipkinc(0.5 * q_s, 4.0 * arm.a2 * arm.a3 / reach**2))
 
 
-def switch_of(arm: Dimensions, q_s: float, speed: float, cosine: float) -> Switch:
+def switch_of(
+    arm: Dimensions, q_s: float, speed: float, cosine: float, bend: float | None = None
+) -> Switch:
     """Return b and b' of a hand that enters at constant speed along a line.
 
     Parameters
@@ -88,13 +90,18 @@ def switch_of(arm: Dimensions, q_s: float, speed: float, cosine: float) -> Switc
         m/s.
     cosine : float
         Of the angle between the line and the wrist's direction from the shoulder.
+    bend : float, optional
+        How it changes along the line, 1/m; None: as before a boundary that is a sphere.
     """
     a2a3, s3, c3 = arm.a2 * arm.a3, math.sin(q_s), math.cos(q_s)
     radius = math.sqrt(arm.a2**2 + arm.a3**2 + 2.0 * a2a3 * c3)
     radial = speed * cosine
     b = radial / (a2a3 * s3)
     q3_rate = -radius * b
-    radial_rate = speed * speed * (1.0 - cosine * cosine) / radius
+    if bend is None:
+        radial_rate = speed * speed * (1.0 - cosine * cosine) / radius
+    else:
+        radial_rate = speed * speed * bend
     return Switch(b, (radial_rate - radial * c3 / s3 * q3_rate) / (a2a3 * s3))
 
 

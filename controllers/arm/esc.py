@@ -254,6 +254,7 @@ class Esc(ArmLaw[EscSettings]):
             and trajectory.depth is None
             and trajectory.turns_back
             and trajectory.turn_rate == 0.0
+            and self.arm.offset == 0.0
             and self.settings.limit_acceleration
             and radial_share(self.arm, trajectory.start, trajectory.direction) > _RADIAL
         ):

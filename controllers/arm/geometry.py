@@ -39,6 +39,9 @@ class ArmGeometry:
     shoulder_offset : float
         Of the plane of upper arm and forearm from the axis of q1, along Y, m. With it the axis
         is inside a void, whose surface is singular instead.
+    a1 : float
+        Of the shoulder from the axis of q1, within the arm's plane and ahead, m: with it the
+        boundary of the workspace is no sphere but a torus.
     marker : tuple of float
         Point of the hand that calibrations measure, from the tool point along the tool's axes,
         m. On the tool's axis it does not see q6.
@@ -68,6 +71,7 @@ class ArmGeometry:
     wrist_sign: Literal[1, -1] = 1
     elbow_offset: Annotated[float, Unit("m")] = 0.0
     shoulder_offset: Annotated[float, Unit("m")] = 0.0
+    a1: Annotated[float, Unit("m")] = 0.0
     marker: tuple[Length, Length, Length] = (0.0, 0.0, 0.0)
     position_min: SixAngles = (-math.pi, -math.pi, -2.8, -2.0 * math.pi, -2.5, -2.0 * math.pi)
     position_max: SixAngles = (math.pi, math.pi, 2.8, 2.0 * math.pi, 2.5, 2.0 * math.pi)

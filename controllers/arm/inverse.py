@@ -1,6 +1,7 @@
 """The joints for a pose, in closed form, on all branches."""
 
 import math
+from collections.abc import Iterable
 from itertools import product
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ def wrist_of_pose(arm: Dimensions, pose: Pose) -> Vector:
 def branch_of(arm: Dimensions, q: Joints) -> Branch:
     """Return the branch that the joints are on; +1 at a singularity."""
     q23 = q[1] + q[2] + arm.elbow_angle
-    c = arm.a2 * math.sin(q[1]) + arm.a3 * math.sin(q23)
+    c = arm.a2 * math.sin(q[1]) + arm.a3 * math.sin(q23) + arm.a1
     return Branch(
         1 if c >= 0.0 else -1,
         1 if math.sin(q[2] + arm.elbow_angle) >= 0.0 else -1,
@@ -84,7 +85,8 @@ def inverse(arm: Dimensions, pose: Pose, branch: Branch, near: Joints | None = N
         q1 = near[0] if near is not None else 0.0
     else:
         q1 = math.atan2(y, x) - math.atan2(arm.offset, c)
-    r = math.hypot(c, z)
+    ahead = c - arm.a1
+    r = math.hypot(ahead, z)
     outer = (arm.a2 + arm.a3 - r) * (arm.a2 + arm.a3 + r)
     inner = (r - arm.a2 + arm.a3) * (r + arm.a2 - arm.a3)
     if outer < 0.0 or inner < 0.0:
@@ -98,11 +100,35 @@ def inverse(arm: Dimensions, pose: Pose, branch: Branch, near: Joints | None = N
         if arm.a2 == arm.a3
         else math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
     )
-    q2 = math.atan2(c, z) - lean
+    q2 = math.atan2(ahead, z) - lean
     q3 = elbow - arm.elbow_angle
     position = (q1, q2, q3)
     q = (*position, *wrist_joints(arm, pose, position, branch.wrist, near))
     return q if near is None else nearest_turns(q, near)
+
+
+def reachable(
+    arm: Dimensions, pose: Pose, branches: Iterable[Branch], near: Joints
+) -> list[Joints]:
+    """Return the joints (rad) of those branches on which a pose is reached.
+
+    With `a1` an arm that leans back reaches less far than one that leans ahead.
+
+    Raises
+    ------
+    OutOfReach
+        It is reached on none.
+    """
+    found: list[Joints] = []
+    refused: OutOfReach | None = None
+    for branch in branches:
+        try:
+            found.append(inverse(arm, pose, branch, near))
+        except OutOfReach as error:
+            refused = refused or error
+    if refused is not None and not found:
+        raise refused
+    return found
 
 
 def wrist_joints(

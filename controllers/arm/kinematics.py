@@ -28,6 +28,8 @@ class Dimensions(NamedTuple):
         rad.
     wrist_sign : float
         +1 or -1.
+    a1 : float
+        Of the shoulder from the axis of q1, within the arm's plane, m.
     """
 
     a2: float
@@ -37,6 +39,7 @@ class Dimensions(NamedTuple):
     offset: float
     elbow_angle: float
     wrist_sign: float
+    a1: float = 0.0
 
 
 class Indices(NamedTuple):
@@ -67,6 +70,7 @@ def dimensions_of(geometry: ArmGeometry) -> Dimensions:
         geometry.shoulder_offset,
         geometry.elbow_angle,
         float(geometry.wrist_sign),
+        geometry.a1,
     )
 
 
@@ -75,11 +79,11 @@ def wrist_in_plane(arm: Dimensions, q2: float, q3: float) -> tuple[float, float]
 
     References
     ----------
-    Miyata et al., section 2.2.1: ``c = a2 S2 + a3 S23``.
+    Miyata et al., section 2.2.1: ``c = a2 S2 + a3 S23``, whose shoulder is on the axis of q1.
     """
     q23 = q2 + q3 + arm.elbow_angle
     return (
-        arm.a2 * math.sin(q2) + arm.a3 * math.sin(q23),
+        arm.a2 * math.sin(q2) + arm.a3 * math.sin(q23) + arm.a1,
         arm.a2 * math.cos(q2) + arm.a3 * math.cos(q23),
     )
 
@@ -131,7 +135,7 @@ def singularity_indices(arm: Dimensions, q: Joints) -> Indices:
 def link_points(arm: Dimensions, q: Joints) -> tuple[Vector, Vector, Vector, Vector, Vector]:
     """Return base, shoulder, elbow, wrist centre and tool point, m: the arm as a stick figure."""
     c1, s1 = math.cos(q[0]), math.sin(q[0])
-    shoulder = (-s1 * arm.offset, c1 * arm.offset, arm.height)
+    shoulder = (c1 * arm.a1 - s1 * arm.offset, s1 * arm.a1 + c1 * arm.offset, arm.height)
     out = arm.a2 * math.sin(q[1])
     elbow = (
         shoulder[0] + c1 * out,

@@ -1,5 +1,6 @@
 """Motions that both singularity-consistent laws make alike: dwells, circles, lines past."""
 
+import math
 from collections.abc import Callable
 from typing import Literal
 
@@ -13,7 +14,7 @@ from controllers.arm.dwell import (
     switch_of,
 )
 from controllers.arm.integration import advance_joints, bisect_period
-from controllers.arm.inverse import branch_of, inverse
+from controllers.arm.inverse import branch_of, inverse, reachable
 from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample
@@ -22,6 +23,9 @@ from controllers.arm.trajectory import Trajectory
 from controllers.arm.turn_back import check_start, dwelling, radial_share, time_at_depth
 from controllers.arm.types import AT_REST, Joints
 from controllers.motion import InfeasibleMotion
+
+_NEAR = 1e-4
+"""s, to either side of an instant at which a slope is wanted."""
 
 
 def dwell_motion(
@@ -46,14 +50,21 @@ def dwell_motion(
     enter = time_at_depth(arm, trajectory, q_s)
     check_start(arm, trajectory, full_scale(arm, trajectory.start))
     # The direction at the border, seen by an arm that is moved there in its plane's geometry.
-    at_border = forward_along(trajectory, arm, enter)
+    at_border = forward_along(trajectory, arm, enter, q_s)
     cosine = radial_share(arm, at_border, trajectory.direction)
     if cosine < 0.05:
         raise InfeasibleMotion(
             f"the line enters the region almost along the boundary (cosine {cosine:.3f} to the "
             f"arm): eq. (14) needs a radial share, which would vanish within the region."
         )
-    switch = switch_of(arm, q_s, trajectory.speed, cosine)
+    bend = None
+    if arm.a1 != 0.0 or arm.offset != 0.0:  # the boundary is no sphere
+        before, after = (
+            radial_share(arm, forward_along(trajectory, arm, t, q_s), trajectory.direction)
+            for t in (enter - _NEAR, enter + _NEAR)
+        )
+        bend = (after - before) / (2.0 * _NEAR * trajectory.speed)
+    switch = switch_of(arm, q_s, trajectory.speed, cosine, bend)
     if not natural:
         switch = switch._replace(rate=0.0)
     whole = integral_taylor(arm, q_s) if integral == "taylor" else integral_exact(arm, q_s)
@@ -61,9 +72,20 @@ def dwell_motion(
     return dwelling(arm, trajectory, q_s, b, law, end)
 
 
-def forward_along(trajectory: StraightTrajectory, arm: Dimensions, t: float) -> Joints:
-    """Return the joints at a nominal time on the way out, on the branch of the start."""
-    return inverse(arm, trajectory.pose(t), branch_of(arm, trajectory.start), trajectory.start)
+def forward_along(
+    trajectory: StraightTrajectory, arm: Dimensions, t: float, elbow: float
+) -> Joints:
+    """Return the joints at a nominal time on the way out, on the branch of the start.
+
+    With `a1` a wrist that has gone through the axis of q1 is on another: it is the one on which
+    the elbow's angle is about `elbow` (rad), whatever its sign.
+    """
+    start, branch = trajectory.start, branch_of(arm, trajectory.start)
+    if arm.a1 == 0.0:
+        return inverse(arm, trajectory.pose(t), branch, start)
+    both = [branch, branch._replace(shoulder=-branch.shoulder)]
+    found = reachable(arm, trajectory.pose(t), both, start)
+    return min(found, key=lambda q: abs(math.cos(q[2] + arm.elbow_angle) - math.cos(elbow)))
 
 
 def circle_motion(law: AnyArmLaw, trajectory: CircularTrajectory, end: MotionEnd) -> Motion:

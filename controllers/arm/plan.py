@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -103,6 +103,15 @@ class ArmPlan:
         q = tuple(self.positions[k].tolist())
         v = tuple(self.velocities[k].tolist()) if following else (0.0,) * 6
         return ArmReference(q, v, following)
+
+    def stretched(self, share: float) -> "ArmPlan":
+        """Return the same motion with a share of its speed: as many rows, further apart in time."""
+        return replace(
+            self, period=self.period / share, duration=self.duration / share, t=self.t / share,
+            velocities=share * self.velocities, command=share * self.command,
+            twist=share * self.twist,
+            marks={name: tuple(t / share for t in its) for name, its in self.marks.items()},
+        )  # fmt: skip
 
     @property
     def rates(self) -> Array:
@@ -240,4 +249,5 @@ def check_joint_limits(geometry: ArmGeometry, positions: Array, t: Array) -> Non
 
 def inside_boundary(arm: Dimensions, q: Joints) -> float:
     """Return how far the wrist centre is inside the boundary of the workspace, m."""
-    return arm.a2 + arm.a3 - math.hypot(*wrist_in_plane(arm, q[1], q[2]))
+    c, z = wrist_in_plane(arm, q[1], q[2])
+    return arm.a2 + arm.a3 - math.hypot(c - arm.a1, z)

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation as Turn
 from scipy.spatial.transform import RotationSpline
 
-from controllers.arm.inverse import BRANCHES, OutOfReach, branch_of, inverse
+from controllers.arm.inverse import BRANCHES, OutOfReach, branch_of, reachable
 from controllers.arm.kinematics import Dimensions, forward
 from controllers.arm.types import Joints, Pose, Twist, Vector
 from controllers.motion import InfeasibleMotion
@@ -107,9 +107,8 @@ class PoseTrajectory:
         pose = self.pose(0.0)
         elbow = branch_of(arm, near).elbow
         try:
-            found = [
-                inverse(arm, pose, branch, near) for branch in BRANCHES if branch.elbow == elbow
-            ]
+            branches = [branch for branch in BRANCHES if branch.elbow == elbow]
+            found = reachable(arm, pose, branches, near)
         except OutOfReach as error:
             raise InfeasibleMotion(f"the path cannot be begun: {error}.") from error
         return min(found, key=lambda q: float(np.linalg.norm(np.subtract(q, near))))

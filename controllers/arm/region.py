@@ -84,7 +84,7 @@ def region_for_speed(geometry: ArmGeometry, speed: float) -> float:
     Miyata et al., eq. (13). It leaves out what turning the tool moves the wrist centre by.
     """
     a2, a3, limit = geometry.a2, geometry.forearm, geometry.rate_limits[2]
-    return 3.0 * (a2 + a3) / (2.0 * a2 * a3 * limit) * speed
+    return 3.0 * (a2 + a3) / (2.0 * a2 * a3 * limit) * speed * _steeper(geometry)
 
 
 def region_for_twist(geometry: ArmGeometry, speed: float, turn_rate: float) -> float:
@@ -112,7 +112,7 @@ def region_for_twist(geometry: ArmGeometry, speed: float, turn_rate: float) -> f
 
     u = bisect(rises, 0.0, 1.0)[0] if swing else 0.0
     f = 0.5 * (3.0 - u * u)
-    return (a2 + a3) / (a2 * a3 * limit) * f * (speed + swing * u * f)
+    return (a2 + a3) / (a2 * a3 * limit) * f * (speed + swing * u * f) * _steeper(geometry)
 
 
 def region_for_acceleration(geometry: ArmGeometry, speed: float) -> float:
@@ -135,4 +135,13 @@ def least_rate(geometry: ArmGeometry, speed: float) -> float:
     Miyata et al., eq. (13) with ``sin q_s = 1``.
     """
     a2, a3 = geometry.a2, geometry.forearm
-    return 3.0 * (a2 + a3) * speed / (2.0 * a2 * a3)
+    return 3.0 * (a2 + a3) * speed / (2.0 * a2 * a3) * _steeper(geometry)
+
+
+def _steeper(geometry: ArmGeometry) -> float:
+    """Return how much faster than the hand the wrist may get away from the shoulder.
+
+    With a shoulder offset d the wrist is ``sqrt(r_s² + d²)`` from the shoulder's axis where the
+    arm's plane has it at ``r_s``: the gradient of ``r_s`` is that much longer than 1.
+    """
+    return math.hypot(1.0, geometry.shoulder_offset / geometry.reach)

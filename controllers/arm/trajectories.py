@@ -2,7 +2,7 @@
 
 import math
 
-from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, wrist_of_pose
+from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, reachable, wrist_of_pose
 from controllers.arm.kinematics import (
     Dimensions,
     base_from_forearm,
@@ -105,6 +105,36 @@ class StraightTrajectory:
         """Return how far along the line a point is, m."""
         return dot(minus(position, self._origin.position), self.direction)
 
+    def time_at_radius(self, arm: Dimensions, radius: float) -> float:
+        """Return the nominal time at which the wrist, on its way out, is so far (m), s.
+
+        From the shoulder, and of a line on which the tool does not turn.
+        """
+
+        def is_nearer(t: float) -> bool:
+            return self._from_shoulder(arm, wrist_of_pose(arm, self.pose(t))) < radius * radius
+
+        step = self.out / 2000.0
+        t = next(k * step for k in range(2001) if k == 2000 or not is_nearer((k + 1) * step))
+        low, high = bisect(is_nearer, t, t + step)
+        return 0.5 * (low + high)
+
+    def _from_shoulder(self, arm: Dimensions, wrist: Vector) -> float:
+        """Return the square of the distance of a wrist centre on the line from its shoulder, m²."""
+        x, y, z = wrist
+        if arm.a1 == 0.0:
+            return x * x + y * y - arm.offset**2 + (z - arm.height) ** 2
+        c, _, _ = singularity_indices(arm, self.start)
+        out_x, out_y, _ = wrist_centre(arm, self.start)
+        away = math.hypot(out_x, out_y)
+        side = (x * out_y - y * out_x) / away if away else 0.0
+        if arm.offset == 0.0 and abs(side) < _ON_SINGULARITY:
+            # Within the arm's plane, where the wrist may go through the axis of q1.
+            ahead = (x * out_x + y * out_y) / away if away else math.hypot(x, y)
+        else:
+            ahead = math.sqrt(max(x * x + y * y - arm.offset**2, 0.0))
+        return (math.copysign(1.0, c) * ahead - arm.a1) ** 2 + (z - arm.height) ** 2
+
     def _boundary(self, arm: Dimensions, travel: float) -> float:
         """Return the nominal time after which the arm is stretched, s.
 
@@ -117,8 +147,7 @@ class StraightTrajectory:
         def margin(t: float) -> tuple[float, float]:
             position = along(self._origin.position, self.direction, self.speed * t)
             rotation = turned(self._axis, self._rate * t, self._origin.rotation)
-            x, y, z = wrist_of_pose(arm, Pose(position, rotation))
-            square = x * x + y * y - arm.offset**2 + (z - arm.height) ** 2
+            square = self._from_shoulder(arm, wrist_of_pose(arm, Pose(position, rotation)))
             return (arm.a2 + arm.a3) ** 2 - square, square - (arm.a2 - arm.a3) ** 2
 
         last = travel / self.speed
@@ -149,15 +178,16 @@ class CircularTrajectory:
     Raises
     ------
     InfeasibleMotion
-        The arm has a shoulder offset, or the circle leaves the workspace.
+        The arm has a shoulder offset or a1, or the circle leaves the workspace.
     """
 
     def __init__(self, arm: Dimensions, settings: Circle) -> None:
-        if arm.offset != 0.0:
-            raise InfeasibleMotion(
-                f"a circle through the {settings.through}'s singularity needs an arm without "
-                f"shoulder offset; this one's is {arm.offset:g} m."
-            )
+        for words, length in (("shoulder offset", arm.offset), ("a1", arm.a1)):
+            if length != 0.0:
+                raise InfeasibleMotion(
+                    f"a circle through the {settings.through}'s singularity needs an arm without "
+                    f"{words}; this one's is {length:g} m."
+                )
         self.settings = settings
         self.turn_rate = 0.0
         self.r2 = settings.radius
@@ -302,7 +332,13 @@ def _line(arm: Dimensions, settings: Line) -> StraightTrajectory:
         elbow = q3 + arm.elbow_angle
         radius = math.sqrt(arm.a2**2 + arm.a3**2 + 2.0 * arm.a2 * arm.a3 * math.cos(elbow))
         lean = math.atan2(arm.a3 * math.sin(elbow), arm.a2 + arm.a3 * math.cos(elbow))
-        q2 = math.asin(settings.shoulder_distance / radius) - lean
+        sine = (settings.shoulder_distance - arm.a1) / radius
+        if abs(sine) > 1.0:
+            raise InfeasibleMotion(
+                f"with q3 = {q3:.4f} rad the wrist is {radius:.4f} m from the shoulder and cannot "
+                f"be {settings.shoulder_distance:g} m from the axis of q1."
+            )
+        q2 = math.asin(sine) - lean
     middle = (q1, q2, q3, q4, q5, q6)
     turn = settings.turn_rate * settings.before / settings.speed
     elbow_sign = 1 if math.sin(q3 + arm.elbow_angle) >= 0.0 else -1
@@ -335,13 +371,14 @@ def _nearest_start(
     position = along(there.position, unit(direction, "direction"), -distance)
     pose = Pose(position, turned(unit(axis, "axis"), -turn, there.rotation))
     try:
-        found = [
-            inverse(arm, pose, branch, point)
+        branches = [
+            branch
             for branch in BRANCHES
             if branch.elbow == elbow
             and (abs(c) < _ON_SINGULARITY or branch.shoulder * c > 0.0)
             and (abs(s5) < _ON_SINGULARITY or branch.wrist * s5 > 0.0)
         ]
+        found = reachable(arm, pose, branches, point)
     except OutOfReach as error:
         raise InfeasibleMotion(f"the line cannot be begun: {error}.") from error
     return min(found, key=lambda q: math.dist(q, point))

@@ -9,7 +9,7 @@ from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import advance_joints, bisect_period, moved
 from controllers.arm.kinematics import Dimensions, forward, singularity_indices, wrist_centre
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
-from controllers.arm.plan import Sample
+from controllers.arm.plan import Sample, inside_boundary
 from controllers.arm.region import elbow_scale, least_rate
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
@@ -106,9 +106,16 @@ def check_start(arm: Dimensions, trajectory: StraightTrajectory, scale: Scale) -
 
 
 def radial_share(arm: Dimensions, q: Joints, direction: Vector) -> float:
-    """Return the cosine between a direction and the wrist's, seen from the shoulder."""
-    sine, cosine, _, _ = elbow_frame(arm, q[1], q[2])
-    ahead = direction[0] * math.cos(q[0]) + direction[1] * math.sin(q[0])
+    """Return how far the wrist gets away from the shoulder per metre in a direction.
+
+    The cosine between it and the wrist's; with a shoulder offset up to ``sqrt(1 + d² / r_s²)``.
+    """
+    sine, cosine, radius, _ = elbow_frame(arm, q[1], q[2])
+    c1, s1 = math.cos(q[0]), math.sin(q[0])
+    ahead = direction[0] * c1 + direction[1] * s1
+    c = radius * sine + arm.a1
+    if arm.offset != 0.0 and c != 0.0:  # then q1 moves the wrist within the arm's plane, too
+        ahead += arm.offset * (direction[1] * c1 - direction[0] * s1) / c
     return sine * ahead + cosine * direction[2]
 
 
@@ -287,19 +294,29 @@ def time_at_depth(arm: Dimensions, trajectory: StraightTrajectory, q_s: float) -
         The arm starts beyond it.
     """
     square = arm.a2**2 + arm.a3**2 + 2.0 * arm.a2 * arm.a3 * math.cos(q_s)
+    if arm.a1 != 0.0:
+        depth = arm.a2 + arm.a3 - math.sqrt(square)
+        _check_outside(inside_boundary(arm, trajectory.start), depth)
+        return trajectory.time_at_radius(arm, math.sqrt(square))
     x, y, z = wrist_centre(arm, trajectory.start)
     z -= arm.height
     dx, dy, dz = trajectory.direction
     along = x * dx + y * dy + z * dz
     here = x * x + y * y + z * z - arm.offset**2
     if here >= square:
-        depth = arm.a2 + arm.a3 - math.sqrt(here)
-        raise InfeasibleMotion(
-            f"the arm starts inside the region: its wrist is {depth:.4f} m from the boundary, the "
-            f"region is {arm.a2 + arm.a3 - math.sqrt(square):.4f} m deep."
-        )
+        reach = arm.a2 + arm.a3
+        _check_outside(reach - math.sqrt(here), reach - math.sqrt(square))
     way: float = -along + math.sqrt(along * along + square - here)
     return way / trajectory.speed
+
+
+def _check_outside(depth: float, region: float) -> None:
+    """Raise if a wrist is no deeper inside the boundary than a region is, m."""
+    if depth <= region:
+        raise InfeasibleMotion(
+            f"the arm starts inside the region: its wrist is {depth:.4f} m from the boundary, the "
+            f"region is {region:.4f} m deep."
+        )
 
 
 def _times(q: Joints, share: float) -> Joints:

@@ -128,7 +128,8 @@ class _Pair:
         flow = np.zeros((5, 5))
         flow[0, 1] = flow[2, 3] = 1.0
         flow[1, :2] = -w * w, -2.0 * z * w
-        flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
+        flow[3, [0, 2, 3]] = model.area, -model.stiffness, -model.viscous
+        flow[3] /= model.mass
         monitor = 1.0 / max(model.regulator_monitor_time, _QUICK * period)
         flow[4, 0], flow[4, 4] = monitor, -monitor
         push = np.array([0.0, w * w, 0.0, 0.0, 0.0])

@@ -88,6 +88,9 @@ class PairModel:
         Where breakaway has faded into Coulomb friction, m/s.
     viscous : float
         Viscous friction of the whole pair, N s/m.
+    stiffness : float
+        Of what pulls it back to where it should be, whatever the laws do, N/m; negative: it is
+        pulled on, and falls. The laws leave it to their loops, whose margins depend on it.
     """
 
     area: Annotated[float, Unit("m^2"), Gt(0)]
@@ -103,6 +106,7 @@ class PairModel:
     viscous: Annotated[float, Unit("N s/m"), Ge(0)]
     regulator_dead_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
     regulator_monitor_time: Annotated[float, Unit("s"), Ge(0)] = 0.0
+    stiffness: Annotated[float, Unit("N/m")] = 0.0
 
     @property
     def air_dead_time(self) -> float:

@@ -7,12 +7,13 @@ the same.
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from controllers.base import Chosen, PlanningLaw
 from controllers.gait.arc_lengths import Arcs, measure
+from controllers.gait.corrections import Corrections
 from controllers.gait.fastest import fastest
 from controllers.gait.footsteps import FootstepsSettings, LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
@@ -90,6 +91,8 @@ class GaitLaw(
         self._number = 0
         self._cycle = 0
         self._started = False
+        self.corrections = Corrections(model, period)
+        """What is added to the plan; nothing, unless the model asks for it."""
 
     @abstractmethod
     def _pace_maker(self, phases: Sequence[TimedPhase], speed: float) -> PaceMaker:
@@ -132,6 +135,7 @@ class GaitLaw(
         self._check(plan, motion.speed)
         if self.keeps_rates:
             check_rates(plan, motion.speed)
+        self.corrections.prepare(plan)
         self._restart()
         return plan
 
@@ -152,11 +156,12 @@ class GaitLaw(
             return LegsCommand(reference.positions, reference.velocities)
         if self._started:
             moved = self._advance()
-            return self._command(self._schedule[self._number].curve, moved)
+            command = self._command(self._schedule[self._number].curve, moved)
+            return self.corrections.apply(command, state)
         if not self._schedule:
             raise RuntimeError(f"the law {self.name} was asked to run before it prepared a motion")
         self._started = True
-        return LegsCommand(self._schedule[0].curve.joints, _REST)
+        return self.corrections.apply(LegsCommand(self._schedule[0].curve.joints, _REST), state)
 
     def _command(self, curve: PhaseCurve, moved: bool) -> LegsCommand:
         """Return what the joints are told at this point of the curve."""
@@ -165,6 +170,7 @@ class GaitLaw(
     def _restart(self) -> None:
         self._number = self._cycle = 0
         self._started = False
+        self.corrections.reset()
         self._schedule[0].curve.begin()
 
     def _advance(self) -> bool:
@@ -317,3 +323,7 @@ def _make_pace(make: PaceMaker, entry: TimedPhase) -> TimeLaw:
         return make(entry)
     except InfeasibleMotion as error:
         raise InfeasibleMotion(f"{entry.phase.name}: {error}") from error
+
+
+AnyGaitLaw = GaitLaw[Any]
+"""A law of the legs, whatever its settings."""

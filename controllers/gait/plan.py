@@ -1,7 +1,7 @@
 """A motion that has been worked out and checked, sample by sample."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from controllers.gait.leg_postures import (
 from controllers.gait.phases import GaitPhase
 from controllers.gait.time_laws import PaceSummary
 from controllers.gait.types import BalanceSettings, LegsReference
+from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
 
@@ -168,6 +169,39 @@ class GaitPlan:
         return LegsReference(
             tuple(self.q[sample].tolist()), tuple(self.q_dot[sample].tolist()), True
         )
+
+    def stretched(self, share: float, settings: BalanceSettings) -> "GaitPlan":
+        """Return the same motion with a share of its speed, and its balance then.
+
+        Parameters
+        ----------
+        share : float
+            Of the speed; there are as many samples, further apart in time.
+        settings : BalanceSettings
+            As the law has them.
+
+        Raises
+        ------
+        InfeasibleMotion
+            The motion needs its speed: more slowly the robot would fall.
+        """
+        way = Way(self.waist, self.yaw, self.feet, self.attitudes)
+        balance = judge_balance(
+            self.geometry, settings, self.period / share, self.phases, self.q, way
+        )
+        slow = replace(
+            self, period=self.period / share, t=self.t / share, q_dot=share * self.q_dot,
+            balance=balance,
+        )  # fmt: skip
+        if slow.margin < settings.min_margin:
+            worst = int(np.argmin(balance.margin))
+            raise InfeasibleMotion(
+                f"with {share:g} of its speed, at {slow.t[worst]:.3f} s "
+                f"({self.phases[int(self.phase_number[worst])].phase.name}), the robot would be "
+                f"{slow.margin * 1e3:.1f} mm inside the edge of the support; the bound is "
+                f"{settings.min_margin * 1e3:g} mm."
+            )
+        return slow
 
     def mismatch(self, resolution: float = 0.0) -> float:
         """Return by how much the feet at most disagree on where the waist is, m.

@@ -5,7 +5,9 @@ from typing import Annotated, NamedTuple
 
 from annotated_types import Gt, Unit
 
+from controllers.gait.correction_settings import SagSettings, StabiliserSettings
 from controllers.gait.geometry import LegGeometry
+from controllers.gait.sensing import Sensing
 
 Joints = tuple[float, ...]
 """One value per joint, in the order of `controllers.gait.geometry.AXIS_NAMES`."""
@@ -20,11 +22,14 @@ class LegsState(NamedTuple):
         Time of the cycle, s.
     positions, velocities : tuple of float
         Of the twelve joints, rad and rad/s.
+    sensing : Sensing, optional
+        What feet and waist feel; None: the legs have no such sensors.
     """
 
     t: float
     positions: Joints
     velocities: Joints
+    sensing: Sensing | None = None
 
 
 class LegsReference(NamedTuple):
@@ -87,7 +92,13 @@ class GaitModel:
         Of both legs.
     balance : BalanceSettings
         The bound below which a plan is refused.
+    stabiliser : StabiliserSettings, optional
+        How what is felt corrects the plan; None: not at all.
+    sag : SagSettings, optional
+        How the servos' sag is compensated; None: not at all.
     """
 
     geometry: LegGeometry = field(default_factory=LegGeometry)
     balance: BalanceSettings = field(default_factory=BalanceSettings)
+    stabiliser: StabiliserSettings | None = None
+    sag: SagSettings | None = None

@@ -1,10 +1,12 @@
 """The pose controllers of the registry: one per law of a pair."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Unit
 
+from controllers.base import Tunable
 from controllers.cylinder.cascade import Cascade
 from controllers.cylinder.cascade_settings import CascadeSettings
 from controllers.cylinder.feedforward import FeedforwardSettings
@@ -92,10 +94,19 @@ class JointSuperTwistingSettings(PoseControlSettings):
     pair: SuperTwistingSettings = field(default_factory=SuperTwistingSettings)
 
 
+def _of_pair(tunables: Sequence[Tunable]) -> tuple[Tunable, ...]:
+    return tuple(gain._replace(key=f"pair.{gain.key}") for gain in tunables)
+
+
+_BALL = (Tunable("ball_friction", 0.3, 1.5), Tunable("friction_distance", 3e-6, 300e-6))
+"""Of the friction on the ball that is fed forward."""
+
+
 class JointPid(PoseController[JointPidSettings]):
     """Pose control over a PID per pair: ``joint-pid``."""
 
     Settings = JointPidSettings
+    tunables = _of_pair(Pid.tunables)
 
     def _pair_law(self, pair: PairModel) -> Pid:
         return Pid(self.settings.pair, pair, self.period)
@@ -105,6 +116,7 @@ class JointPidFriction(PoseController[JointPidFrictionSettings]):
     """Pose control over a PID with friction feedforward and dither: ``joint-pid-friction``."""
 
     Settings = JointPidFrictionSettings
+    tunables = (*_BALL, *_of_pair(PidFriction.tunables))
 
     def _pair_law(self, pair: PairModel) -> PidFriction:
         return PidFriction(self.settings.pair, pair, self.period)
@@ -114,7 +126,8 @@ class JointCascade(PoseController[JointCascadeSettings]):
     """Pose control over cascades with observers on the pressures: ``joint-cascade``."""
 
     Settings = JointCascadeSettings
-    online = tuple(gain._replace(key=f"pair.{gain.key}") for gain in Cascade.online)
+    tunables = (*_BALL, *_of_pair(Cascade.tunables))
+    online = _of_pair(Cascade.online)
 
     def retune(self, settings: JointCascadeSettings) -> None:
         """See `Law.retune`."""
@@ -130,6 +143,7 @@ class JointSuperTwisting(PoseController[JointSuperTwistingSettings]):
     """Pose control over a sliding mode per pair: ``joint-super-twisting``."""
 
     Settings = JointSuperTwistingSettings
+    tunables = (*_BALL, *_of_pair(SuperTwisting.tunables))
 
     def _pair_law(self, pair: PairModel) -> SuperTwisting:
         return SuperTwisting(self.settings.pair, pair, self.period)

@@ -28,6 +28,7 @@ from controllers.spherical_joint.dither import (
     PathDitherSettings,
     TensionDither,
 )
+from controllers.spherical_joint.falling import falling_stiffness
 from controllers.spherical_joint.learning import (
     LapLearning,
     LapMemory,
@@ -39,7 +40,7 @@ from controllers.spherical_joint.marker_estimate import (
     MarkerEstimateSettings,
     MarkerEstimator,
 )
-from controllers.spherical_joint.pose_kernel import StepSettings
+from controllers.spherical_joint.pose_kernel import PoseNumbers, StepSettings
 from controllers.spherical_joint.pose_step import PoseStep
 from controllers.spherical_joint.poses import PoseConvention, Vector
 from controllers.spherical_joint.types import (
@@ -58,7 +59,7 @@ _START_TIME = 0.2
 """With which the tensions that are found at the start give way to the wanted ones, s."""
 
 
-_POSE_EVERY = 4
+POSE_EVERY = 4
 """Shares of the tensions are worked out every so many cycles: within 4 ms, a ring at 1 Hz and 20
 degrees changes them by some 0.5 %."""
 
@@ -169,6 +170,7 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
             breakaway=model.breakaway,
             stribeck_velocity=model.stribeck_velocity,
             viscous=model.viscous,
+            stiffness=falling_stiffness(model.geometry, model.area * model.base_pressure),
         )
         self._laws = (self._pair_law(pair), self._pair_law(pair))
         for law in self._laws:
@@ -216,6 +218,22 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
         """The estimate of the marker with its bias and its alarms."""
 
     @property
+    def numbers(self) -> PoseNumbers | None:
+        """Of its steps around the laws, as kernels take them; None: some need no kernels."""
+        return self._steps.numbers
+
+    @property
+    def shakes(self) -> bool:
+        """Whether it has a dither of any kind."""
+        settings = self.settings
+        return settings.dither.amplitude > 0.0 or settings.path_dither.force > 0.0
+
+    @property
+    def pair_laws(self) -> tuple[AnyPairLaw, AnyPairLaw]:
+        """The laws of the pairs."""
+        return self._laws
+
+    @property
     def pair_law(self) -> AnyPairLaw:
         """The law of the first pair; that of the other one has the same settings and model."""
         return self._laws[0]
@@ -247,7 +265,7 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
         t, rods, pressures, camera = state
         steps = self._steps
         base = reference.base_pressure or self._base_pressure
-        anew = self._cycle % _POSE_EVERY == 0
+        anew = self._cycle % POSE_EVERY == 0
         self._cycle += 1
         push = reference.push
         if push is None and self._pushed:  # anew from where the pushes have left the ring

@@ -82,6 +82,8 @@ class PoseStep:
             inverse.home,
         )
         self._memory = KernelMemory(numbers) if inverse.is_natural else None
+        self.numbers: PoseNumbers | None = numbers if inverse.is_natural else None
+        """Of the functions that are compiled; None: these wires and poses have none."""
         self._before: Callable[..., tuple[int, Cycle]] = partial(_before_others, inverse, numbers)
         self._after: Callable[[float, float, float], Quadruple] = partial(kernel.after, numbers)
         self._remembered: Callable[[], Remembered] = partial(kernel.remembered, numbers)

@@ -6,14 +6,13 @@ allow, in a file of their own.
 """
 
 import ipaddress
-import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Final
 
 from rig.hal import ConfigurationError
-from rig.hal.files import read_regular
+from rig.hal.files import read_regular, users_folder
 
 _NAME: Final = re.compile(r"[A-Za-z0-9_.][A-Za-z0-9_.:, -]{0,63}")
 _LINK: Final = re.compile(r"[A-Za-z0-9_.-]{1,15}")  # IFNAMSIZ of linux/if.h
@@ -77,8 +76,7 @@ def is_serial(interface: str) -> bool:
 
 
 def _list_of_allowed() -> Path:
-    home = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
-    return Path(home) / "rig" / "interfaces"
+    return users_folder("XDG_CONFIG_HOME", ".config") / "rig" / "interfaces"
 
 
 def _how_to_allow() -> str:

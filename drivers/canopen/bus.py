@@ -16,6 +16,7 @@ SYNC_ID: Final = 0x080
 _SYNC: Final = (SYNC_ID, b"")
 _NMT_ID: Final = 0x000
 _NMT_STOP_ALL: Final = bytes((0x02, 0x00))
+_NMT_PRE_OPERATIONAL: Final = 0x80
 _OPERATIONAL: Final = bytes((NmtState.OPERATIONAL,))
 
 
@@ -97,6 +98,10 @@ class CanopenBus(CyclicCanBus):
         """
         self._exchange()
         self.syncs.settle()
+
+    def wake(self, node: int) -> None:
+        """Have a node that may be stopped answer SDO; it is not reset, and keeps what it holds."""
+        self.send(_NMT_ID, bytes((_NMT_PRE_OPERATIONAL, node)))
 
     def make_safe(self) -> None:
         """Send the safe setpoints of every driver now. Never raises."""

@@ -39,6 +39,8 @@ _TYPES: Final = {
 _ACCESS: Final = ("ro", "wo", "rw", "rwr", "rww", "const")
 _NUMBER_OF_ENTRIES: Final = "number of entries"
 _U8: Final = 0x05
+_MOST_ELEMENTS: Final = 254
+"""Of an array: sub-index 0 holds their number, 255 its structure (CiA 301, 7.4.3)."""
 _MOST: Final = 8 << 20  # bytes; the largest sheets of makers have some hundred thousand
 
 
@@ -137,7 +139,7 @@ class Eds:
             part = self._sections.get(f"{index:04x}sub{sub:02x}")
         if part is not None:
             return self._variable(index, sub, part)
-        compact = self._number(own, "CompactSubObj", 0)
+        compact = self._compact_count(own)
         if compact:
             return self._compact(index, sub, own, compact)
         if sub == 0 and self._number(own, "ObjectType", 7) not in (8, 9):
@@ -161,7 +163,7 @@ class Eds:
             if place[2] is not None:
                 subs: Iterable[int] = (int(place[2], 16),)
             else:
-                subs = range(self._number(section, "CompactSubObj", 0) + 1)
+                subs = range(self._compact_count(section) + 1)
             for sub in subs:
                 found = None if (index, sub) in seen else self.find(index, sub)
                 if found is not None:
@@ -295,6 +297,15 @@ class Eds:
             name=called.text if called else f"{made.name}{sub}",
             default=default.text if default else made.default,
         )
+
+    def _compact_count(self, section: _Section) -> int:
+        """Return how many elements an array in one section has; 0 of all other objects."""
+        count = self._number(section, "CompactSubObj", 0)
+        if not 0 <= count <= _MOST_ELEMENTS:
+            line = section.entries["compactsubobj"].line
+            what = f"CompactSubObj is {count}, expected 0 to {_MOST_ELEMENTS}"
+            raise EdsError(self.path, line, what)
+        return count
 
     def _number(self, section: _Section, key: str, default: int) -> int:
         entry = section.entries.get(key.lower())

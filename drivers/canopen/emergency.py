@@ -29,6 +29,7 @@ _CODES: Final[dict[int, str]] = {
     0x8240: "SYNC with unexpected length",
     0x8250: "RPDO did not come in time",
 }
+_NOT_TAKEN: Final = (0x8210, 0x8220, 0x8250)
 _GROUPS: Final[dict[int, str]] = {
     0x10: "generic error",
     0x20: "current",
@@ -88,6 +89,11 @@ class Emergency(NamedTuple):
     def is_reset(self) -> bool:
         """Whether the device says that an error is gone."""
         return self.code < 0x0100
+
+    @property
+    def is_about_setpoints(self) -> bool:
+        """Whether the device says that it did not take setpoints which were sent, or came late."""
+        return self.code in _NOT_TAKEN
 
     def __str__(self) -> str:
         text = f"EMCY 0x{self.code:04X} ({describe_code(self.code)})"

@@ -1,7 +1,7 @@
-"""One regulator on a CiA 401 module: what commands it, what it reports, what keeps it safe."""
+"""One channel of a CiA 401 module: what commands it, what it reports, what keeps it safe."""
 
 from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from typing import Annotated, ClassVar, Final, Literal
 
 from annotated_types import Interval, Unit
 
@@ -11,8 +11,11 @@ from rig.hal.rules import Rules
 _Pascal = Annotated[float, Unit("Pa")]
 _Volt = Annotated[float, Unit("V")]
 _Ampere = Annotated[float, Unit("A")]
+_Opening = Annotated[float, Interval(ge=-1, le=1)]
 
-_LEAST: Final = {"raw": 16.0, "float": 1e-6, "voltage": 0.1, "current": 1e-3, "pressure": 1e3}
+_LEAST: Final = {
+    "raw": 16.0, "float": 1e-6, "voltage": 0.1, "current": 1e-3, "pressure": 1e3, "opening": 0.1,
+}  # fmt: skip
 """How far the ends of a line are apart, counts and SI: less is a number without its unit."""
 
 DIGITAL_INPUT: Final = Entry(0x6000, 1, "u8")
@@ -21,7 +24,7 @@ DIGITAL_OUTPUT: Final = Entry(0x6200, 1, "u8")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AnalogueSignal:
-    """One analogue channel: a straight line from counts over the wire to pressure.
+    """One analogue channel: a straight line from counts over the wire to what they stand for.
 
     Parameters
     ----------
@@ -35,9 +38,10 @@ class AnalogueSignal:
         The converter's counts at the two ends.
     voltage, current : tuple of float, optional
         The signal at the two ends, V or A: one of the two.
-    pressure : tuple of float
-        The pressure at the two ends, Pa gauge.
     """
+
+    stands_for: ClassVar[str]
+    """The field with what it stands for at the two ends."""
 
     sub: Annotated[int, Interval(ge=0, le=254)]
     index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)]
@@ -45,7 +49,6 @@ class AnalogueSignal:
     raw: tuple[float, float] = (0.0, 32767.0)
     voltage: tuple[_Volt, _Volt] | None = None
     current: tuple[_Ampere, _Ampere] | None = None
-    pressure: tuple[_Pascal, _Pascal]
 
     def __post_init__(self) -> None:
         with Rules() as rule:
@@ -55,14 +58,14 @@ class AnalogueSignal:
                 "raw": self.raw,
                 "voltage": self.voltage,
                 "current": self.current,
-                "pressure": self.pressure,
+                self.stands_for: self.ends,
             }
             for name, ends in lines.items():
                 if ends is None:
                     continue
                 low, high = ends
-                # The pressure may fall: a valve that is open without a signal.
-                if low > high and name != "pressure":
+                # What it stands for may fall: a valve that is open without a signal.
+                if low > high and name != self.stands_for:
                     rule.broken(
                         f"{name}: {low:g} … {high:g} does not rise; give the line's lower end "
                         f"first."
@@ -83,6 +86,12 @@ class AnalogueSignal:
                     )
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """What it stands for at the two ends."""
+        ends: tuple[float, float] = getattr(self, self.stands_for)
+        return ends
+
+    @property
     def signal(self) -> tuple[float, float]:
         """The signal at the two ends, V or A."""
         ends = self.voltage if self.current is None else self.current
@@ -101,7 +110,21 @@ class AnalogueSignal:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SetpointSignal(AnalogueSignal):
+class PressureSignal(AnalogueSignal):
+    """An analogue channel that stands for a pressure.
+
+    Parameters
+    ----------
+    pressure : tuple of float
+        The pressure at the two ends, Pa gauge.
+    """
+
+    stands_for = "pressure"
+    pressure: tuple[_Pascal, _Pascal]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetpointSignal(PressureSignal):
     """The analogue output that commands a regulator.
 
     Parameters
@@ -114,8 +137,26 @@ class SetpointSignal(AnalogueSignal):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MonitorSignal(AnalogueSignal):
-    """The analogue input that reads a regulator's pressure monitor.
+class OpeningSignal(AnalogueSignal):
+    """The analogue output that commands the spool of a proportional valve.
+
+    Parameters
+    ----------
+    index : int
+        Index of the object: 0x6411 on a CiA 401 module, or the maker's.
+    opening : tuple of float
+        The opening at the two ends, -1 (exhaust) … 1 (feed). Where the lower end of the signal
+        exhausts, a valve whose wire breaks or whose module is reset vents its chamber.
+    """
+
+    stands_for = "opening"
+    index: Annotated[int, Interval(ge=0x2000, le=0xFFFF)] = 0x6411
+    opening: tuple[_Opening, _Opening] = (-1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MonitorSignal(PressureSignal):
+    """The analogue input that reads a regulator's pressure monitor, or a chamber's sensor.
 
     Parameters
     ----------
@@ -132,7 +173,7 @@ class MonitorSignal(AnalogueSignal):
 
     def __post_init__(self) -> None:
         with Rules() as rule:
-            rule.of(AnalogueSignal.__post_init__, self)
+            rule.of(PressureSignal.__post_init__, self)
             low, high = self.pressure
             if low > high:
                 rule.broken(f"pressure: {low:g} … {high:g} Pa falls; a monitor's rises.")
@@ -173,3 +214,22 @@ class RegulatorChannel:
     monitor: MonitorSignal
     safe: Literal["vent", "hold", "lock"] = "vent"
     lock_bit: Annotated[int, Interval(ge=0, le=7)] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ValveChannel:
+    """One proportional valve, and the pressure sensor at its chamber.
+
+    Parameters
+    ----------
+    setpoint : OpeningSignal
+        What commands the spool.
+    monitor : MonitorSignal
+        What the sensor reports.
+    """
+
+    setpoint: OpeningSignal
+    monitor: MonitorSignal
+
+
+Channel = RegulatorChannel | ValveChannel

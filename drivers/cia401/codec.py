@@ -1,32 +1,32 @@
-"""Codec of analogue channels: converter counts ↔ signal on the wire ↔ pressure."""
+"""Codec of analogue channels: converter counts ↔ signal on the wire ↔ pressure, or opening."""
 
 from collections.abc import Callable
 from math import ceil, floor, inf
 from typing import NamedTuple
 
 from drivers.canopen.mapping import RANGES
-from drivers.cia401.channel_settings import MonitorSignal, SetpointSignal
+from drivers.cia401.channel_settings import MonitorSignal, OpeningSignal, SetpointSignal
 
 
 class SetpointCodec(NamedTuple):
-    """Pressure to counts, one straight line.
+    """Pressure, or a valve's opening, to counts, one straight line.
 
     Attributes
     ----------
-    pressure_zero, pressure_span, raw_zero, raw_span : float
-        ``counts = (pressure - pressure_zero) · raw_span / pressure_span + raw_zero``; in
+    zero, span, raw_zero, raw_span : float
+        ``counts = (value - zero) · raw_span / span + raw_zero``; in
         this order the middle of a range is exactly in the middle, so that rounding half to
         even means what it says.
     low, high : float
-        Pressures that the channel can give, Pa gauge.
+        What the channel can give, Pa gauge, or openings.
     raw_low, raw_high : float
         Counts that its object can hold and its signal covers.
     is_integer : bool
         Whether counts are whole numbers.
     """
 
-    pressure_zero: float
-    pressure_span: float
+    zero: float
+    span: float
     raw_zero: float
     raw_span: float
     low: float
@@ -69,17 +69,17 @@ class MonitorCodec(NamedTuple):
         return low, high
 
 
-def setpoint_codec(signal: SetpointSignal) -> SetpointCodec:
+def setpoint_codec(signal: SetpointSignal | OpeningSignal) -> SetpointCodec:
     """Return the codec of an analogue output."""
-    pressure_zero, raw_zero = signal.pressure[0], signal.raw[0]
-    low, high = sorted(signal.pressure)
+    zero, raw_zero = signal.ends[0], signal.raw[0]
+    low, high = sorted(signal.ends)
     raw_low, raw_high = sorted(signal.raw)
     bounds = RANGES.get(signal.type)
     if bounds is not None:  # whole numbers only, or struct refuses them
         raw_low, raw_high = ceil(raw_low), floor(raw_high)
     return SetpointCodec(
-        pressure_zero,
-        signal.pressure[1] - pressure_zero,
+        zero,
+        signal.ends[1] - zero,
         raw_zero,
         signal.raw[1] - raw_zero,
         low,
@@ -103,19 +103,20 @@ def monitor_codec(signal: MonitorSignal) -> MonitorCodec:
 
 
 def setpoint_encoder(codec: SetpointCodec) -> Callable[[float], int | float]:
-    """Return ``encode(pressure)`` of a channel, with everything that it needs at hand.
+    """Return ``encode(value)`` of a channel, with everything that it needs at hand.
 
-    It returns the counts for a pressure (Pa gauge): clamped, rounded half to even, saturated. It
-    raises ValueError if that is not a number, which a limit should have stopped long before.
+    It returns the counts for a pressure (Pa gauge) or an opening: clamped, rounded half to even,
+    saturated. It raises ValueError if that is not a number, which a limit should have stopped
+    long before.
     """
-    pressure_zero, pressure_span, raw_zero, raw_span, low, high, raw_low, raw_high, whole = codec
+    zero, span, raw_zero, raw_span, low, high, raw_low, raw_high, whole = codec
 
-    def encode(pressure: float) -> int | float:
-        if pressure - pressure != 0.0:  # infinite or not a number, in a third of isfinite()'s time
-            raise ValueError(f"the setpoint is {pressure}, which is no pressure")
+    def encode(value: float) -> int | float:
+        if value - value != 0.0:  # infinite or not a number, in a third of isfinite()'s time
+            raise ValueError(f"the setpoint is {value}, which is no number")
         # Comparisons, because min() and max() take five times as long.
-        pressure = low if pressure < low else high if pressure > high else pressure
-        raw = (pressure - pressure_zero) * raw_span / pressure_span + raw_zero
+        value = low if value < low else high if value > high else value
+        raw = (value - zero) * raw_span / span + raw_zero
         if whole:
             raw = round(raw)
         return raw_low if raw < raw_low else raw_high if raw > raw_high else raw

@@ -1,4 +1,4 @@
-"""What a CiA 401 module with regulators exchanges, as data: for decoding, and for its EDS."""
+"""What a CiA 401 module exchanges, as data: for decoding, and for its EDS."""
 
 from collections.abc import Iterable, Mapping
 
@@ -8,13 +8,14 @@ from drivers.cia401.channel_settings import (
     DIGITAL_INPUT,
     DIGITAL_OUTPUT,
     AnalogueSignal,
+    Channel,
     RegulatorChannel,
 )
 from rig.hal.driver import Keys
 
 
 def describe_channels(
-    channels: Mapping[str, RegulatorChannel],
+    channels: Mapping[str, Channel],
     supply_bit: int | None,
     stop: tuple[int, bool] | None,
 ) -> tuple[dict[Entry, Quantity], dict[Entry, Keys]]:
@@ -22,7 +23,7 @@ def describe_channels(
 
     Parameters
     ----------
-    channels : mapping of str to RegulatorChannel
+    channels : mapping of str to Channel
         By name.
     supply_bit : int or None
         Of the digital outputs.
@@ -37,11 +38,11 @@ def describe_channels(
         origins[DIGITAL_OUTPUT] = ("supply_bit",)
     for channel, wired in channels.items():
         setpoint, monitor = wired.setpoint, wired.monitor
-        quantities[setpoint.entry] = _pressure(f"{channel} setpoint", setpoint)
-        quantities[monitor.entry] = _pressure(f"{channel} pressure", monitor)
+        quantities[setpoint.entry] = _quantity(f"{channel} setpoint", setpoint)
+        quantities[monitor.entry] = _quantity(f"{channel} pressure", monitor)
         origins[setpoint.entry] = ("channels", channel, "setpoint")
         origins[monitor.entry] = ("channels", channel, "monitor")
-        if wired.lock_bit is not None:
+        if isinstance(wired, RegulatorChannel) and wired.lock_bit is not None:
             valves.append((f"{channel} lock", wired.lock_bit))
             origins.setdefault(DIGITAL_OUTPUT, ("channels", channel, "lock_bit"))
     if valves:
@@ -81,10 +82,11 @@ def typed_objects(plain: Mapping[str, object]) -> dict[tuple[str, ...], tuple[in
     return found
 
 
-def _pressure(name: str, signal: AnalogueSignal) -> Quantity:
-    (raw_low, raw_high), (low, high) = signal.raw, signal.pressure
+def _quantity(name: str, signal: AnalogueSignal) -> Quantity:
+    (raw_low, raw_high), (low, high) = signal.raw, signal.ends
     gain = (high - low) / (raw_high - raw_low)
-    return Quantity(name, "Pa", gain, low - gain * raw_low)
+    unit = "Pa" if signal.stands_for == "pressure" else ""
+    return Quantity(name, unit, gain, low - gain * raw_low)
 
 
 def _stop(bit: int, active_low: bool) -> Quantity:

@@ -1,52 +1,13 @@
-"""Electro-pneumatic regulators behind a CiA 401 analogue module.
+"""Electro-pneumatic regulators behind a CiA 401 analogue module."""
 
-References
-----------
-CiA 401 V3.0: 0x6411 and 0x6401 analogue outputs and inputs, 0x6443 … 0x6445 their error
-modes and values, 0x6000 and 0x6200 digital inputs and outputs, 0x6206 and 0x6207 the
-digital error modes and values. CiA 301: 0x1029 error behaviour.
-"""
-
-from math import inf
-from typing import Any, Final
-
-from drivers.can.cyclic import CyclicFrame
 from drivers.canopen.bus import CanopenBus
-from drivers.canopen.identified import IdentifiedDevice
-from drivers.canopen.inputs import CyclicInputs, layout_struct
-from drivers.canopen.mapping import pack
-from drivers.canopen.node import CanopenNode, pdo_id
-from drivers.cia401.broken_wire import broken_wire
-from drivers.cia401.channel_settings import DIGITAL_INPUT
-from drivers.cia401.codec import (
-    decode_signal,
-    encode_pressure,
-    monitor_codec,
-    pressure_decoder,
-    setpoint_codec,
-    setpoint_encoder,
-)
-from drivers.cia401.echo import OutputEchoes
-from drivers.cia401.settings import PROFILE, Cia401Settings
+from drivers.cia401.module import AnalogueModule
+from drivers.cia401.settings import Cia401Settings
 from drivers.cia401.stuck import StuckWatch
-from rig.hal import (
-    EmergencyStopInput,
-    LimitExceeded,
-    PressureRegulator,
-    Reading,
-    Vector,
-)
-
-_new = tuple.__new__  # makes a named tuple in half the time that its class takes
-
-_HOLD: Final = 0  # 0x6443
-_TAKE_ERROR_VALUE: Final = 1
-_TO_PRE_OPERATIONAL: Final = 0  # 0x1029:1
-_BROKEN_AFTER: Final = 2  # samples in a row; one may be a disturbance on the wire
-_ROUNDING: Final = 1e-9  # of the pressure range: not worth a fault
+from rig.hal import PressureRegulator, Vector
 
 
-class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
+class Cia401Regulators(AnalogueModule, PressureRegulator):
     """Regulators, emergency-stop contact and supply valve on one CiA 401 node.
 
     Channels with a lock valve follow `lock`; the others refuse it.
@@ -59,232 +20,38 @@ class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
     def __init__(
         self, name: str, settings: Cia401Settings, bus: CanopenBus, *, serial: int | None = None
     ) -> None:
-        self.name = name
         self.settings = settings
-        self.channels = tuple(settings.channels)
-        self.pressure_range = settings.pressure_range
-        settings.check_deadline(name, bus.period)
-        self._bus = bus
-        self._serial = serial
-        self._node = CanopenNode(name, settings.node, bus)
-        wiring = tuple(settings.channels.values())
-        self._setpoint_codecs = tuple(setpoint_codec(channel.setpoint) for channel in wiring)
-        self._encoders = tuple(setpoint_encoder(codec) for codec in self._setpoint_codecs)
-        self._monitor_codecs = tuple(monitor_codec(channel.monitor) for channel in wiring)
-        # What every sample needs of them, in counts.
-        self._monitor_lines = tuple(
-            (k, pressure_decoder(codec), *codec.intact_counts)
-            for k, codec in enumerate(self._monitor_codecs)
-        )
-        low, high = self.pressure_range
-        slack = _ROUNDING * (high - low)
-        self._lowest, self._highest = low - slack, high + slack
-        count = len(wiring)
-        self._vented: Vector = (min(max(settings.vented, low), high),) * count
-        self._held = tuple(channel.safe == "hold" for channel in wiring)
-        self.lockable = tuple(channel.lock_bit is not None for channel in wiring)
-        lock_bits = (channel.lock_bit for channel in wiring)
-        self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
-        self._open = self._opened = settings.opening_bits
-        self._supply, self._shut = 1 << (settings.supply_bit or 0), 0
-        self._kept = settings.kept_bits
-        self._digital = 0  # of the safe state: nothing is kept open that was not opened
-        self._stop = 0 if settings.stop_bit is None else 1 << settings.stop_bit
-        self._pressed_level = 0 if settings.stop_active_low else self._stop
-
-        self._receive_layouts = pack(settings.receive_entries)
-        self._transmit_layouts = pack(settings.transmit_entries)
-        self._packers = tuple(layout_struct(layout) for layout in self._receive_layouts)
-        self._pack_only = self._packers[0].pack if len(self._packers) == 1 else None
-        vented = [encode(self._vented[k]) for k, encode in enumerate(self._encoders)]
-        safe = self._contents(vented, 0)
-        self._pdos = tuple(
-            CyclicFrame(pdo_id(number, settings.node), data) for number, data in enumerate(safe, 1)
-        )
-        for pdo in self._pdos:
-            bus.add(pdo)
-        self._inputs = CyclicInputs(
+        self.pressure_range = low, high = settings.pressure_range
+        channels = settings.channels.values()
+        super().__init__(
             name,
-            settings.node,
+            settings,
             bus,
-            self._transmit_layouts,
-            self._take,
-            hold_after=settings.hold_after,
-            fault_after=settings.fault_after,
+            serial,
+            span=self.pressure_range,
+            unit="Pa",
+            safe=(min(max(settings.vented, low), high),) * len(channels),
+            held=tuple(channel.safe == "hold" for channel in channels),
         )
+        self.lockable = tuple(channel.lock_bit is not None for channel in channels)
+        lock_bits = (channel.lock_bit for channel in channels)
+        self._lock_bits = tuple(0 if bit is None else 1 << bit for bit in lock_bits)
         self._following = tuple(
             StuckWatch(name, settings.node, channel, settings.following)
             for channel in self.channels
         )
-        echoed = settings.channels if settings.echo else {}
-        self._echoes = OutputEchoes(name, settings.node, echoed, bus)
-        self._unheard = False
-        self._setpoint = self._vented
-        self._pressure: Vector = (0.0,) * count
-        self._measured_at = -inf
-        self._pressed, self._was_pressed = True, False
-        self._pressed_at = -inf
-        self._broken = [0] * count
-        self._intact = True
-        self._signals = [0.0] * count
-        self._armed = False
-
-    # Codec ----------------------------------------------------------------------------
-
-    def _contents(self, counts: list[int | float], digital: int) -> tuple[bytes, ...]:
-        """Return what the receive PDOs hold for setpoints in counts and the digital outputs."""
-        values = [*counts, digital] if self._open else counts
-        contents = []
-        for layout, packer in zip(self._receive_layouts, self._packers, strict=True):
-            part, values = values[: len(layout)], values[len(layout) :]
-            contents.append(packer.pack(*part))
-        return tuple(contents)
-
-    def _take(self, values: tuple[Any, ...], t: float) -> None:
-        """Decode a sample: monitors, then the digital byte. Hot path."""
-        pressures = []
-        intact = True
-        for k, decode, low, high in self._monitor_lines:
-            raw = values[k]
-            if not low <= raw <= high:
-                intact = False
-            pressures.append(decode(raw))
-        if intact:  # else the last good sample is held, and grows old
-            self._pressure = tuple(pressures)
-            self._measured_at = t
-        if not (intact and self._intact):
-            self._count_broken(values)
-            self._intact = intact
-        if self._armed and self.settings.echo:
-            self._echoes.hear(values[len(self.channels) :])
-        if self._stop:
-            self._see_stop(values[-1], t)
-
-    def _count_broken(self, values: tuple[Any, ...]) -> None:
-        """Count in how many samples in a row each monitor's signal told a broken wire."""
-        for k, _, low, high in self._monitor_lines:
-            if low <= values[k] <= high:
-                self._broken[k] = 0
-            else:
-                self._broken[k] += 1
-                self._signals[k] = decode_signal(self._monitor_codecs[k], values[k])
-
-    # Life cycle -----------------------------------------------------------------------
-
-    def connect(self) -> None:
-        """Find, identify and configure the module; leave it vented, in PRE-OPERATIONAL.
-
-        A chamber that is locked stays so until the first setpoint. Every object that matters
-        for safety is written and read back.
-
-        Raises
-        ------
-        ConnectionFailed
-            It does not answer, is another device, or did not take a setting.
-        """
-        self._armed = self._was_pressed = False
-        self._pressed, self._pressed_at = True, -inf  # until the circuit is seen closed
-        self._forget_setpoints()
-        settings, node = self.settings, self._node
-        node.connect(
-            profile=PROFILE,
-            vendor=settings.vendor,
-            product=settings.product,
-            serial=self._serial,
-        )
-        raws = [encode_pressure(codec, self._vented[0]) for codec in self._setpoint_codecs]
-        for raw, channel in zip(raws, settings.channels.values(), strict=True):
-            signal = channel.setpoint
-            if settings.error_mode is not None:
-                mode = _HOLD if channel.safe == "hold" else _TAKE_ERROR_VALUE
-                node.write(settings.error_mode, signal.sub, settings.error_mode_type, mode)
-            if settings.error_value is not None:
-                kind = "f32" if signal.type == "f32" else "i32"
-                node.write(settings.error_value, signal.sub, kind, raw)
-        if self._open:
-            node.write(0x6206, 1, "u8", 0xFF & ~self._kept)
-            node.write(0x6207, 1, "u8", 0)
-        node.write(0x1029, 1, "u8", _TO_PRE_OPERATIONAL)
-        node.map_pdos(self._receive_layouts, self._transmit_layouts, remap=settings.remap)
-        node.set_deadlines(len(self._receive_layouts), settings.setpoint_deadline)
-        for raw, channel in zip(raws, settings.channels.values(), strict=True):
-            signal = channel.setpoint
-            node.write(signal.index, signal.sub, signal.type, raw)
-        if self._open:
-            node.write(0x6200, 1, "u8", 0)
-        self._set_safe()
 
     def arm(self) -> None:
-        """Start the node and take first readings; the supply opens with the first setpoint.
-
-        Raises
-        ------
-        ConnectionFailed
-            It does not become OPERATIONAL, or sends no readings.
-        """
-        self._forget_setpoints()
-        self._set_safe()
-        self._node.arm()
-        # The first starts the deadline, and other devices take their time to be armed.
-        self._send_setpoints(self.settings.setpoint_deadline is None)
-        self._broken = [0] * len(self.channels)
-        self._intact = True
-        self._inputs.take_first()
+        """Start the module and take first readings; see `AnalogueModule.arm`."""
+        super().arm()
         now = self._bus.clock.now()
         for watch, pressure in zip(self._following, self._pressure, strict=True):
             watch.reset(pressure, now)
-        self._armed = True
 
     def doubt(self, now: float) -> str | None:
         """Return which channel is furthest off its setpoint, if one is; see `Device.doubt`."""
         doubts = [found for watch in self._following if (found := watch.doubt()) is not None]
         return f"{self.name}: {max(doubts)[1]}" if doubts else None
-
-    def make_safe(self) -> None:
-        """Vent, hold or lock each channel as its settings say, until it is armed again.
-
-        A module that does not get its setpoints is stopped: it does so by itself.
-        """
-        if self._armed:
-            self._unheard = self._echoes.are_missing
-        self._armed = False
-        self._set_safe()
-        if self._unheard:  # nor would a setpoint that is safe arrive
-            self._node.halt()
-
-    def close(self) -> None:
-        """Expect nothing of the module any more; the bus stops it. Idempotent."""
-        self.make_safe()
-        self._node.disarm()
-
-    # The cycle ------------------------------------------------------------------------
-
-    def pressure(self) -> Reading[Vector]:
-        """Return the monitored pressures, Pa gauge, shape (n,)."""
-        return _new(Reading, (self._pressure, self._measured_at))
-
-    def emergency_stop(self) -> Reading[bool]:
-        """Return whether the stop is pressed; without a contact it reads pressed."""
-        return _new(Reading, (self._pressed, self._pressed_at))
-
-    def was_pressed(self) -> bool:
-        """Return whether the stop was pressed at any look since `connect`."""
-        return self._was_pressed
-
-    def look(self) -> None:
-        """Ask for the contact by SDO; see `EmergencyStopInput.look`."""
-        if self._stop:
-            contact = DIGITAL_INPUT
-            self._node.asked.ask(contact.object, contact.sub, self._take_look)
-
-    def _take_look(self, data: bytes, now: float) -> None:
-        self._see_stop(data[0], now)
-
-    def _see_stop(self, bits: int, t: float) -> None:
-        self._pressed = pressed = bits & self._stop == self._pressed_level
-        self._pressed_at = t
-        if pressed:
-            self._was_pressed = True
 
     def set_pressure(self, pressure: Vector) -> None:
         """Take setpoints for this cycle, Pa gauge, shape (n,); ignored unless armed.
@@ -296,32 +63,7 @@ class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
         ValueError
             There is not one setpoint per channel.
         """
-        if not self._armed:
-            return
-        if len(pressure) != len(self.channels):
-            raise ValueError(f"{self.name}: {len(pressure)} setpoints")
-        lowest, highest = self._lowest, self._highest
-        counts: list[int | float] = []
-        for k, encode in enumerate(self._encoders):
-            value = pressure[k]
-            if not lowest <= value <= highest:
-                raise LimitExceeded(
-                    f"{self.name}: setpoint of {self.channels[k]}",
-                    value,
-                    *self.pressure_range,
-                    "Pa",
-                )
-            counts.append(encode(value))
-        self._setpoint = pressure
-        self._echoes.send(counts)
-        if not self._pdos[0].active:
-            self._send_setpoints(True)
-        self._digital = self._kept
-        if self._pack_only is not None:  # as most modules have it: one PDO for everything
-            self._pdos[0].data = self._pack_only(*counts, *((self._opened,) if self._open else ()))
-            return
-        for pdo, data in zip(self._pdos, self._contents(counts, self._opened), strict=True):
-            pdo.data = data
+        self._give(pressure)
 
     def lock(self, shut: tuple[bool, ...]) -> None:
         """Shut or open the lock valves from the next setpoints on; see `PressureRegulator.lock`.
@@ -336,18 +78,7 @@ class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
             if wanted and not bit:
                 raise ValueError(f"{self.name}: no valve locks {name}; it has no lock_bit")
             closed |= bit if wanted else 0
-        self._opened = self._open & ~closed & ~self._shut if self._armed else self._open
-
-    def inspect(self) -> Vector:
-        """Ask for the monitors by SDO; see `PressureRegulator.inspect`."""
-        read, entries = self._node.read, self.settings.transmit_entries
-        return tuple(decode(read(*entries[k])) for k, decode, _, _ in self._monitor_lines)
-
-    def shut_supply(self, shut: bool) -> bool:
-        """Shut or open the supply valve; see `PressureRegulator.shut_supply`."""
-        self._shut = self._supply if shut and self.settings.supply_bit is not None else 0
-        self.lock((False,) * len(self.channels))
-        return self.settings.supply_bit is not None
+        self._open_valves(closed)
 
     def check(self, now: float) -> None:
         """Raise if the module or a regulator is not well.
@@ -355,46 +86,14 @@ class Cia401Regulators(IdentifiedDevice, PressureRegulator, EmergencyStopInput):
         Raises
         ------
         DeviceFault
-            Emergency, silence, reboot, missing or malformed readings, a broken monitor wire,
-            or a regulator that does not follow.
+            As `AnalogueModule.check` says, or a regulator does not follow.
         """
-        self._node.check(now)
-        if not self._armed:
-            return
-        self._inputs.check(now)
-        if not self._intact:
-            codecs, told = self._monitor_codecs, self._signals
-            for k, count in enumerate(self._broken):
-                if count >= _BROKEN_AFTER:
-                    raise broken_wire(
-                        self.name, self.settings, self.channels[k], codecs[k], told[k]
-                    )
-        self._echoes.check()
-        setpoint, pressure = self._setpoint, self._pressure
-        for k, watch in enumerate(self._following):
-            watch.check(setpoint[k], pressure[k], now)
+        super().check(now)
+        if self._armed:
+            setpoint, pressure = self._setpoint, self._pressure
+            for k, watch in enumerate(self._following):
+                watch.check(setpoint[k], pressure[k], now)
 
     def safe_pressure(self) -> Vector:
         """Return the setpoints of the safe state, Pa gauge, shape (n,); see `PressureRegulator`."""
-        return tuple(
-            setpoint if held else vented
-            for held, setpoint, vented in zip(self._held, self._setpoint, self._vented, strict=True)
-        )
-
-    def _send_setpoints(self, active: bool) -> None:
-        for pdo in self._pdos:
-            pdo.active = active
-
-    def _forget_setpoints(self) -> None:
-        """Hold nothing and keep nothing open: nothing has been commanded yet."""
-        self._echoes.reset()
-        self._unheard = False
-        self._setpoint = self._vented
-        self._digital = self._shut = 0
-        self._opened = self._open
-
-    def _set_safe(self) -> None:
-        self._setpoint = setpoint = self.safe_pressure()
-        counts = [encode(setpoint[k]) for k, encode in enumerate(self._encoders)]
-        for pdo, data in zip(self._pdos, self._contents(counts, self._digital), strict=True):
-            pdo.data = pdo.safe = data
+        return self._safe_setpoint()

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from drivers.canopen.bus import CanopenBus
-from drivers.cia401.channel_settings import RegulatorChannel
+from drivers.cia401.channel_settings import Channel
 from drivers.servos.setpoint_echo import SetpointEcho
 from rig.hal import DeviceFault
 
@@ -20,14 +20,14 @@ class OutputEchoes:
         Its name in the profile.
     node : int
         Its number.
-    channels : mapping of str to RegulatorChannel
+    channels : mapping of str to Channel
         What it echoes.
     bus : CanopenBus
         That counts what is lost.
     """
 
     def __init__(
-        self, device: str, node: int, channels: Mapping[str, RegulatorChannel], bus: CanopenBus
+        self, device: str, node: int, channels: Mapping[str, Channel], bus: CanopenBus
     ) -> None:
         self._device = device
         self._node = node

@@ -94,6 +94,11 @@ class Cia402Servos(ServoChain[Cia402Drive], EmergencyStopInput):
             inputs = DIGITAL_INPUTS
             self._watched.node.asked.ask(inputs.object, inputs.sub, self._contact.take_look)
 
+    def wake(self) -> None:
+        """Have the contact's drive answer SDO: a node that was stopped does not."""
+        if self._contact is not None:
+            self._bus.wake(self._watched.node.node)
+
     def arm(self) -> None:
         """Start the nodes and take first readings; the cycles from now on enable the drives.
 

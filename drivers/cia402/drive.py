@@ -10,6 +10,7 @@ from drivers.canopen.node import CanopenNode, pdo_id
 from drivers.cia402.codec import DriveCodec
 from drivers.cia402.contact import contact_at
 from drivers.cia402.errors import describe_error
+from drivers.cia402.papers import DrivePapers
 from drivers.cia402.settings import PROFILE, Cia402Settings, DriveSettings
 from drivers.cia402.setup import (
     MODES,
@@ -41,7 +42,7 @@ _DEMAND_SLACK: Final = 2.0  # counts
 _SWITCHING: Final = 6  # cycles in which a drive must show another mode
 
 
-class Cia402Drive(AxisDrive[DriveSettings]):
+class Cia402Drive(DrivePapers, AxisDrive[DriveSettings]):
     """The master's side of one drive.
 
     Parameters
@@ -146,7 +147,8 @@ class Cia402Drive(AxisDrive[DriveSettings]):
             since = then if t > then else self._earlier
             reach = self._reach * (t - since) + self._rounding
             if not -reach <= position - self.position <= reach:
-                self._latch_jump(f"the position jumped, {self.describe()}", position, reach)
+                what = f"the position jumped, or the joint was struck: {self.describe()}"
+                self._latch_jump(what, position, reach)
                 return
         if t > then:
             self._earlier = then
@@ -363,11 +365,9 @@ class Cia402Drive(AxisDrive[DriveSettings]):
 
     def fail_to_enable(self, since: float) -> DeviceFault:
         """Return the fault of a drive that has not become enabled in `since` seconds."""
-        return self.fault(
-            f"the drive does not enable operation: {self.describe()}",
-            value=f"{since:.3g} s",
-            bound=f"{self._shared.enable_time:g} s",
-        )
+        took, bound = f"{since:.3g} s", f"{self._shared.enable_time:g} s"
+        what = f"the drive does not enable operation: {self.describe()}"
+        return self.fault(what, value=took, bound=bound)
 
     def describe(self) -> str:
         """Return error code and status word in words."""

@@ -1,8 +1,8 @@
 """What a profile says of joints on CiA 402 drives."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Final, Literal, Self
 
 from annotated_types import Gt, Interval, MinLen, Unit
 
@@ -76,6 +76,12 @@ class DriveSettings(FollowingAxisSettings):
                     f"limits: {angle:g} rad is {counts:.4g} counts, which a 32-bit position "
                     "cannot hold; change offset, gear or counts_per_turn."
                 )
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings of an axis that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = FollowingAxisSettings.gentle(self, speed, window, effort)
+        most = self.max_torque
+        return slow if most is None else replace(slow, max_torque=effort * most)
 
     @property
     def counts_per_radian(self) -> float:
@@ -154,6 +160,11 @@ class Cia402Settings(NodeSettings):
     def axis_bounds(self) -> Mapping[str, AxisBounds]:
         """Return each joint's limits and greatest speed."""
         return bounds_of(self.joints)
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings for drives that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = {name: its.gentle(speed, window, effort) for name, its in self.joints.items()}
+        return replace(self, joints=slow)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

@@ -7,7 +7,7 @@ from drivers.dynamixel.codec import BROADCAST_ID, Status, encode_ping, encode_re
 from drivers.dynamixel.registers import ALERT, Register, describe_status_error
 from rig.hal import ConnectionFailed
 
-_SCAN_TIME: Final = 0.3  # s; servos answer a ping to all in turn, the one with id k after k ms
+SCAN_TIME: Final = 0.3  # s; servos answer a ping to all in turn, the one with id k after k ms
 
 if TYPE_CHECKING:
     from drivers.dynamixel.bus import SerialBus
@@ -29,13 +29,23 @@ class Identity(NamedTuple):
 
 
 class RegisterClient:
-    """Reads and writes one servo's control table; asks again if a packet gets lost."""
+    """Reads and writes one servo's control table; asks again if a packet gets lost.
+
+    Attributes
+    ----------
+    identity : Identity
+        What it said of itself last.
+    written : dict
+        What registers were found to hold that had to hold it, by their names.
+    """
 
     def __init__(self, device: str, joint: str, servo: int, bus: "SerialBus") -> None:
         self.device = device
         self.joint = joint
         self.servo = servo
         self._bus = bus
+        self.identity = Identity(0, 0)
+        self.written: dict[str, float] = {}
 
     def ping(self) -> Identity:
         """Ask who it is.
@@ -61,7 +71,8 @@ class RegisterClient:
                 bound=f"{bound * 1e3:g} ms",
             )
         status = self._ask(encode_ping(self.servo), 3, "ping", alone=True)
-        return Identity(status.data[0] | status.data[1] << 8, status.data[2])
+        self.identity = Identity(status.data[0] | status.data[1] << 8, status.data[2])
+        return self.identity
 
     def read(self, register: Register) -> int:
         """Read a register.
@@ -86,12 +97,15 @@ class RegisterClient:
             It refuses, does not answer, or does not keep the value.
         """
         self.command(register, value)
-        self._compare(self.read(register), value, str(register))
+        kept = self.read(register)
+        self._compare(kept, value, str(register))
+        self.written[str(register)] = kept
 
     def settle(self, register: Register, value: int) -> None:
         """Have a register hold a value; write only if it does not, as in EEPROM it wears."""
         if self.read(register) != value:
             self.write(register, value)
+        self.written[str(register)] = value
 
     def command(self, register: Register, value: int) -> None:
         """Write a register that cannot be compared afterwards."""
@@ -163,7 +177,7 @@ class RegisterClient:
     def _others(self) -> str:
         """Return who else is on the chain, in words."""
         bus = self._bus
-        found, _ = bus.ask(encode_ping(BROADCAST_ID), lambda answers: False, _SCAN_TIME)
+        found, _ = bus.ask(encode_ping(BROADCAST_ID), lambda answers: False, SCAN_TIME)
         if not found:
             return (
                 f", nor does any servo at {bus.settings.baudrate} bit/s; look at the power, the "

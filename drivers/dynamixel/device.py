@@ -8,7 +8,7 @@ Present Current … Present Position (126 … 135).
 """
 
 import struct
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Final
 
@@ -23,6 +23,7 @@ from drivers.dynamixel.payload import SyncPayload
 from drivers.dynamixel.scaling import encode_position, encode_velocity, joint_scale
 from drivers.dynamixel.settings import DynamixelSettings
 from drivers.servos.axis_guard import AxisGuard
+from drivers.servos.axis_readings import joined
 from drivers.servos.velocity_reference import VelocityReference
 from rig.hal import Reading, ServoBus, Vector, not_standing
 
@@ -48,6 +49,7 @@ class DynamixelServos(ServoBus):
     """
 
     Settings = DynamixelSettings
+    questions_feed = True
 
     def __init__(
         self, name: str, settings: DynamixelSettings, bus: SerialBus, *, serial: int | None = None
@@ -200,6 +202,20 @@ class DynamixelServos(ServoBus):
             for (name, joint), velocity in zip(joints, self._velocities.value, strict=True)
         ]
         return "; ".join(filter(None, found))
+
+    def identity(self) -> Mapping[str, int]:
+        """Return model and firmware of every servo, as `connect` got them."""
+        said = {client.joint: client.identity._asdict() for client in self._clients}
+        return joined(said)
+
+    def written(self) -> Mapping[str, float]:
+        """Return the registers that were read back; see `rig.hal.Device.written`."""
+        return joined({client.joint: client.written for client in self._clients})
+
+    def follow_still(self) -> tuple[str, ...]:
+        """Ask whose watchdog has not tripped; see `rig.hal.ServoBus.follow_still`."""
+        read = {client.joint: client.read(table.BUS_WATCHDOG) for client in self._clients}
+        return tuple(joint for joint, left in read.items() if left >= 0)
 
     def close(self) -> None:
         """Ask the servos no more; their watchdogs stop them. Idempotent."""

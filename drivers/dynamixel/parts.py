@@ -13,6 +13,7 @@ PROTOCOL = ProtocolParts(
     bus="drivers.dynamixel.bus:SerialBus",
     open="drivers.dynamixel.port:open_port",
     load="drivers.dynamixel.load:check_serial_load",
+    discovery="drivers.dynamixel.discovery:survey_chain",
     line="drivers.sim.dynamixel.line:make_line",
     is_can=False,
 )

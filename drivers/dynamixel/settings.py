@@ -1,8 +1,8 @@
 """What a profile says of a serial bus and of the Dynamixel servos on it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Literal, Self
 
 from annotated_types import Ge, Gt, Interval, MinLen, Unit
 
@@ -20,7 +20,7 @@ from drivers.dynamixel.registers import (
     ModelName,
     Register,
 )
-from drivers.servos.axis_settings import AxisSettings, bounds_of
+from drivers.servos.axis_settings import SHORT, AxisSettings, bounds_of
 from rig.hal import Address, BusSettings, DriverSettings, Endpoint
 from rig.hal.driver import AxisBounds
 from rig.hal.rules import Rules
@@ -249,6 +249,18 @@ class DynamixelSettings(DriverSettings):
     def axis_bounds(self) -> Mapping[str, AxisBounds]:
         """Return each joint's limits and greatest speed."""
         return bounds_of(self.joints)
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings for servos that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = {name: its.gentle(speed, window, effort) for name, its in self.joints.items()}
+        goal = self.goal_current
+        weak = None if goal is None else effort * goal
+        if window >= self.following_window:
+            return replace(self, joints=slow, goal_current=weak)
+        short = min(self.following_time, SHORT)
+        return replace(
+            self, joints=slow, goal_current=weak, following_window=window, following_time=short
+        )
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

@@ -185,6 +185,8 @@ class MarkerDetector:
         self._identical = 1
         self.searches = 0
         """How many whole frames were searched."""
+        self.places: tuple[Point, ...] = ()
+        """Where the markers of the last frame were, pixels."""
 
     def detect(self, image: Image, frame: int, t: float) -> Sighting:
         """Return what a frame shows.
@@ -211,10 +213,11 @@ class MarkerDetector:
             )
         identical = self._count_identical(image)
         if identical >= settings.max_identical and float(image.mean()) >= settings.dark_level:
-            self._place = None
+            self._place, self.places = None, ()
             return Sighting(frame, t, Sight.FROZEN, amount=float(identical))
         outcome = self._look(image, frame)
         self._follow(outcome, frame)
+        self.places = outcome.places
         return Sighting(
             frame,
             t,

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from math import inf, isnan
+from pathlib import Path
 from typing import Final, NamedTuple
 
 from drivers.marker_camera.link import CameraLink, Event, Failure, Ready
@@ -17,6 +18,7 @@ from rig.hal import (
     Reading,
     StaleReading,
 )
+from rig.hal.pictures import SUFFIX, forget_picture
 
 _POLL: Final = 1e-3
 """How often the link is asked while something is waited for, s."""
@@ -58,6 +60,7 @@ class MarkerCameraDriver(MarkerCamera):
         self._serial = serial
         self._link = link or _open_process_link(settings)
         self._armed = False
+        self._picture: Path | None = None
         self._forget()
 
     @property
@@ -71,6 +74,11 @@ class MarkerCameraDriver(MarkerCamera):
         return self.settings.latency
 
     # Life cycle -----------------------------------------------------------------------
+
+    def show_in(self, folder: Path) -> None:
+        """Let whoever looks on see what it sees, by a file of the run's folder."""
+        self._picture = folder / f"{self.name}{SUFFIX}"
+        self._link.show_in(self._picture)
 
     def connect(self) -> None:
         """Start grabbing and compare the camera's serial number.
@@ -121,6 +129,8 @@ class MarkerCameraDriver(MarkerCamera):
         """End the grabbing. Idempotent."""
         self._armed = False
         self._link.close()
+        forget_picture(self._picture)
+        self._picture = None
 
     # The cycle ------------------------------------------------------------------------
 

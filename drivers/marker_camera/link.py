@@ -1,6 +1,7 @@
 """Between the driver and whatever grabs and detects for it."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from drivers.marker_camera.sighting import Sighting
@@ -32,6 +33,9 @@ Event = Ready | Sighting | Failure
 
 class CameraLink(Protocol):
     """Gives a driver the outcome of each frame: a process, or a simulated camera."""
+
+    def show_in(self, picture: Path) -> None:
+        """Put pictures into this file from the next `open` on, if it has any."""
 
     def open(self, now: float) -> None:
         """Start; `Ready` or a `Failure` follows."""

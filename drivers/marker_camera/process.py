@@ -5,11 +5,13 @@ import signal
 import socket
 import subprocess
 import sys
+from pathlib import Path
 from typing import Final
 
 from drivers.marker_camera.link import Failure
 from drivers.marker_camera.packet_link import PacketLink
 from drivers.marker_camera.settings import MarkerCameraSettings
+from drivers.marker_camera.shown import offer_pictures
 
 _PATIENCE: Final = 2.0
 """How long the process may take to end before it is made to, s."""
@@ -33,8 +35,13 @@ class ProcessLink(PacketLink):
     def __init__(self, settings: MarkerCameraSettings) -> None:
         super().__init__()
         self._settings = settings
+        self._picture: Path | None = None
         self.process: subprocess.Popen[bytes] | None = None
         """The process while the link is open."""
+
+    def show_in(self, picture: Path) -> None:
+        """Put pictures into this file from the next `open` on."""
+        self._picture = offer_pictures(picture)
 
     def open(self, now: float) -> None:
         """Start the process."""
@@ -43,7 +50,7 @@ class ProcessLink(PacketLink):
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         ours.setblocking(False)
         self._socket = ours
-        ours.send(pickle.dumps(self._settings))
+        ours.send(pickle.dumps((self._settings, self._picture)))
         with theirs:
             descriptor = theirs.fileno()
             self.process = subprocess.Popen(

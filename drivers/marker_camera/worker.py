@@ -9,6 +9,7 @@ import os
 import pickle
 import socket
 import threading
+from pathlib import Path
 from typing import Final
 
 from drivers.marker_camera.link import Event, Failure, Ready
@@ -53,14 +54,19 @@ def decode_event(packet: bytes) -> Event:
 
 
 def main(descriptor: int) -> None:
-    """Run as the process behind an inherited socket; its first packet is the settings, pickled."""
+    """Run as the process behind an inherited socket.
+
+    Its first packet is the settings and the file for pictures, if there is one, pickled.
+    """
     with socket.socket(fileno=descriptor) as driver:
-        settings = pickle.loads(driver.recv(_LARGEST))
+        settings, picture = pickle.loads(driver.recv(_LARGEST))
         assert isinstance(settings, MarkerCameraSettings)
-        run_worker(driver, settings)
+        run_worker(driver, settings, picture)
 
 
-def run_worker(driver: socket.socket, settings: MarkerCameraSettings) -> None:
+def run_worker(
+    driver: socket.socket, settings: MarkerCameraSettings, picture: Path | None = None
+) -> None:
     """Grab, detect and send until the source fails or the driver lets go.
 
     Parameters
@@ -69,12 +75,14 @@ def run_worker(driver: socket.socket, settings: MarkerCameraSettings) -> None:
         Packets to the driver; its end closes when the driver or its whole process dies.
     settings : MarkerCameraSettings
         All of the camera.
+    picture : Path, optional
+        Where pictures are put while somebody looks on.
     """
     _become_ordinary()
     stop = threading.Event()
     threading.Thread(target=_watch_driver, args=(driver, stop), daemon=True).start()
     try:
-        _stream(driver, settings, stop)
+        _stream(driver, settings, stop, picture)
     except (BrokenPipeError, ConnectionResetError):
         pass  # the driver is gone, and with it everybody who could be told
     except Exception as error:
@@ -83,22 +91,30 @@ def run_worker(driver: socket.socket, settings: MarkerCameraSettings) -> None:
         raise
 
 
-def _stream(driver: socket.socket, settings: MarkerCameraSettings, stop: threading.Event) -> None:
+def _stream(
+    driver: socket.socket,
+    settings: MarkerCameraSettings,
+    stop: threading.Event,
+    picture: Path | None,
+) -> None:
     import cv2
 
     from drivers.marker_camera.detector import MarkerDetector
     from drivers.marker_camera.image_source import SourceFailure
+    from drivers.marker_camera.shown import ShownFrames
     from drivers.marker_camera.sources import open_source
 
     cv2.setNumThreads(1)  # a second core for half a millisecond per frame helps nobody
     source = open_source(settings, MonotonicClock())
     try:
         source.open()
-        detector = MarkerDetector(settings)
+        detector, shown = MarkerDetector(settings), ShownFrames(picture)
         driver.send(encode_event(Ready(source.serial)))
         while not stop.is_set():
             frame = source.read()
-            driver.send(encode_event(detector.detect(*frame)))
+            sighting = detector.detect(*frame)
+            driver.send(encode_event(sighting))
+            shown.offer(frame.image, sighting, detector.places)
     except SourceFailure as failure:
         told = Failure(failure.what, failure.object, failure.value, failure.bound)
         driver.send(encode_event(told))

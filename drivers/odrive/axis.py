@@ -23,6 +23,7 @@ from drivers.odrive.codec import (
     encode_input_velocity,
     encode_limits,
 )
+from drivers.odrive.papers import AxisPapers
 from drivers.odrive.read_back import ReadBack, armed_settings
 from drivers.odrive.settings import OdriveAxisSettings, OdriveSettings
 from drivers.servos.axis_drive import AxisDrive
@@ -36,7 +37,7 @@ _REQUESTS: Final = 4  # of a state, before it is a fault
 _ANSWERS_IN: Final = 2.0  # heartbeats; what the first one says may be older than the request
 
 
-class OdriveAxis(AxisDrive[OdriveAxisSettings]):
+class OdriveAxis(AxisPapers, AxisDrive[OdriveAxisSettings]):
     """The master's side of one axis.
 
     Parameters
@@ -111,7 +112,8 @@ class OdriveAxis(AxisDrive[OdriveAxisSettings]):
             # It was sampled anywhere between two receptions, and so was the one before.
             reach = self._reach * (now - self.time) + 2e-3
             if not -reach <= position - self.position <= reach:
-                self._latch_jump(f"the position jumped: {self.describe()}", position, reach)
+                what = f"the position jumped, or the joint was struck: {self.describe()}"
+                self._latch_jump(what, position, reach)
                 return
         elif not isfinite(position):
             return

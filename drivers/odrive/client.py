@@ -56,6 +56,10 @@ class OdriveClient:
         When the last one came, s.
     serials : set of int
         Serial numbers of all that answered under this number.
+    written : dict
+        Parameters that were written and read back, by their names.
+    firmware : tuple of int
+        As it was read.
     failed : callable
         Takes what is wrong, and `object`, `value` and `bound`; returns the error for the axis.
     """
@@ -68,6 +72,8 @@ class OdriveClient:
         self.heartbeats = 0
         self.heard = -inf
         self.serials: set[int] = set()
+        self.written: dict[str, float] = {}
+        self.firmware = (0, 0, 0)
         self._bus = bus
         self._answers: dict[Command, bytes] = {}
         bus.subscribe(can_id(node, Command.HEARTBEAT), self._on_heartbeat)
@@ -162,6 +168,7 @@ class OdriveClient:
                 bound="firmware 0.6 or later",
             )
         version = decode_version(data)
+        self.firmware = version.firmware
         if version.firmware[:2] < _OLDEST:
             raise self.failed(
                 "its firmware means other things by the same frames: update it",
@@ -275,6 +282,7 @@ class OdriveClient:
                 lambda: self._kept(endpoint, len(packed)) == packed,
                 self._bus.settings.reply_timeout,
             ):
+                self.written[what] = float(value)
                 return
             kept = self._kept(endpoint, len(packed)) or kept
         if not kept:

@@ -1,10 +1,10 @@
 """What a profile says of a CAN bus with ODrives on it, and of joints on them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, Final, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Final, Literal, Self
 
-from annotated_types import Gt, Interval, MinLen, Unit
+from annotated_types import Gt, Interval, Le, MinLen, Unit
 
 from drivers.can.bus_settings import CanInterfaceSettings
 from drivers.can.device_settings import CanDeviceSettings
@@ -47,8 +47,16 @@ class OdriveAxisSettings(FollowingAxisSettings):
 
     axis: Annotated[int, Interval(ge=0, le=0x3E)]
     serial: Annotated[int, Interval(ge=0, lt=1 << 48)] | None = None
-    speed_limit: Annotated[float, Unit("1/s"), Gt(0)] | None = None
+    speed_limit: Annotated[float, Unit("1/s"), Gt(0), Le(1000)] | None = None
     current_limit: Annotated[float, Unit("A"), Gt(0)] = 10.0
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings of an axis that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = FollowingAxisSettings.gentle(self, speed, window, effort)
+        limit = self.speed_limit
+        if limit is not None:
+            limit = min(limit, slow.speed_cap * abs(self.turns_per_radian))
+        return replace(slow, current_limit=effort * self.current_limit, speed_limit=limit)
 
     @property
     def motor_speed_limit(self) -> float:
@@ -155,6 +163,11 @@ class OdriveSettings(CanDeviceSettings):
     def axis_bounds(self) -> Mapping[str, AxisBounds]:
         """Return each joint's limits and greatest speed."""
         return bounds_of(self.joints)
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings for axes that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = {name: its.gentle(speed, window, effort) for name, its in self.joints.items()}
+        return replace(self, joints=slow)
 
     def channel_names(self) -> tuple[str, ...]:
         """Return the joints' names, in order."""

@@ -1,11 +1,11 @@
 """Joints on drives, whatever the drives: what every chain of them does alike."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Protocol, TypeVar
 
 from drivers.servos.axis_drive import AxisDrive
 from drivers.servos.axis_guard import AxisGuard
-from drivers.servos.axis_readings import AxisReadings
+from drivers.servos.axis_readings import AxisReadings, joined
 from drivers.servos.axis_settings import AxisSettings, FollowingAxisSettings
 from drivers.servos.velocity_reference import VelocityReference
 from rig.hal import Vector
@@ -107,13 +107,30 @@ class ServoChain(AxisReadings[Drive]):
 
     def make_safe(self) -> None:
         """Slow every joint down to a standstill, and keep it there until armed again."""
-        self._armed = self._enabled = self._enabling = False
+        was_armed, self._armed = self._armed, False
+        self._enabled = self._enabling = False
         for drive in self.drives:
+            if was_armed or drive.is_enabled:
+                drive.watch_stop()
             drive.stop()
 
     def unsafe(self, now: float) -> str:
         """Return which joints are not known to have come to a standstill; see `Device.unsafe`."""
         return "; ".join(filter(None, [drive.unsafe(now) for drive in self.drives]))
+
+    # Its papers -----------------------------------------------------------------------
+
+    def identity(self) -> Mapping[str, int]:
+        """Ask every drive who it is; see `rig.hal.Device.identity`."""
+        return joined({name: drive.identity() for name, drive in self._by_name()})
+
+    def written(self) -> Mapping[str, float]:
+        """Return what was read back from every drive; see `rig.hal.Device.written`."""
+        return joined({name: drive.written for name, drive in self._by_name()})
+
+    def follow_still(self) -> tuple[str, ...]:
+        """Ask every drive whether it follows setpoints; see `rig.hal.ServoBus.follow_still`."""
+        return tuple(name for name, drive in self._by_name() if drive.follows_still())
 
     # The cycle ------------------------------------------------------------------------
 
@@ -202,6 +219,9 @@ class ServoChain(AxisReadings[Drive]):
         return str(worst.lag()) if abs(worst.watch.error) > worst.watch.window else None
 
     # Inside ---------------------------------------------------------------------------
+
+    def _by_name(self) -> Iterator[tuple[str, Drive]]:
+        return zip(self.axis_names, self.drives, strict=True)
 
     def _begin_following(self, now: float) -> None:
         """Start from where each drive holds its joint: the first setpoint makes no bump."""

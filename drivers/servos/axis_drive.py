@@ -1,6 +1,7 @@
 """One joint's drive, whatever the drive: what every driver of drives does alike."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from math import inf
 from typing import ClassVar, Final, Generic, TypeVar
 
@@ -90,6 +91,11 @@ class AxisDrive(ABC, Generic[Axis]):
     def stop(self) -> None:
         """Slow the joint down to a standstill. Never raises."""
 
+    def watch_stop(self) -> None:
+        """Note whether the encoder of a joint that is stopped lies: it stops otherwise then."""
+        if self._encoder.look(self.time, self.position, self.velocity) is not None:
+            self.is_blind = True
+
     def unsafe(self, now: float) -> str:
         """Return why the stopped joint is not known to be safe; see `rig.hal.Device.unsafe`.
 
@@ -97,6 +103,21 @@ class AxisDrive(ABC, Generic[Axis]):
         """
         speed = self.velocity if self.is_enabled else 0.0
         return not_standing(self.name, now - self.time, speed, self.settings.max_speed)
+
+    # Its papers -----------------------------------------------------------------------
+
+    @abstractmethod
+    def identity(self) -> Mapping[str, int]:
+        """Ask who it is; see `rig.hal.Device.identity`."""
+
+    @property
+    @abstractmethod
+    def written(self) -> Mapping[str, float]:
+        """What was written and read back; see `rig.hal.Device.written`."""
+
+    @abstractmethod
+    def follows_still(self) -> bool:
+        """Ask whether it follows setpoints, without the cycle."""
 
     # Its faults -----------------------------------------------------------------------
 

@@ -1,8 +1,16 @@
 """The readings of joints that each have a drive of their own."""
 
+from collections.abc import Mapping
 from typing import Generic, Protocol, TypeVar
 
 from rig.hal import Reading, ServoBus, Vector
+
+Value = TypeVar("Value", int, float)
+
+
+def joined(each: Mapping[str, Mapping[str, Value]]) -> dict[str, Value]:
+    """Return what each joint says as one mapping, with the joint's name before its own."""
+    return {f"{joint} {key}": value for joint, its in each.items() for key, value in its.items()}
 
 
 class AxisReading(Protocol):

@@ -1,9 +1,9 @@
 """What every servo driver's settings say of a joint, whatever the drive."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
-from typing import Annotated, Final
+from typing import Annotated, Final, Self
 
 from annotated_types import Gt, Interval, Unit
 
@@ -11,6 +11,8 @@ from rig.hal.driver import AxisBounds
 from rig.hal.rising import Rising
 
 _RISING: Final = Rising("limits")
+SHORT: Final = 0.03
+"""For so long an axis that nobody trusts may be away from its setpoint, s."""
 _CAP: Final = 1.15
 """A drive needs more than the greatest speed to catch up with its setpoints, and its loop swings
 over its cap by up to 7 % where an encoder lies to it."""
@@ -46,6 +48,10 @@ class AxisSettings:
     def __post_init__(self) -> None:
         _RISING.check(self.limits)
 
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings of an axis that nobody trusts yet; see `DriverSettings.gentle`."""
+        return replace(self, max_speed=min(self.max_speed, speed))
+
     @property
     def speed_cap(self) -> float:
         """Where the drive itself limits the joint's speed, rad/s: no setpoint comes near it."""
@@ -73,6 +79,14 @@ class FollowingAxisSettings(AxisSettings):
     deceleration: Annotated[float, Unit("rad/s^2"), Gt(0)] = 10.0
     following_window: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=pi)] = 0.1
     following_time: Annotated[float, Unit("s"), Interval(ge=1e-3, le=60.0)] = 0.1
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings of an axis that nobody trusts yet; see `DriverSettings.gentle`."""
+        slow = AxisSettings.gentle(self, speed, window, effort)
+        if window >= self.following_window:
+            return slow
+        short = min(self.following_time, SHORT)
+        return replace(slow, following_window=window, following_time=short)
 
 
 def bounds_of(axes: Mapping[str, AxisSettings]) -> dict[str, AxisBounds]:

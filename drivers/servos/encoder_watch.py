@@ -8,6 +8,7 @@ _LEAST: Final = 5e-3  # rad of motion, below which nothing is said
 _COUNTS: Final = 6.0  # of motion as well: a coarse encoder shows less of it
 _SAMPLES: Final = 4  # of a window at least: a gap between two of them says nothing
 _AGAINST: Final = 0.5  # of the motion
+_STEADY: Final = 0.5  # of its way, there and back: a joint that rattles is sampled too slowly
 _LONG: Final = 0.5  # s, over which a zero that wanders shows
 _APART: Final = 0.02  # rad in that time; on the shipped rigs it is 0.002 at most
 _RESTING: Final = 0.03  # rad: only of a joint that hardly moves in that time
@@ -31,14 +32,14 @@ class EncoderWatch:
         Of the position, rad.
     """
 
-    __slots__ = ("_least", "_still", "_trail", "_velocity", "_way", "_wide")
+    __slots__ = ("_gone", "_least", "_still", "_trail", "_velocity", "_way", "_wide")
 
     def __init__(self, step: float) -> None:
         self._least = max(_LEAST, _COUNTS * abs(step))
         self._still = 1.5 * abs(step)
-        self._trail: deque[tuple[float, float, float]] = deque()
+        self._trail: deque[tuple[float, float, float, float]] = deque()
         self._wide: deque[tuple[float, float, float]] = deque()
-        self._way = self._velocity = 0.0
+        self._way = self._gone = self._velocity = 0.0
 
     def reset(self) -> None:
         """Forget what was seen."""
@@ -61,8 +62,9 @@ class EncoderWatch:
             if elapsed <= 0.0:
                 return None
             self._way += 0.5 * (velocity + self._velocity) * elapsed
+            self._gone += 0.5 * (abs(velocity) + abs(self._velocity)) * elapsed
         self._velocity = velocity
-        trail.append((t, position, self._way))
+        trail.append((t, position, self._way, self._gone))
         while t - trail[0][0] > _SPAN:
             trail.popleft()
         return self._look_near(position) or self._look_far(t, position)
@@ -74,7 +76,8 @@ class EncoderWatch:
         if len(trail) < _SAMPLES or -self._least < way < self._least:
             return None
         shown = (position - trail[0][1]) * (1.0 if way > 0.0 else -1.0)
-        if shown <= -_AGAINST * abs(way):
+        is_steady = abs(way) >= _STEADY * (self._gone - trail[0][3])
+        if is_steady and shown <= -_AGAINST * abs(way):
             return "its encoder is mirrored: the position goes against the motor"
         positions = [sample[1] for sample in trail]
         if max(positions) - min(positions) <= self._still:

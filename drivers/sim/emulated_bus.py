@@ -16,6 +16,7 @@ _BATCH = 256
 """Frames that are taken from the bus at a time."""
 _FRAME_TIME = 125e-6
 """What a frame of 8 bytes takes at 1 Mbit/s, s."""
+_LAST_STANDARD_ID = 0x7FF
 
 
 class EmulatedBus(LossyBus):
@@ -55,17 +56,22 @@ class EmulatedBus(LossyBus):
         self.nodes = tuple(nodes)
         self.faults = FrameFaults()
         self.monitor: Callable[[float, int, bytes], None] | None = None
+        self._listeners: dict[int, tuple[BusNode, ...]] = {}
         for node in nodes:
-            node.send = self._sender(node)
+            node.send = partial(self._send, node)
+            node.listens_anew = self._listeners.clear
             self.faults.offer(node)
         self._interface = InterfaceFaults(bus) if isinstance(bus, CanLineEnd) else None
 
     def drain(self, latency: float) -> None:
         """Take what the master sent; it arrives `latency` (s) later."""
         while frames := self.bus.drain(_BATCH):
-            for can_id, data in frames:
-                if not can_id & ERROR_FLAG:
-                    self._accept(can_id, data, latency)
+            if self.frame_loss or self.faults.by_id:
+                for can_id, data in frames:
+                    if not can_id & ERROR_FLAG:
+                        self._accept(can_id, data, latency)
+            else:  # they stay together
+                self._post(latency, partial(self._arrive_together, frames))
             if len(frames) < _BATCH:
                 break
 
@@ -120,41 +126,64 @@ class EmulatedBus(LossyBus):
         return due
 
     def _accept(self, flagged_id: int, data: bytes, latency: float) -> None:
-        can_id = flagged_id & EXTENDED_MASK
-        extended, remote = bool(flagged_id & EXTENDED_FLAG), bool(flagged_id & REMOTE_FLAG)
+        """Have what becomes of a frame of the master's arrive."""
         if self._lost():
             return
-        for delay, changed, is_foreign in self.faults.apply(can_id, data):
+        for delay, changed, is_foreign in self.faults.apply(flagged_id & EXTENDED_MASK, data):
+            arrival = self._arrive_foreign if is_foreign else self._arrive
+            self._post(latency + delay, partial(arrival, flagged_id, changed))
 
-            def arrive(now: float, data: bytes = changed, is_foreign: bool = is_foreign) -> None:
-                self._now = now
-                if is_foreign:
-                    self._to_master(can_id, data, now, extended=extended)
-                elif self.monitor is not None:
-                    self.monitor(now, can_id, data)
-                for node in self.nodes:
-                    node.receive(can_id, data, now, extended=extended, remote=remote)
+    def _arrive_together(self, frames: Sequence[tuple[int, bytes]], now: float) -> None:
+        for flagged_id, data in frames:
+            if not flagged_id & ERROR_FLAG:
+                self._arrive(flagged_id, data, now)
 
-            self._post(latency + delay, arrive)
+    def _arrive(self, flagged_id: int, data: bytes, now: float) -> None:
+        """Give a frame of the master's to the nodes."""
+        self._now = now
+        if self.monitor is not None:
+            self.monitor(now, flagged_id & EXTENDED_MASK, data)
+        self._give(flagged_id, data, now)
 
-    def _sender(self, sender: BusNode) -> Callable[[int, bytes], None]:
-        others = [node for node in self.nodes if node is not sender]
+    def _arrive_foreign(self, flagged_id: int, data: bytes, now: float) -> None:
+        """Give a frame to everybody that looks as if the master had sent it."""
+        self._now = now
+        extended = bool(flagged_id & EXTENDED_FLAG)
+        self._to_master(flagged_id & EXTENDED_MASK, data, now, extended=extended)
+        self._give(flagged_id, data, now)
 
-        def send(can_id: int, data: bytes) -> None:
-            if self._lost():
-                return
+    def _give(self, flagged_id: int, data: bytes, now: float) -> None:
+        if flagged_id <= _LAST_STANDARD_ID:
+            listeners = self._listeners.get(flagged_id)
+            for node in self._find_listeners(flagged_id) if listeners is None else listeners:
+                node.receive(flagged_id, data, now)
+            return
+        can_id = flagged_id & EXTENDED_MASK
+        extended, remote = bool(flagged_id & EXTENDED_FLAG), bool(flagged_id & REMOTE_FLAG)
+        for node in self.nodes:
+            node.receive(can_id, data, now, extended=extended, remote=remote)
+
+    def _find_listeners(self, can_id: int) -> tuple[BusNode, ...]:
+        found = self._listeners[can_id] = tuple(node for node in self.nodes if node.hears(can_id))
+        return found
+
+    def _send(self, sender: BusNode, can_id: int, data: bytes) -> None:
+        """Take a frame of a node's to the master and to the other nodes."""
+        if not self.frame_loss and not self.faults.by_id:
+            self._from_node(sender, can_id, data, sender.now)
+        elif not self._lost():
             for delay, changed, _ in self.faults.apply(can_id, data):
                 if delay:
-                    self._post(delay, partial(self._from_node, others, can_id, changed))
+                    self._post(delay, partial(self._from_node, sender, can_id, changed))
                 else:
-                    self._from_node(others, can_id, changed, sender.now)
+                    self._from_node(sender, can_id, changed, sender.now)
 
-        return send
-
-    def _from_node(self, others: Sequence[BusNode], can_id: int, data: bytes, now: float) -> None:
+    def _from_node(self, sender: BusNode, can_id: int, data: bytes, now: float) -> None:
         self._to_master(can_id, data, now)
-        for node in others:
-            node.receive(can_id, data, now)
+        listeners = self._listeners.get(can_id)
+        for node in self._find_listeners(can_id) if listeners is None else listeners:
+            if node is not sender:
+                node.receive(can_id, data, now)
 
     def _to_master(self, can_id: int, data: bytes, now: float, *, extended: bool = False) -> None:
         if self._interface is not None and self._interface.severed:

@@ -36,10 +36,10 @@ class FrameFault:
     ----------
     kind : str
         ``"drop"``: they are lost; ``"delay"``: they come `value` seconds later;
-        ``"duplicate"``: they come twice; ``"truncate"``: only `value` bytes come;
-        ``"corrupt"``: byte `value` is inverted; ``"reorder"``: every other one comes `value`
-        seconds later, after its successor; ``"spoof"``: somebody sends the same identifier with
-        inverted data right after it.
+        ``"duplicate"``: they come twice; ``"truncate"``: only `value` bytes come, and one at
+        least is missing; ``"corrupt"``: byte `value` is inverted; ``"reorder"``: every other one
+        comes `value` seconds later, after its successor; ``"spoof"``: somebody sends the same
+        identifier with inverted data right after it.
     can_id : int
         Of the frames.
     count : int
@@ -76,25 +76,25 @@ class Arrival(NamedTuple):
 
 
 class FrameFaults:
-    """The frame faults of one bus; costs one dictionary look-up where there are none."""
+    """The frame faults of one bus."""
 
     def __init__(self) -> None:
-        # By CAN id: each fault with the number of frames seen so far.
-        self._faults: dict[int, list[tuple[FrameFault, list[int]]]] = {}
+        self.by_id: dict[int, list[tuple[FrameFault, list[int]]]] = {}
+        """Each fault with the number of frames seen so far; empty: all frames pass."""
 
     def add(self, fault: FrameFault) -> None:
         """Have it happen to the next frames; several on one id act one after the other."""
-        self._faults.setdefault(fault.can_id, []).append((fault, [0]))
+        self.by_id.setdefault(fault.can_id, []).append((fault, [0]))
 
     def remove(self, fault: FrameFault) -> None:
         """End one fault; nothing happens if it has ended."""
-        left = [entry for entry in self._faults.pop(fault.can_id, ()) if entry[0] is not fault]
+        left = [entry for entry in self.by_id.pop(fault.can_id, ()) if entry[0] is not fault]
         if left:
-            self._faults[fault.can_id] = left
+            self.by_id[fault.can_id] = left
 
     def clear(self) -> None:
         """Let all frames pass again."""
-        self._faults.clear()
+        self.by_id.clear()
 
     def offer(self, node: BusNode) -> None:
         """Make the faults of a node's frames known to it by name.
@@ -117,21 +117,21 @@ class FrameFaults:
 
     def apply(self, can_id: int, data: bytes) -> list[Arrival]:
         """Return what becomes of a frame: each that arrives."""
-        if not self._faults or can_id not in self._faults:
+        if can_id not in self.by_id:
             return [Arrival(0.0, data)]
         frames = [Arrival(0.0, data)]
-        for fault, seen in self._faults[can_id]:
+        for fault, seen in self.by_id[can_id]:
             seen[0] += 1
             if fault.after < seen[0] <= fault.after + fault.count:
                 odd = bool(seen[0] % 2)
                 frames = [item for frame in frames for item in _happen(fault, frame, odd)]
-        self._faults[can_id] = [
+        self.by_id[can_id] = [
             (fault, seen)
-            for fault, seen in self._faults[can_id]
+            for fault, seen in self.by_id[can_id]
             if seen[0] < fault.after + fault.count
         ]
-        if not self._faults[can_id]:
-            del self._faults[can_id]
+        if not self.by_id[can_id]:
+            del self.by_id[can_id]
         return frames
 
 
@@ -145,7 +145,7 @@ def _happen(fault: FrameFault, frame: Arrival, odd: bool) -> list[Arrival]:
         case "duplicate":
             return [frame, frame]
         case "truncate":
-            return [frame._replace(data=data[: int(fault.value)])]
+            return [frame._replace(data=data[: min(int(fault.value), max(len(data) - 1, 0))])]
         case "corrupt":
             changed = bytearray(data)
             if changed:

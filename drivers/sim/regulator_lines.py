@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from drivers.cia401.channel_settings import AnalogueSignal
+from drivers.cia401.channel_settings import PressureSignal
 from drivers.cia401.settings import Cia401Settings
 from drivers.sim.perturbation import Draws, Line
 from drivers.sim.regulator_port import RegulatorPort
@@ -64,14 +64,14 @@ def perturb_regulators(plant: RegulatorPort, draws: Draws) -> RegulatorLines:
     return RegulatorLines(plant, setpoints, draws.lines("monitor_gain", "monitor_offset"))
 
 
-def _between(one: AnalogueSignal, other: AnalogueSignal) -> Line:
+def _between(one: PressureSignal, other: PressureSignal) -> Line:
     """Return the line from a pressure of one signal to the pressure of the other's same counts."""
     a, b = _line(one), _line(other)
     gain = b[0] / a[0]
     return gain, b[1] - gain * a[1]
 
 
-def _line(signal: AnalogueSignal) -> Line:
+def _line(signal: PressureSignal) -> Line:
     """Return pressure over counts."""
     gain = (signal.pressure[1] - signal.pressure[0]) / (signal.raw[1] - signal.raw[0])
     return gain, signal.pressure[0] - gain * signal.raw[0]

@@ -39,6 +39,7 @@ class RodFaults:
         self._gain, self._offset = 1.0, 0.0
         self._rate = self._since = 0.0
         self._noise = 0.0
+        self._is_wrong = False
         self._random = np.random.default_rng(zlib.crc32(self._name.encode()))
 
     def inject(self, fault: str, value: float | None, extension: float, now: float) -> None:
@@ -59,6 +60,7 @@ class RodFaults:
             self._noise = _NOISE if value is None else value
             return
         shown = self._shown(extension, now)
+        self._is_wrong = True
         self._offset += self._rate * (now - self._since)
         self._since = now
         if fault == "drift":
@@ -69,7 +71,7 @@ class RodFaults:
 
     def measured(self, extension: float, now: float) -> float:
         """Return what the encoder makes of a rod's extension, m."""
-        shown = self._shown(extension, now)
+        shown = self._shown(extension, now) if self._is_wrong else extension
         return shown + self._noise * self._random.standard_normal() if self._noise else shown
 
     def _shown(self, extension: float, now: float) -> float:

@@ -12,6 +12,8 @@ from rig.assembly.on_interfaces import Interfaces, parse_interfaces
 from rig.assembly.production import make_devices, make_mechanism
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Backend, Rig
+from rig.assembly.same_geometry import check_same_geometry
+from rig.assembly.signal_places import check_signal_places
 from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
 from rig.config.located import places_named
@@ -43,7 +45,14 @@ def check_profile(profile: Profile) -> tuple[Column, ...]:
         devices with one node number: all of them at once.
     """
     found: list[ConfigurationError] = []
-    for check in (_check_plant, check_answers, _check_nodes, bus_loads):
+    for check in (
+        _check_plant,
+        check_same_geometry,
+        check_signal_places,
+        check_answers,
+        _check_nodes,
+        bus_loads,
+    ):
         try:
             check(profile)
         except ConfigurationError as error:
@@ -140,6 +149,8 @@ def _make_apart(profile: Profile) -> None:
             devices |= make_devices(alone, buses, clock)
         except ConfigurationError as error:
             found.extend(SeveralErrors.told_by(error))
+        except ValueError as error:  # what a driver refuses
+            found.append(str(error))
     lacking = [repr(name) for name in profile.devices if name not in devices]
     try:
         make_mechanism(profile, devices)

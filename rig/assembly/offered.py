@@ -24,8 +24,11 @@ MECHANISMS = {
 }
 DRIVERS = {
     "cia401": "drivers.cia401.parts:PARTS",
+    "cia401-valves": "drivers.cia401.parts:VALVES",
     "cia406": "drivers.cia406.parts:PARTS",
     "cia402": "drivers.cia402.parts:PARTS",
+    "cia410": "drivers.cia410.parts:PARTS",
+    "load-cells": "drivers.load_cells.parts:PARTS",
     "odrive": "drivers.odrive.parts:PARTS",
     "dynamixel": "drivers.dynamixel.parts:PARTS",
     "marker-camera": "drivers.marker_camera.parts:PARTS",

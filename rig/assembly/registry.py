@@ -35,6 +35,7 @@ from rig.hal import (
 )
 from rig.hal.bench import TuningBench
 from rig.hal.controller import Law
+from rig.hal.drawn_profile import Draw
 from rig.hal.driver import BusSettings
 from rig.hal.hazards import Hazard
 from rig.hal.parts import Additions, DriverParts, MechanismParts, ProtocolParts
@@ -187,6 +188,21 @@ class InstalledParts:
         found: type[Scene] = load(path, f"mechanism {mechanism}: ")
         check_class(f"mechanism {mechanism}: {path}", found, Scene)
         return found
+
+    def drawing(self, kind: str) -> Draw:
+        """Return what makes a profile of a description in a format.
+
+        Raises
+        ------
+        ConfigurationError
+            No mechanism has such.
+        """
+        for name in mechanisms().names():
+            path = self.mechanism(name).drawings.get(kind)
+            if path is not None:
+                draw: Draw = load(path, f"mechanism {name}: ")
+                return draw
+        raise ConfigurationError(f"no rig is made from {kind}")
 
     # What mechanisms add to the frameworks ----------------------------------------------
 

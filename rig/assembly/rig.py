@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from math import inf
+from pathlib import Path
 from typing import Any
 
 from rig.assembly.watchful_clock import WatchfulClock
@@ -101,6 +102,11 @@ class Rig:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def show_in(self, folder: Path) -> None:
+        """Let whoever looks on see what the devices see, by files of the run's folder."""
+        for device in self.devices.values():
+            device.show_in(folder)
+
     def arm(self, *, torque: bool = True) -> None:
         """Make every device follow its setpoints, which are the safe ones until the loop runs.
 
@@ -159,6 +165,7 @@ class Rig:
             for name, device in self.devices.items():
                 if self._reads_stop(name) and not stop.looks_alone:
                     device.connect()
+            stop.wake()
             yield is_pressed
         finally:
             self.close()

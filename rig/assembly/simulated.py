@@ -133,12 +133,12 @@ def lend_plant(
     ConfigurationError
         The profile has no plant, or its plant lends nothing.
     """
+    from drivers.sim.direct.chambers import SimulatedChambers
     from drivers.sim.direct.encoders import SimulatedEncoder
-    from drivers.sim.direct.regulators import SimulatedRegulators
 
     devices = build_sim(profile).devices.values()
     rods = [device.resolution for device in devices if isinstance(device, SimulatedEncoder)]
-    chambers = [device.resolution for device in devices if isinstance(device, SimulatedRegulators)]
+    chambers = [device.resolution for device in devices if isinstance(device, SimulatedChambers)]
     entry = profile.plant
     if entry is None or not REGISTRY.lends_kernel(entry.model) or not rods or not chambers:
         model = "without a plant" if entry is None else f"with the plant {entry.model}"

@@ -19,6 +19,7 @@ from rig.assembly.simulated import (
 )
 from rig.config import Profile
 from rig.hal import ConfigurationError
+from rig.hal.world import BreakableWorld
 
 
 class Simulation(NamedTuple):
@@ -36,6 +37,8 @@ class Simulation(NamedTuple):
         By name; the other program reaches them over a local socket.
     left_out : tuple of str
         Devices that cannot be reached from another process.
+    has_hands : bool
+        Whether an acceptance test in another process reaches the rig's stop, cables and gauges.
     """
 
     rig: Any
@@ -43,6 +46,7 @@ class Simulation(NamedTuple):
     channels: dict[str, str]
     cameras: dict[str, Any]
     left_out: tuple[str, ...]
+    has_hands: bool
 
 
 @contextlib.contextmanager
@@ -66,6 +70,7 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
     from drivers.can import open_bus
     from drivers.sim.emulated_bus import EmulatedBus
     from drivers.sim.emulated_rig import EmulatedRig
+    from drivers.sim.served_hands import serve_hands
     from drivers.sim.wall_clock import CanEnd, TerminalEnd, WallClockRig
 
     if not profile.buses:
@@ -106,8 +111,24 @@ def open_simulation(profile: Profile, interfaces: Interfaces) -> Iterator[Simula
             for name, entry in profile.devices.items()
             if entry.bus is None and name not in cameras
         )
-        served = WallClockRig(world, (*ends.values(), *cameras.values()))
-        yield Simulation(served, ends, channels, cameras, left_out)
+        hands = serve_hands(world, next(iter(channels.values())))
+        for its in hands:
+            stack.callback(its.close)
+        served = WallClockRig(world, (*ends.values(), *cameras.values(), *hands))
+        yield Simulation(served, ends, channels, cameras, left_out, bool(hands))
+
+
+def reach_world(interfaces: Interfaces) -> BreakableWorld | None:
+    """Return the world of `rig simulate` on interfaces as hands reach it; None: there is none.
+
+    Parameters
+    ----------
+    interfaces : mapping
+        Of every CAN bus; those of the simulation.
+    """
+    from drivers.sim.reached_hands import reach_hands
+
+    return reach_hands(next(iter(interfaces.values()))["channel"])
 
 
 def reach_devices(profile: Profile, interfaces: Interfaces) -> dict[str, Any]:

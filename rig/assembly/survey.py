@@ -1,15 +1,25 @@
 """Who answers on a profile's CAN buses, and whether that is what the profile says."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from typing import NamedTuple, Protocol, cast
 
+from rig.assembly.buses import is_can
 from rig.assembly.on_interfaces import Interfaces
 from rig.assembly.registry import REGISTRY
 from rig.assembly.rig import Rig
 from rig.assembly.rows import load
 from rig.config import Profile
-from rig.hal import Address, Clock, DeviceFault, DriverSettings, FastCanBus, MonotonicClock
+from rig.hal import (
+    Address,
+    Clock,
+    CyclicBus,
+    DeviceFault,
+    DriverSettings,
+    FastCanBus,
+    MonotonicClock,
+)
 from rig.hal.frames import Found
 
 
@@ -46,6 +56,8 @@ class _CanMaster(Protocol):
 def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
     """Ask all CAN buses of a profile who is there; nothing is changed on them.
 
+    A serial line is asked by its own bus alone; see `survey_rig`.
+
     Parameters
     ----------
     profile : Profile
@@ -66,35 +78,65 @@ def survey_buses(profile: Profile, interfaces: Interfaces) -> list[Answer]:
         settings = profile.buses[name].settings
         return open_bus(dataclasses.replace(settings, **interfaces.get(name, {})))
 
-    return _survey(profile, opened, MonotonicClock())
+    def lend(name: str) -> AbstractContextManager[object]:
+        return _interface(lambda: opened(name))
+
+    interfaces_alone = [name for name, entry in profile.buses.items() if is_can(entry)]
+    return _survey(profile, interfaces_alone, lend, MonotonicClock())
 
 
 def survey_rig(rig: Rig) -> list[Answer]:
-    """Ask all CAN buses of a rig that is not open who is there; see `survey_buses`."""
+    """Ask all buses of a rig that is not open who is there; see `survey_buses`."""
 
-    def opened(name: str) -> FastCanBus:
-        return cast("_CanMaster", rig.buses[name]).open_interface()
+    def lend(name: str) -> AbstractContextManager[object]:
+        bus = rig.buses[name]
+        if is_can(rig.profile.buses[name]):
+            return _interface(cast("_CanMaster", bus).open_interface)
+        return _line(bus)
 
-    return _survey(rig.profile, opened, rig.clock)
+    return _survey(rig.profile, list(rig.buses), lend, rig.clock)
 
 
-def _survey(profile: Profile, opened: Callable[[str], FastCanBus], clock: Clock) -> list[Answer]:
+@contextmanager
+def _interface(opened: Callable[[], FastCanBus]) -> Iterator[FastCanBus]:
+    """Lend an interface, and close it."""
     from drivers.can import close_bus
 
+    bus = opened()
+    try:
+        yield bus
+    finally:
+        close_bus(bus)
+
+
+@contextmanager
+def _line(bus: CyclicBus) -> Iterator[CyclicBus]:
+    """Open a serial line, which its own bus asks, and close it."""
+    bus.open()
+    try:
+        yield bus
+    finally:
+        bus.close()
+
+
+def _survey(
+    profile: Profile,
+    names: Sequence[str],
+    lend: Callable[[str], AbstractContextManager[object]],
+    clock: Clock,
+) -> list[Answer]:
     answers: list[Answer] = []
-    for name, entry in profile.buses.items():
-        path = REGISTRY.protocol(entry.protocol).discovery
+    for name in names:
+        path = REGISTRY.protocol(profile.buses[name].protocol).discovery
         if path is None:
             continue
         expected = expected_on(profile, name)
         numbers = [item.number for item in expected]
-        bus = opened(name)
-        try:
-            found: list[Found] = load(path)(bus, clock, numbers)
-        except Exception as error:  # each interface has errors of its own
-            raise _refusal(name, error) from error
-        finally:
-            close_bus(bus)
+        with lend(name) as bus:
+            try:
+                found: list[Found] = load(path)(bus, clock, numbers)
+            except Exception as error:  # each interface has errors of its own
+                raise _refusal(name, error) from error
         answers += compare(name, expected, {item.node: item for item in found})
     return answers
 

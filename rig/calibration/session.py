@@ -164,7 +164,7 @@ def read_instruments(
         runs = " ".join(f"--from {path}" for path in folders)
         raise CalibrationRefused(
             f"nobody is there to read {names}; write quantity,stretch,value lines to a file and "
-            f"go on with: rig calibrate {profile.name} {procedure.name} {runs} --readings FILE"
+            f"go on with: rig calibrate {profile.argument} {procedure.name} {runs} --readings FILE"
         )
     return instruments.ask(wanted, prompt)
 

@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from importlib import metadata
 from pathlib import Path
-from typing import Any, NamedTuple, TypedDict, cast
+from typing import Any, NamedTuple, NotRequired, TypedDict, cast
 
 import numpy as np
-import yaml
 
 from rig.calibration.arrays import Array
 from rig.calibration.procedure import Evidence, Finding
@@ -15,6 +14,7 @@ from rig.calibration.recording import CalibrationRefused
 from rig.config import Profile
 from rig.config.calibration import HARDWARE, HISTORY, UNKNOWN, check_seal, find_calibration, seal
 from rig.config.diagnostics import Problems
+from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_source
 from rig.hal import ConfigurationError
 from rig.typed_json import checked
@@ -35,6 +35,10 @@ class _Origin(TypedDict):
 
     date: str
     operator: str
+    procedure: NotRequired[str]
+    backend: NotRequired[str]
+    residual_rms: NotRequired[float]
+    blocks: NotRequired[int]
 
 
 class _Measurement(TypedDict):
@@ -44,6 +48,10 @@ class _Measurement(TypedDict):
     value: float
     std: float
     unit: str
+    procedure: str
+    backend: NotRequired[str]
+    date: NotRequired[str]
+    valid_until: NotRequired[str]
 
 
 class _Dated(TypedDict):
@@ -181,7 +189,8 @@ def check_not_worse(finding: Finding, procedure: str, old: Content | None) -> No
         )
     if old is None or old["provenance"].get("procedure") != procedure:
         return
-    was, blocks = old["provenance"]["residual_rms"], old["provenance"].get("blocks", 2)
+    # One that does not say how well it fitted is worse than none that does.
+    was, blocks = old["provenance"].get("residual_rms", rms), old["provenance"].get("blocks", 2)
     chance = f.ppf(_WORSE, max(finding.blocks - 1, 1), max(blocks - 1, 1))
     if rms > 0.0 and rms**2 > chance * was**2:
         raise CalibrationRefused(
@@ -202,7 +211,7 @@ def write(
         It cannot be written.
     """
     path = configs / "calibration" / rig / f"{target}.yaml"
-    body = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100)
+    body = dump_plain(content)
     text = seal(_HEADER.format(command) + body)
     stamp = content["provenance"]["date"].replace(":", "").replace("+0000", "Z")
     kept = path.parent / HISTORY / target / f"{stamp}.yaml"
@@ -234,7 +243,7 @@ def load(path: Path) -> Content:
     problems.raise_if_any()
     content = plain_in(source)
     checked(content, _Kept, str(path))
-    return {"measured": [], **cast("Content", content)}
+    return {"measured": [], "values": {}, **cast("Content", content)}
 
 
 def find(search: Sequence[Path], rig: str, name: str) -> Path:

@@ -102,6 +102,7 @@ def invoke(arguments: list[str] | None = None) -> int:
     # The matrices here are small: threads that wait for work would cost the loop its processor,
     # and a fit on a busy machine several times its time.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["MPLBACKEND"] = "Agg"  # figures are files here, whatever is set for a notebook
     from rig.cli.commands import invoke as invoke_click
     from rig.kernel_cache import keep_kernels
 

@@ -27,7 +27,7 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
     """
     from rig.assembly import Backend, backend_of, check_fitness
     from rig.commissioning.permission import as_commissioned
-    from rig.experiment.frozen import refuse_slow_devices
+    from rig.experiment.fitness import refuse_unfit
     from rig.experiment.permission import check_permitted
 
     if backend_of(on) is not Backend.HARDWARE:
@@ -37,7 +37,7 @@ def may_move(plan: Plan, on: str, yes: str | None, uncommissioned: str | None = 
     plan, said = as_commissioned(plan, Backend.HARDWARE, uncommissioned)
     for sentence in said:
         click.echo(sentence, err=True)
-    refuse_slow_devices(plan, partial(click.echo, err=True))
+    refuse_unfit(plan, partial(click.echo, err=True))
     for sentence in announcement(plan):
         click.echo(sentence, err=True)
     return confirm(plan.profile.name, yes)

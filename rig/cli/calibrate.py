@@ -192,7 +192,7 @@ def _record(
 
 def _again(procedure: AnyProcedure, profile: Profile, folders: Sequence[Path]) -> str:
     runs = " ".join(f"--from {path}" for path in folders)
-    return f"go on with: rig calibrate {profile.name} {procedure.name} {runs}"
+    return f"go on with: rig calibrate {profile.argument} {procedure.name} {runs}"
 
 
 def _tell_ended(
@@ -260,7 +260,7 @@ def _agreed(profile: Profile, backend: Backend, yes: str | None, *, moves: bool)
     from rig.experiment.fault_latch import FaultLatch
 
     if backend is Backend.HARDWARE:
-        FaultLatch(profile.name).check()
+        FaultLatch(profile.name, profile.argument).check()
         if moves:
             check_fitness(profile)
         return confirm(profile.name, yes)

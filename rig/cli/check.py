@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli.names import complete_config, configs_option, json_option, set_option
+from rig.cli.file_kinds import is_experiment
+from rig.cli.names import complete_config, configs_option, json_option, rig_option, set_option
 from rig.cli.on_option import OnBackend
 from rig.cli.tables import print_json, print_tables
 
@@ -17,15 +17,11 @@ if TYPE_CHECKING:
     from rig.config import Profile
     from rig.experiment.plan import Plan
 
-# Keys that only one of the two kinds of file has; the text is looked at, not parsed, so that
-# a file with an error in it is still taken for what it is.
-_PROFILE_KEY = re.compile(r"^(mechanism|loop|buses|devices|controllers|plant)\s*:", re.MULTILINE)
-_EXPERIMENT_KEY = re.compile(r"^(rig|reference|metrics|controller|approach)\s*:", re.MULTILINE)
-
 
 @click.command()
 @click.argument("source", metavar="PROFILE|EXPERIMENT", shell_complete=complete_config)
 @set_option
+@rig_option
 @configs_option
 @click.option(
     "--on",
@@ -43,6 +39,7 @@ _EXPERIMENT_KEY = re.compile(r"^(rig|reference|metrics|controller|approach)\s*:"
 def check(
     source: str,
     overrides: tuple[str, ...],
+    rig_name: str | None,
     configs: Path | None,
     on: str | None,
     values: str | None,
@@ -61,7 +58,7 @@ def check(
     )
     from rig.cli.loops import advice, describe_loop
 
-    profile, plan = load(source, overrides, configs)
+    profile, plan = load(source, overrides, configs, rig_name)
     if values is not None:
         from rig.cli.origins import origins_of, origins_table
 
@@ -102,7 +99,7 @@ def _on_bus(on: str) -> str:
 
 
 def load(
-    source: str, overrides: Sequence[str], configs: Path | None
+    source: str, overrides: Sequence[str], configs: Path | None, rig: str | None = None
 ) -> tuple[Profile, Plan | None]:
     """Load a profile, or an experiment with its profile.
 
@@ -117,42 +114,13 @@ def load(
     if is_experiment(source, search):
         from rig.experiment.plan import load_plan
 
-        plan = load_plan(source, overrides, configs=configs)
+        plan = load_plan(source, overrides, rig=rig, configs=configs)
         return plan.profile, plan
+    if rig is not None:
+        raise click.UsageError(f"{source} is a rig; --rig goes with an experiment")
     from rig.assembly import REGISTRY, check_profile
     from rig.config import load_profile
 
     profile = load_profile(source, REGISTRY, overrides, search)
     check_profile(profile)
     return profile, None
-
-
-def is_experiment(source: str, search: Sequence[Path]) -> bool:
-    """Return whether a name or file is an experiment's and not a profile's.
-
-    Raises
-    ------
-    ConfigurationError
-        Nothing is called so; with the nearest name.
-    """
-    from rig.config.diagnostics import nearest
-    from rig.config.names import is_path, list_files
-    from rig.config.yaml_loader import read_source
-    from rig.hal import ConfigurationError
-
-    if is_path(source):
-        try:
-            text = read_source(Path(source)).text
-        except ConfigurationError:
-            text = ""  # the loader says what is wrong with it
-        ours, others = _EXPERIMENT_KEY.findall(text), _PROFILE_KEY.findall(text)
-        if len(ours) == len(others):  # a file that extends another may have neither
-            return Path(source).resolve().parent.name == "experiments"
-        return len(ours) > len(others)
-    rigs, experiments = list_files("rigs", search), list_files("experiments", search)
-    if source in rigs:
-        return False
-    if source in experiments:
-        return True
-    hint = nearest(source, {**rigs, **experiments}) or "there are none"
-    raise ConfigurationError(f"no rig or experiment is called {source!r}; {hint}")

@@ -57,7 +57,7 @@ def _advise(profile: Profile, on: str, answers: list[Answer]) -> str:
     if all(answer.found is None for answer in answers):
         return (
             "nobody answers: look at power, cable, termination and bit rate (ip -details link "
-            f"show); a simulated rig is started by: rig simulate {profile.name} --on {on}"
+            f"show); a simulated rig is started by: rig simulate {profile.argument} --on {on}"
         )
     if any(answer.found is not None and answer.found.answers > 1 for answer in answers):
         return "take one of the devices that share a number off the bus, and give it another"

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rig.commissioning.operator import Operator
     from rig.commissioning.step import AcceptanceStep
     from rig.config import Profile
+    from rig.hal.world import BreakableWorld
 
 EXIT_FAILED = 3
 
@@ -69,16 +70,18 @@ def commission(rig: str, **options: Any) -> int:
     check_profile(profile)
     steps = steps_of(profile)
     if options["dry_run"]:
-        return _show(profile, steps)
+        return _show(profile, steps, as_json=options["as_json"])
     on, backend = options["on"], backend_of(options["on"])
     if backend is Backend.SIM:
         raise ConfigurationError("--on sim has no buses and no drivers, so nothing to test")
     if backend is Backend.HARDWARE and not confirm(profile.name, options["yes"]):
         return 2
     other = None if on in list(Backend) else on
+    hands = _hands(profile, backend, other)
     site = Site(
-        profile, lambda: build_rig(profile, backend, other), _operator(backend, options["answers"]),
-        options["out"], other,
+        profile, lambda its: build_rig(its, backend, other),
+        _operator(backend.is_simulated or hands is not None, options["answers"]),
+        options["out"], other, hands,
     )  # fmt: skip
     circumstances = CommissioningFacts(backend.value, options["operator"], options["valid_for"])
     record = begin(profile, search, circumstances, anew=options["anew"])
@@ -89,24 +92,36 @@ def commission(rig: str, **options: Any) -> int:
         print_data(json.dumps(record, indent=2, ensure_ascii=False, default=str))
     if stopped is not None:
         click.echo(f"stopped at {stopped}", err=True)
-        click.echo(f"mend it, and go on with: rig commission {profile.name} --on {on}", err=True)
+        click.echo(
+            f"mend it, and go on with: rig commission {profile.argument} --on {on}", err=True
+        )
         return EXIT_FAILED
     click.echo(f"commissioned, digest {record['digest']}: {search[0]}/commissioning", err=True)
     if backend is Backend.HARDWARE:
         tell_next(profile, search)
     else:
-        click.echo(f"a rehearsal; next: rig commission {rig} --on hardware", err=True)
+        click.echo(f"a rehearsal; next: rig commission {profile.argument} --on hardware", err=True)
     return 0
 
 
-def _operator(backend: Backend, answers: Path | None) -> Operator:
+def _hands(profile: Profile, backend: Backend, on: str | None) -> BreakableWorld | None:
+    """Return the world that another process simulates, if it does."""
+    from rig.assembly import Backend, parse_interfaces
+    from rig.assembly.simulation_process import reach_world
+
+    if backend is not Backend.VCAN:
+        return None
+    return reach_world(parse_interfaces(on or backend.value, profile))
+
+
+def _operator(is_simulated: bool, answers: Path | None) -> Operator:
     """Return who stands at the rig: simulated hands, a person, or answers from a file."""
     from rig.commissioning.operator import Person, SimulatedOperator, WrittenAnswers
     from rig.commissioning.record import read_answers
     from rig.hal import ConfigurationError
 
     hands: Operator
-    if backend.is_simulated:
+    if is_simulated:
         hands = SimulatedOperator()
     else:
         if answers is None and not sys.stdin.isatty():
@@ -115,7 +130,11 @@ def _operator(backend: Backend, answers: Path | None) -> Operator:
     return hands if answers is None else WrittenAnswers(read_answers(answers), hands)
 
 
-def _show(profile: Profile, steps: Sequence[AcceptanceStep]) -> int:
+def _show(profile: Profile, steps: Sequence[AcceptanceStep], *, as_json: bool) -> int:
+    if as_json:
+        told = [{"step": s.name, "does": s.does, "expects": s.expects} for s in steps]
+        print_data(json.dumps({"rig": profile.name, "steps": told}, indent=2, ensure_ascii=False))
+        return 0
     rows = [(step.name, step.does, step.expects) for step in steps]
     title = f"acceptance test of {profile.name}"
     print_tables([Table(title, ("step", "what happens", "what is expected"), rows)])

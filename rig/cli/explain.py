@@ -93,15 +93,36 @@ def _known(word: str) -> Sequence[tuple[str, str]]:
         return [(f"rig {word}", f"{COMMANDS[word][1]} `rig {word} --help` says more.")]
     if word in EXIT_CODES:
         return [(f"exit code {word}", EXIT_CODES[word])]
-    from rig.explaining.glossary import glossary  # every law and measure is imported for it
+    from rig.explaining.glossary import glossary, without_keys  # imports every law and measure
+    from rig.explaining.report_words import REPORT_WORDS
 
-    words = glossary()
-    found = [w for w in words if w.name == word]
-    found = found or [w for w in words if w.name.endswith(f".{word}")]
+    found = [w for w in without_keys() if w.name == word]
+    if not found and word not in REPORT_WORDS:
+        words = glossary()
+        found = [w for w in words if w.name == word]
+        found = found or [w for w in words if w.name.endswith(f".{word}")]
+        found = found or _metric(word, words)
+    if word in REPORT_WORDS:
+        return [(word, REPORT_WORDS[word]), *((_title(w), w.text) for w in found[:_MOST])]
     if len(found) > _MOST:
         names = sorted({w.name for w in found})
         return [(word, f"{len(names)} keys end so; say which: {', '.join(names)}")]
     return [(_title(w), w.text + (f" Default: {w.default}." if w.default else "")) for w in found]
+
+
+def _metric(word: str, words: Sequence[Word]) -> list[Word]:
+    """Return the measure of a metric that an experiment names after it: `tracking_rms_0.1hz`."""
+    base = word
+    while "_" in base:
+        base = base.rpartition("_")[0]
+        found = [w for w in words if w.name == base and w.kind == "measure"]
+        if found:
+            part = word.removeprefix(f"{base}_")
+            return [
+                w._replace(text=f"{w.text}; here of the stretch {part!r}, as the experiment says")
+                for w in found
+            ]
+    return []
 
 
 def _title(word: Word) -> str:

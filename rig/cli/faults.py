@@ -151,6 +151,8 @@ def run(
     With --quiet nothing is broken, and the exit code is 1 after a false trip.
     """  # fmt: skip
     from rig.assembly import Backend
+    from rig.cli.file_kinds import refuse_rig
+    from rig.config.names import find_configs
     from rig.faults.campaign import run_cases
     from rig.faults.progress import CampaignProgress
     from rig.faults.quiet import draw_quiet
@@ -175,6 +177,11 @@ def run(
     jobs: list[Job] = []
     for name in rigs or RIGS:
         if _is_file(name):
+            refuse_rig(
+                name,
+                find_configs(configs),
+                "a file of `rig faults run` is a scenario's; rigs go by name",
+            )
             jobs.append(_scenario_job(Path(name), configs))
         else:
             jobs += _jobs(name, full, count, only, experiments, seed, configs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -10,6 +11,7 @@ import click
 from rig.cli.names import configs_option
 
 if TYPE_CHECKING:
+    from rig.hal.drawn_profile import DrawnProfile
     from rig.scaffolding.packages import PackageKind
 
 _KINDS = ("experiment", "rig", "controller", "driver")
@@ -21,14 +23,27 @@ _FOR_MECHANISMS = "a mechanism takes more than a file: rig/README.md of the prog
 @click.argument("name")
 @click.option("--rig", help="Of an experiment: whose it is. Default: cylinder.")
 @click.option("--like", metavar="NAME", help="The experiment or rig to begin with.")
+@click.option("--urdf", metavar="FILE", help="Of a rig: the arm that a URDF describes.")
+@click.option("--dh", metavar="FILE", help="Of a rig: the arm of Denavit-Hartenberg parameters.")
+@click.option("--tip", metavar="LINK", help="With --urdf: the link that is the tool.")
 @configs_option
-def new(kind: str, name: str, rig: str | None, like: str | None, configs: Path | None) -> int:
+def new(
+    kind: str,
+    name: str,
+    rig: str | None,
+    like: str | None,
+    urdf: str | None,
+    dh: str | None,
+    tip: str | None,
+    configs: Path | None,
+) -> int:
     """Write files to begin with, under NAME: an experiment, a rig, a controller or a driver.
 
     An experiment and a rig are one commented file each. A controller (for the pair of cylinders)
     and a driver (a sensor on an analogue input, which is logged) are packages with a test, a
     profile and an experiment that runs at once; another package's law or driver needs no change
-    of this program.
+    of this program. A rig from --urdf or --dh has the dimensions, ranges and speeds of a six-joint
+    arm with a spherical wrist; what else it is made of is refused with the reason.
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
@@ -39,6 +54,13 @@ def new(kind: str, name: str, rig: str | None, like: str | None, configs: Path |
     spell(name)
     if kind == "mechanism":
         raise ConfigurationError(_FOR_MECHANISMS)
+    drawn = [(form, file) for form, file in (("urdf", urdf), ("dh", dh)) if file is not None]
+    other = rig is not None or like is not None
+    if drawn and (kind != "rig" or other or len(drawn) > 1):
+        raise click.UsageError("a rig is made from one of --urdf, --dh, --rig and --like")
+    if tip is not None and urdf is None:
+        raise click.UsageError("--tip names a link of --urdf")
+    notes: tuple[str, ...] = ()
     if kind in ("controller", "driver"):
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
@@ -50,12 +72,15 @@ def new(kind: str, name: str, rig: str | None, like: str | None, configs: Path |
         ]
     else:
         file = Path(f"{name}.yaml")
-        if file.exists():
+        if os.path.lexists(file):  # also a link to nowhere: what is written must not follow it
             raise ConfigurationError(f"{file} is there already; nothing was written")
         search = find_configs(configs)
         if kind == "experiment":
             text = experiment_text(name, rig or "cylinder", search, like)
             following = [f"rig check {file}", f"rig run {file} --on sim"]
+        elif drawn:
+            text, notes = _drawn(name, *drawn[0], tip)
+            following = [f"rig check {file}", f"rig run arm-tour --on sim --rig {file}"]
         else:
             text = profile_text(name, like or rig or "cylinder", search)
             following = [f"rig check {file}", f"rig check {file} --values"]
@@ -63,7 +88,16 @@ def new(kind: str, name: str, rig: str | None, like: str | None, configs: Path |
             file.write_text(text, encoding="utf-8")
         except OSError as error:
             raise ConfigurationError(f"cannot write {file}: {error.strerror or error}") from error
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
     click.echo(f"{kind} {name} is written; next:", err=True)
     for line in following:
         click.echo(f"  {line}", err=True)
     return 0
+
+
+def _drawn(name: str, form: str, file: str, tip: str | None) -> DrawnProfile:
+    """Return the profile that a description comes to."""
+    from rig.assembly import REGISTRY
+
+    return REGISTRY.drawing(form)(name, Path(file), tip)

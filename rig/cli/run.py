@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rig.cli.names import (
+    complete_run,
     configs_option,
     experiment_argument,
     out_option,
@@ -52,6 +53,14 @@ _VERDICTS = {True: "ok", False: "MISSED", None: "not to be told without the true
 @click.option("--no-report", is_flag=True, help="Leave out figures and report.html.")
 @click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
 @click.option("--watch", is_flag=True, help="Serve a page on which the run can be watched.")
+@click.option(
+    "--rehearse", is_flag=True,
+    help="With --watch: go through it on sim first, and lay that under it in thin lines.",
+)  # fmt: skip
+@click.option(
+    "--beside", metavar="RUN", shell_complete=complete_run,
+    help="With --watch: another run, laid under it in thin lines.",
+)  # fmt: skip
 @click.option("--steer", is_flag=True, help="With --watch: gains may be changed on that page.")
 @click.option(
     "--pace", type=click.FloatRange(min=0.01), metavar="FACTOR",
@@ -75,6 +84,8 @@ def run(
     no_report: bool,
     as_json: bool,
     watch: bool,
+    rehearse: bool,
+    beside: str | None,
     steer: bool,
     pace: float | None,
     uncommissioned: str | None,
@@ -89,20 +100,42 @@ def run(
     """
     from rig.assembly import Backend, backend_of
     from rig.cli.announce import may_move
+    from rig.cli.file_kinds import refuse_rig
     from rig.cli.watched_run import WatchedRun
+    from rig.config.names import find_configs
     from rig.config.setting import Setting
     from rig.experiment.ending import EXIT_PREFLIGHT, EXIT_USAGE
     from rig.experiment.plan import load_plan
     from rig.experiment.run import run_experiment
+    from rig.run_names import find_run
 
+    if not watch:
+        asked = {"--rehearse": rehearse, "--beside": beside, "--steer": steer}
+        for option in (name for name, value in asked.items() if value):
+            raise click.UsageError(f"{option} is for a page: give --watch as well")
+    if rehearse and beside is not None:
+        raise click.UsageError("either --rehearse or --beside: one run is laid under the other")
     options = list(overrides)
     if controller is not None:
         options.append(Setting(f"controller={controller}", f"--controller {controller}"))
     if seed is not None:
         options.append(Setting(f"simulation.seed={seed}", f"--seed {seed}"))
+    refuse_rig(
+        experiment,
+        find_configs(configs),
+        f"run an experiment on it: rig run EXPERIMENT --rig {experiment}",
+    )
     plan = load_plan(experiment, options, rig=rig_name, configs=configs)
     if rig_name is not None:
         options.append(f"rig={rig_name}")
+    under = None if beside is None else find_run(beside, out)
+    if rehearse:
+        from rig.cli.rehearse import gone_through
+
+        under = gone_through(load_plan(experiment, options, configs=configs), out)
+        if under is None:
+            click.echo("nothing was moved; without --rehearse it is run all the same", err=True)
+            return EXIT_PREFLIGHT
     if not may_move(plan, on, yes, uncommissioned):
         return EXIT_USAGE
     simulated = backend_of(on).is_simulated
@@ -114,6 +147,7 @@ def run(
         pace=pace if simulated else None,
         watch=watch,
         steer=steer,
+        beside=under,
     )
     with line:
         result = run_experiment(
@@ -138,7 +172,7 @@ def run(
         and not simulated
         and _names_a_device(result.message, plan.profile.devices)
     ):
-        asking = f"rig check {plan.experiment.rig} --on {on}"
+        asking = f"rig check {plan.profile.argument} --on {on}"
         click.echo(f"who answers on the bus is told by: {asking}", err=True)
     if backend_of(on) is Backend.HARDWARE and result.exit_code == 0 and not as_json:
         from rig.cli.status import tell_next
@@ -172,6 +206,12 @@ def show(result: Result) -> None:
 
     if result.message is not None:
         click.echo(f"{result.status}: {result.message}", err=True)
+    if result.status is RunStatus.FAULTED:
+        from rig.explaining.fault_time import fault_time
+
+        when = fault_time(result.path)
+        if when is not None:
+            click.echo(f"when: {when}", err=True)
     width = max((len(metric.name) for metric in result.metrics), default=0)
     lines = []
     for metric in result.metrics:

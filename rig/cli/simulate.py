@@ -87,6 +87,8 @@ def _introduce(profile: Profile, simulation: Simulation) -> None:
         click.echo(f"{name} on a local socket, for `rig run` on the same interfaces", err=True)
     for name in simulation.left_out:
         click.echo(f"{name} hangs on no bus: another process cannot reach it", err=True)
+    if simulation.has_hands:
+        click.echo("hands on a local socket, for `rig commission` on the same interfaces", err=True)
     click.echo(f"simulating {profile.name}; Ctrl-C ends it", err=True)
     sys.stderr.flush()
 

@@ -56,13 +56,14 @@ def status(
     profile = load_profile(rig, REGISTRY, overrides, search)
     steps = way(profile, search)
     stages = [*steps, *_margins(profile), *_last_runs(profile, out)]
+    title = ", ".join(filter(None, (profile.name, profile.description)))
     following = _following(steps)
     if as_json:
         shown = {"stages": [stage._asdict() for stage in stages], "next": following or None}
         print_json(shown)
         return 0
     rows = [(stage.what, stage.state) for stage in stages]
-    print_tables([Table(f"{profile.name}, {profile.description}", ("what", "state"), rows)])
+    print_tables([Table(title, ("what", "state"), rows)])
     if following:
         click.echo(f"next: {following}", err=True)
     return 0
@@ -71,6 +72,7 @@ def status(
 def way(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
     """Return the milestones on a rig's way to hardware, in their order."""
     return [
+        *_valid(profile),
         _latch(profile),
         _commissioned(profile, search),
         *_calibrated(profile, search),
@@ -91,6 +93,20 @@ def tell_next(profile: Profile, search: Sequence[Path]) -> None:
     click.echo("next: rig run EXPERIMENT --on hardware  (nothing is missing)", err=True)
 
 
+def _valid(profile: Profile) -> list[Milestone]:
+    """Return what keeps a profile from being used at all: nothing else is worth doing before."""
+    from rig.assembly import check_profile
+    from rig.hal import ConfigurationError, SeveralErrors
+
+    try:
+        check_profile(profile)
+    except ConfigurationError as error:
+        first, *others = SeveralErrors.told_by(error)
+        more = f", and {len(others)} more" if others else ""
+        return [Milestone("valid", f"no: {first}{more}", f"rig check {profile.argument}")]
+    return []
+
+
 def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
     from rig.assembly import Backend
     from rig.commissioning.permission import verdict_of
@@ -102,7 +118,7 @@ def _commissioned(profile: Profile, search: Sequence[Path]) -> Milestone:
         )
     verdict = verdict_of(profile, Backend.HARDWARE, search)
     if verdict.lack:
-        remedy = f"rig commission {profile.name} --on hardware --yes {profile.name}"
+        remedy = f"rig commission {profile.argument} --on hardware --yes {profile.name}"
         return Milestone("commissioned", f"no: {verdict.lack}", remedy)
     return Milestone("commissioned", f"yes, {verdict.digest}")
 
@@ -113,7 +129,7 @@ def _latch(profile: Profile) -> Milestone:
     reason = FaultLatch(profile.name).reason()
     if reason is None:
         return Milestone("last fault", "none is latched")
-    return Milestone("last fault", f"latched: {reason}", f"rig reset {profile.name}")
+    return Milestone("last fault", f"latched: {reason}", f"rig reset {profile.argument}")
 
 
 def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
@@ -129,7 +145,7 @@ def _calibrated(profile: Profile, search: Sequence[Path]) -> list[Milestone]:
             content = store.in_force(profile, search, target)
             entries = [] if content is None else content["measured"]
             found.append([entry for entry in entries if entry["procedure"] == name])
-        remedy = f"rig calibrate {profile.name} {name} --on hardware --yes {profile.name}"
+        remedy = f"rig calibrate {profile.argument} {name} --on hardware --yes {profile.name}"
         if not all(found):
             stages.append(Milestone(f"calibrated: {name}", f"no ({procedure.title})", remedy))
             continue
@@ -163,7 +179,7 @@ def _tuned(profile: Profile) -> list[Milestone]:
     }
     if not found:
         state = "no: the profile's own gains are in force"
-        return [Milestone("tuned", state, f"rig tune {profile.name}")]
+        return [Milestone("tuned", state, f"rig tune {profile.argument}")]
     return [
         Milestone(f"tuned: {law}", f"{calibration.provenance.date[:10]}, {calibration.file}")
         for law, calibration in found.items()

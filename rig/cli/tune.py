@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True,
               help="Of the plants and of the search.")  # fmt: skip
 @click.option("--workers", type=click.IntRange(1), help="Processes; default: every core.")
-@click.option("--dry-run", is_flag=True, help="Put nothing in force.")
+@click.option("--dry-run", is_flag=True, help="Search and judge, but put nothing in force.")
 @click.option("--replace", is_flag=True, help="Put in force what is found, though it be worse.")
 @click.option("--operator", default=None, help="Who tunes; default: the user's name.")
 @click.option("--out", type=click.Path(path_type=Path), default=Path("runs"), show_default=True,
@@ -168,5 +168,12 @@ def _apply(
         facts=facts,
     )  # fmt: skip
     click.echo(str(path), err=True)
-    tell_next(load_profile(bench.profile.name, REGISTRY, (), search), search)
+    if request.experiment is None:
+        told = (
+            "tuned for the rig's usual sines and holds: steps and quicker motions may be lost with "
+        )
+        click.echo(f"{told}these gains; --for EXPERIMENT tunes for another motion", err=True)
+    else:
+        click.echo(f"tuned for {request.experiment}: other motions may need other gains", err=True)
+    tell_next(load_profile(request.rig, REGISTRY, (), search), search)
     return 0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import tempfile
 from pathlib import Path
 
 import click
@@ -15,6 +16,8 @@ from rig.run_names import LATEST, find_run
 @click.argument("run", required=False, shell_complete=complete_run)
 @click.option("--beside", metavar="RUN", shell_complete=complete_run,
               help="Another run, laid under it in thin lines.")  # fmt: skip
+@click.option("--rehearse", is_flag=True,
+              help="Go through RUN in simulation, and lay that under it.")  # fmt: skip
 @click.option("--port", type=click.IntRange(0, 65535), default=8765, show_default=True,
               help="On loopback; another one if it is taken.")  # fmt: skip
 @click.option("--steer", is_flag=True, help="Print a second address, from which gains change.")
@@ -24,6 +27,7 @@ from rig.run_names import LATEST, find_run
 def watch(
     run: str | None,
     beside: str | None,
+    rehearse: bool,
     port: int,
     steer: bool,
     opens: bool,
@@ -35,6 +39,8 @@ def watch(
     It listens on this machine alone. From another one: ssh -L 8765:127.0.0.1:8765 HOST, and the
     address as it is printed.
     """
+    if rehearse and beside is not None:
+        raise click.UsageError("either --rehearse or --beside: one run is laid under the other")
     from rig.cli.stop import live_runs
     from rig.hal import ConfigurationError
 
@@ -61,6 +67,11 @@ def watch(
 
             webbrowser.open(steering or look)
 
-    with contextlib.suppress(KeyboardInterrupt):
+    with contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
+        if rehearse:
+            from rig.cli.rehearse import gone_through_again
+
+            kept = stack.enter_context(tempfile.TemporaryDirectory(prefix="rig-rehearsal-"))
+            other = gone_through_again(path, Path(kept))
         serve_run(path, other, port, tell, steer=steer, leaves=until_left)
     return 0

@@ -36,6 +36,8 @@ class WatchedRun(ProgressLine):
         Times real time that it runs at most; None: as fast as it can.
     watch, steer : bool
         Whether there is a page, and whether gains may be changed on it.
+    beside : Path, optional
+        The folder of a run that the page lays under this one.
     """
 
     def __init__(
@@ -47,9 +49,11 @@ class WatchedRun(ProgressLine):
         pace: float | None = None,
         watch: bool = False,
         steer: bool = False,
+        beside: Path | None = None,
     ) -> None:
         super().__init__(plan.experiment.name, on)
         self._pace, self._watch, self._steer = pace, watch, steer
+        self._beside = beside
         self._law, self._period = plan.experiment.controller, plan.profile.loop.period
         self._needs_hold = needs_hold
         self._origin: float | None = None
@@ -68,6 +72,8 @@ class WatchedRun(ProgressLine):
             self._box = Mailbox(path, create=True)
         if self._watch:
             command = [sys.executable, "-m", "rig", "watch", str(path), "--until-left"]
+            if self._beside is not None:
+                command += ["--beside", str(self._beside)]
             # A session of its own: Ctrl-C in this terminal is for the run. The page shows its end.
             self._server = subprocess.Popen(
                 [*command, *(["--steer"] if self._steer else [])],
@@ -113,7 +119,7 @@ class WatchedRun(ProgressLine):
         import getpass
 
         for said in gains.said:
-            t = progress.t - (gains.cycle - said.cycle) * self._period
+            t = progress.elapsed - (gains.cycle - said.cycle) * self._period
             data = {"who": getpass.getuser(), **said.data}
             self._events(t, "tuning", said.message, data)
         gains.said.clear()
@@ -126,8 +132,8 @@ class WatchedRun(ProgressLine):
             return
         now = monotonic()
         if self._origin is None:
-            self._origin = now - progress.t / self._pace
-        ahead = self._origin + progress.t / self._pace - now
+            self._origin = now - progress.elapsed / self._pace
+        ahead = self._origin + progress.elapsed / self._pace - now
         if ahead > 0.0:
             sleep(ahead)
         else:  # it is never caught up with: what is slow stays slow

@@ -56,7 +56,7 @@ def as_commissioned(plan: Plan, backend: Backend, override: str | None = None) -
         raise ConfigurationError(verdict.trouble)
     if not verdict.lack:
         return Permitted(plan, said)
-    remedy = f"mend it with: rig commission {plan.profile.name} --on hardware"
+    remedy = f"mend it with: rig commission {plan.profile.argument} --on hardware"
     if override is not None:
         why = f"{verdict.lack}; all of the speed and the effort is used all the same: {override}"
         return Permitted(plan, [*said, why])
@@ -82,8 +82,8 @@ def refuse_uncommissioned(profile: Profile, override: str | None) -> str | None:
     if override is None:
         raise DeviceError(
             profile.name,
-            f"{verdict.lack}; mend it with: rig commission {profile.name} --on hardware, or say "
-            "why it moves all the same with --uncommissioned REASON",
+            f"{verdict.lack}; mend it with: rig commission {profile.argument} --on hardware, or "
+            "say why it moves all the same with --uncommissioned REASON",
         )
     return f"{verdict.lack}; it moves all the same: {override}"
 
@@ -127,11 +127,22 @@ def _held_back(plan: Plan) -> Plan:
         raise DeviceError(
             profile.name,
             "it is not commissioned, and this motion depends on what is measured: it cannot be "
-            f"slowed down; mend it with: rig commission {profile.name} --on hardware",
+            f"slowed down; mend it with: rig commission {profile.argument} --on hardware",
         )
     view = REGISTRY.load("mechanism", profile.mechanism)
     experiment = replace(plan.experiment, approach=plan.experiment.approach / SPEED)
-    return plan._replace(
-        experiment=experiment, profile=profile, motion=SlowMotion(view, motion),
-        controller=make_controller(profile, experiment.controller),
-    )  # fmt: skip
+    try:
+        slowed = view.slowed(
+            plan.profile.mechanism_settings, experiment.reference.settings, plan.controller,
+            profile.loop.period, SPEED,
+        )  # fmt: skip
+    except ValueError as error:
+        raise DeviceError(
+            profile.name,
+            f"it is not commissioned, and with {SPEED:g} of the speed: {error}; mend it with: "
+            f"rig commission {profile.argument} --on hardware",
+        ) from error
+    if slowed is None:
+        slowed = make_controller(profile, experiment.controller), SlowMotion(view, motion)
+    controller, slow = slowed
+    return plan._replace(experiment=experiment, profile=profile, motion=slow, controller=controller)

@@ -10,12 +10,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypedDict, cast
 
-import yaml
-
 from rig.config import Profile
 from rig.config.calibration import check_seal, seal
 from rig.config.diagnostics import Problems
 from rig.config.dump import plain_of
+from rig.config.plain_dump import dump_plain
 from rig.config.yaml_loader import plain_in, read_plain, read_source
 from rig.hal import ConfigurationError
 from rig.typed_json import checked
@@ -80,7 +79,7 @@ def _uncalibrated(profile: Profile) -> Profile:
     }
     return replace(
         profile, devices=devices, mechanism_settings=profile.nominal_settings,
-        calibration=None, uncalibrated=None,
+        calibration=None, uncalibrated=None, loop=replace(profile.loop, small_margin=None),
     )  # fmt: skip
 
 
@@ -170,7 +169,7 @@ def write_record(configs: Path, content: Content) -> Path:
         It cannot be written.
     """
     path = record_path(configs, content["rig"])
-    body = yaml.safe_dump(dict(content), sort_keys=False, allow_unicode=True, width=100)
+    body = dump_plain(content)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, seal("# Written by rig commission; the last line seals it.\n" + body))

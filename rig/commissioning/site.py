@@ -23,29 +23,30 @@ class Site(NamedTuple):
     profile : Profile
         The rig's.
     make_rig : callable
-        Builds the rig; nothing is opened yet.
+        Builds the rig of a profile, which may be gentler than the site's; nothing is opened yet.
     operator : Operator
         Who stands at it.
     out : Path
         Where run folders live.
     on : str or None
         Other interfaces than the profile's.
+    hands : BreakableWorld or None
+        The simulated world of another process, which hands reach (`rig simulate`).
     """
 
     profile: Profile
-    make_rig: Callable[[], Rig]
+    make_rig: Callable[[Profile], Rig]
     operator: Operator
     out: Path
     on: str | None = None
+    hands: BreakableWorld | None = None
 
+    def world_of(self, rig: Rig) -> BreakableWorld | None:
+        """Return the simulated world of a rig that hands reach; None: it is a real one."""
+        if not rig.backend.is_simulated:
+            return self.hands
+        return cast("BreakableWorld", rig.clock.world)  # type: ignore[attr-defined]
 
-def world_of(rig: Rig) -> BreakableWorld | None:
-    """Return the simulated world of a rig; None: it is a real one, or in another process."""
-    if not rig.backend.is_simulated:
-        return None
-    return cast("BreakableWorld", rig.clock.world)  # type: ignore[attr-defined]
-
-
-def patience(rig: Rig) -> float:
-    """Return how long somebody is waited for, s."""
-    return SOON if rig.backend.is_simulated else PATIENCE
+    def patience(self, rig: Rig) -> float:
+        """Return how long somebody is waited for, s."""
+        return PATIENCE if self.world_of(rig) is None else SOON

@@ -53,10 +53,10 @@ def calibration_states(
         entry = profile.devices.get(name)
         serial = None if entry is None else entry.serial
         procedure = calibration.provenance.procedure or "--all"
-        remedy = f"rig calibrate {profile.name} {procedure} --replace --on hardware"
+        remedy = f"rig calibrate {profile.argument} {procedure} --replace --on hardware"
         if name.startswith(TUNED):
             law = name.removeprefix(TUNED)
-            remedy = f"rig tune {profile.name} --controller {law} --replace"
+            remedy = f"rig tune {profile.argument} --controller {law} --replace"
         problems = _problems(calibration, serial, today)
         if on_hardware:
             problems = (*_strangeness(calibration), *problems)

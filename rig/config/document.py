@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rig.config.diagnostics import Problems, ProfileError, shown
-from rig.config.located import BROKEN, Mark, Node, Source
+from rig.config.located import BROKEN, Mark, Node, Plain, Source
 from rig.config.names import SUFFIXES, Folder, find_file, is_path
 from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.setting import Setting
@@ -51,16 +51,22 @@ def load_document(
     return _load(path, folder, search, problems, ())
 
 
-def name_under(
-    key: str, source: str | Path, folder: Folder, search: Sequence[Path] = ()
-) -> str | None:
-    """Return what a file says under a key, if it is a text, however wrong the rest of it is."""
+def plain_under(key: str, source: str | Path, folder: Folder, search: Sequence[Path] = ()) -> Plain:
+    """Return what a file says under a key, however wrong the rest of it is; None if nothing."""
     try:
         root = load_document(find_file(source, folder, search), folder, search, Problems()).root
     except ConfigurationError:
         return None
     node = root.get(key)
-    return node.value if node is not None and isinstance(node.value, str) else None
+    return None if node is None else node.plain()
+
+
+def name_under(
+    key: str, source: str | Path, folder: Folder, search: Sequence[Path] = ()
+) -> str | None:
+    """Return what a file says under a key, if it is a text, however wrong the rest of it is."""
+    value = plain_under(key, source, folder, search)
+    return value if isinstance(value, str) else None
 
 
 def _load(

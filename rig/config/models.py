@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeAlias
 from annotated_types import Ge, Interval, MinLen, Unit
 
 from rig.config.located import Plain
+from rig.config.names import rig_argument
 from rig.config.simulation_models import SimulationSettings
 
 Settings: TypeAlias = Any
@@ -38,6 +39,9 @@ class LoopSettings:
     longest_motion : float
         A motion that takes longer is refused, s: one that is asked for by mistake would fill
         memory while it is planned, or run until the disk is full.
+    small_margin : str, optional
+        Why hardware may run a loop that is nearer to instability than `rig check` asks for: a
+        sensitivity above 2, or stable by friction only. None: it is refused.
     """
 
     rate: Annotated[float, Unit("Hz"), Interval(ge=1, le=5000)]
@@ -47,6 +51,7 @@ class LoopSettings:
     max_missed: Annotated[int, Interval(ge=1, le=1000)] = 5
     safe_within: Annotated[float, Unit("s"), Interval(ge=0, le=10)] = 1.0
     longest_motion: Annotated[float, Unit("s"), Interval(gt=0, le=604800)] = 1800.0
+    small_margin: str | None = None
 
     @property
     def period(self) -> float:
@@ -242,6 +247,11 @@ class Profile:
     def nominal_settings(self) -> Settings:
         """The mechanism's settings as if it had never been calibrated."""
         return self.mechanism_settings if self.uncalibrated is None else self.uncalibrated
+
+    @property
+    def argument(self) -> str:
+        """What a command line names it by: `name` alone is found in ``rigs`` folders only."""
+        return rig_argument(self.name, self.files)
 
     @property
     def calibrations(self) -> dict[str, Calibration]:

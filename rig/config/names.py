@@ -1,6 +1,7 @@
 """Find configuration folders, rigs and experiments by name."""
 
 import re
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, Literal
@@ -97,3 +98,29 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
     raise ConfigurationError(
         f"no {_SINGULAR[folder]} is called {source!r}; " + (hint or f"looked in {where}")
     )
+
+
+def rig_argument(name: str, files: Sequence[Path]) -> str:
+    """Return what names a rig on a command line, as a shell takes it.
+
+    Parameters
+    ----------
+    name : str
+        The rig's own.
+    files : sequence of Path
+        What was read for it, its own file first; none: it was made by a program.
+
+    Returns
+    -------
+    str
+        The name of its file where that finds it from here; else the path.
+    """
+    if not files:
+        return shlex.quote(name)
+    file = files[0].resolve()
+    found = list_files("rigs", find_configs()).get(file.stem)
+    if found is not None and found.resolve() == file:
+        return shlex.quote(file.stem)
+    here = Path.cwd().resolve()
+    path = str(file.relative_to(here) if file.is_relative_to(here) else file)
+    return shlex.quote(f"./{path}" if path.startswith("-") else path)

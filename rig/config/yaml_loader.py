@@ -14,6 +14,7 @@ directives, several documents in a file, duplicate keys and tabs. Plain scalars 
 Keys are text as they are written.
 """
 
+import os
 import re
 from pathlib import Path
 from typing import Final
@@ -36,6 +37,7 @@ from yaml.events import (
 
 from rig.config.diagnostics import Diagnostic, Problems, ProfileError
 from rig.config.located import BROKEN, Mark, Node, Plain, Scalar, Source
+from rig.hal.errors import ConfigurationError
 from rig.hal.files import read_regular
 
 MAX_BYTES: Final = 1 << 20
@@ -86,6 +88,9 @@ def read_source(path: Path) -> Source:
     ProfileError
         It holds a character that has no place in YAML; with its location.
     """
+    if path.is_symlink() and Path(os.path.realpath(path)).suffix != path.suffix:
+        # Errors quote lines of what is read: a link must not have them quote what is no such file.
+        raise ConfigurationError(f"cannot read {path}: it is a link to a file of another kind")
     content = read_regular(path, MAX_BYTES)
     try:
         return Source(str(path), content.decode("utf-8-sig"))

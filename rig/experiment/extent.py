@@ -8,7 +8,7 @@ from rig.experiment.plan import Plan
 from rig.hal import Column
 
 _INSTANTS: Final = 400
-"""At which a motion is looked at."""
+"""At which a motion is looked at, but for one whose rows are told cycle by cycle."""
 _REFERENCE: Final = "reference."
 
 
@@ -26,9 +26,11 @@ def extent_of(plan: Plan) -> list[tuple[Column, float, float]]:
         mechanism.attach(copy.copy(plan.controller), motion)
         state = mechanism.read(rig.clock.now())
         command = mechanism.released_command()
+        cycles = round(motion.duration / plan.profile.loop.period)
+        count = cycles if motion.waits else _INSTANTS
         rows = [
-            mechanism.row(state, motion.at(k * motion.duration / _INSTANTS), command, command)
-            for k in range(_INSTANTS + 1)
+            mechanism.row(state, motion.at(k * motion.duration / count), command, command)
+            for k in range(count + 1)
         ]
         columns = zip(mechanism.columns, zip(*rows, strict=True), strict=True)
         return [

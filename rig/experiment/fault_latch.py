@@ -13,7 +13,7 @@ from pathlib import Path
 
 from rig.experiment.ending import EXIT_PREFLIGHT, Ending
 from rig.hal import ConfigurationError, DeviceError
-from rig.hal.files import read_regular
+from rig.hal.files import read_regular, users_folder
 from rig.run_facts import RunStatus
 
 _DIED = "the program ended while the rig was energised, and did not say why"
@@ -34,12 +34,14 @@ class FaultLatch:
     ----------
     rig : str
         Its profile's name.
+    argument : str, optional
+        What a command line names it by; default: the name.
     """
 
-    def __init__(self, rig: str) -> None:
+    def __init__(self, rig: str, argument: str | None = None) -> None:
         self.rig = rig
-        home = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-        self.path = Path(home) / "rig" / f"{rig}.fault"
+        self._argument = argument or rig
+        self.path = users_folder("XDG_STATE_HOME", ".local", "state") / "rig" / f"{rig}.fault"
 
     def reason(self) -> str | None:
         """Return what latched it, and when; None: nothing did.
@@ -70,7 +72,7 @@ class FaultLatch:
             raise FaultLatched(
                 self.rig,
                 f"its last fault is latched: {reason}; find the cause and mend it, "
-                f"then: rig reset {self.rig}",
+                f"then: rig reset {self._argument}",
             )
 
     def set(self, run: Path, fault: str = _DIED) -> None:
@@ -120,4 +122,5 @@ class FaultLatch:
             self.set(run, str(ending.message))
         except DeviceError as error:  # what was written before the rig was energised still latches
             return str(error)
-        return f"{self.rig} is latched: find the cause and mend it, then: rig reset {self.rig}"
+        remedy = f"rig reset {self._argument}"
+        return f"{self.rig} is latched: find the cause and mend it, then: {remedy}"

@@ -18,7 +18,7 @@ def check_permitted(plan: Plan, backend: Backend, *, heed_calibrations: bool = T
         On hardware: a fault is latched, or a calibration does not hold.
     """
     if backend is Backend.HARDWARE:
-        FaultLatch(plan.profile.name).check()
+        FaultLatch(plan.profile.name, plan.profile.argument).check()
     doubts: list[str] = []
     if not heed_calibrations:
         return doubts

@@ -23,7 +23,7 @@ from rig.experiment.ending import (
     fault_of,
 )
 from rig.experiment.fault_latch import FaultLatch
-from rig.experiment.frozen import refuse_slow_devices
+from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
 from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
 from rig.experiment.new_folder import create_folder, log_columns, write_evaluation
@@ -110,8 +110,8 @@ def run_experiment(
     frames : str, optional
         Record the CAN buses, in one of `rig.assembly.frame_recording.FORMATS`.
     heed_calibrations : bool
-        Refuse hardware whose calibration does not hold, or whose devices act too late by
-        themselves; False: it is being calibrated.
+        Refuse hardware whose calibration does not hold, or that `refuse_unfit` refuses; False: it
+        is being calibrated.
     stop : StopRequests, optional
         By which another thread may ask for the end.
     rehearses : bool
@@ -133,19 +133,19 @@ def run_experiment(
     ConfigurationError
         The run folder cannot be made, or the profile does not run on this backend.
     DeviceError
-        On hardware: a calibration does not hold, or a fault is latched; with the command that
-        would mend it. Or a device would keep its setpoints for too long if the program died.
+        On hardware: a calibration does not hold, a fault is latched, or `refuse_unfit` refuses it.
     """
     watcher = watcher or Watcher()
     doubts = check_permitted(plan, backend, heed_calibrations=heed_calibrations)
     notes: Sequence[str] = () if uncommissioned is None else (uncommissioned,)
     if heed_calibrations:
         plan, notes = as_commissioned(plan, backend, uncommissioned)
-    latch = FaultLatch(plan.profile.name) if backend is Backend.HARDWARE else None
+    rig_names = plan.profile.name, plan.profile.argument
+    latch = FaultLatch(*rig_names) if backend is Backend.HARDWARE else None
     stop = stop or StopRequests()
     with stop:
         if backend is Backend.HARDWARE and heed_calibrations and not is_permitted:
-            refuse_slow_devices(plan, watcher.said)
+            refuse_unfit(plan, watcher.said)
         if rehearses or not backend.is_simulated:
             rehearse(plan, watcher)
         frame_log = None if frames is None else make_frame_log(plan.profile, backend)
@@ -159,6 +159,7 @@ def run_experiment(
             stop.expose()
             if frame_log is not None:
                 frame_log.start(folder.path / f"{FRAMES}.{FORMATS[0]}")
+            rig.show_in(folder.path)
             watcher.started(folder.path)
             watcher.recording(_Events(folder))
             for kind, sentences in (("commissioning", notes), ("calibration", doubts)):

@@ -42,6 +42,11 @@ def explain_run(folder: Path) -> list[Remark]:
     message = manifest.get("message")
     if message:
         said.append(Remark("message", message))
+    if status == RunStatus.FAULTED:
+        from rig.explaining.fault_time import fault_time  # with numpy
+
+        when = fault_time(folder)
+        said += [Remark("when", when)] if when is not None else []
     said += [Remark(_DIAGNOSIS, sentence) for sentence in _diagnoses(folder)]
     if status == RunStatus.FAILED:
         return [*said, *_missed(folder)]
@@ -52,7 +57,12 @@ def explain_run(folder: Path) -> list[Remark]:
     told = (*_diagnoses(folder), message or "")  # what looked longest knows best
     topics = dict.fromkeys(topic for sentence in told if (topic := topic_of(sentence)))
     if not topics:
-        return [*said, Remark("means", "`rig report` shows the last second of every quantity.")]
+        return [
+            *said,
+            Remark(
+                "means", "`rig export RUN --format csv` holds every quantity to the last cycle."
+            ),
+        ]
     names = {"RIG": manifest.get("rig"), "EXPERIMENT": manifest.get("experiment")}
     return [*said, *(remark for topic in topics for remark in _remarks(topic, folder, names))]
 

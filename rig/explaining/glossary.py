@@ -45,7 +45,12 @@ class Word(NamedTuple):
 
 def glossary() -> tuple[Word, ...]:
     """Return every key of profiles and experiments, law, measure and exit code."""
-    return (*_profile_keys(), *_experiment_keys(), *_laws(), *_measures(), *exit_codes())
+    return (*_profile_keys(), *_experiment_keys(), *without_keys())
+
+
+def without_keys() -> tuple[Word, ...]:
+    """Return the words that are no keys of files: those need the schemas of every part, 2 s."""
+    return (*_laws(), *_measures(), *exit_codes())
 
 
 def exit_codes() -> Iterator[Word]:

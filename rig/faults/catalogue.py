@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rig.faults import frame_kinds, program_kinds, world_kinds
+from rig.faults import frame_kinds, program_kinds, valve_kinds, world_kinds
 from rig.faults.kind import FaultKind, Place, Sizes, either, ride
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
@@ -17,12 +17,19 @@ NOTHING = FaultKind(
 
 KINDS = {
     kind.name: kind
-    for kind in (NOTHING, *world_kinds.KINDS, *frame_kinds.KINDS, *program_kinds.KINDS)
+    for kind in (
+        NOTHING,
+        *world_kinds.KINDS,
+        *valve_kinds.KINDS,
+        *frame_kinds.KINDS,
+        *program_kinds.KINDS,
+    )
 }
 
 
 _NEEDS = (
     (world_kinds.PNEUMATIC, "a simulated chamber, wire, regulator or supply"),
+    (valve_kinds.KINDS, "proportional valves"),
     (world_kinds.EMERGENCY_STOPS, "a device that reads the contact"),
     (world_kinds.SENSORS, "a linear encoder that knows it"),
     (world_kinds.CAMERAS, "a camera"),

@@ -86,6 +86,13 @@ def _unless_unconfirmed(sizes: Sizes, subject: Subject) -> Must:
     return _unless_short(sizes, subject) if told <= subject.confirming else Must.EITHER
 
 
+def _unless_unshown(sizes: Sizes, subject: Subject) -> Must:
+    """Expect that late setpoints are seen where every device says which one it got."""
+    told = {device for device, frames in subject.frames.items() if frames.to_device}
+    late = _unless_early(_COMMANDS_LATE)(sizes, subject)
+    return late if told <= subject.confirming else Must.EITHER
+
+
 def _unless_early(least: float) -> Expect:
     return lambda sizes, subject: (
         Must.SAFE if (sizes.magnitude or 0.0) > least and sizes.lasts > 2.0 * least else Must.EITHER
@@ -103,6 +110,7 @@ def _kind(name: str, what: str, way: Way, kind: str, must: Expect, within: float
     return FaultKind(
         name=name, what=what, places=partial(_places, way), apply=partial(_disturb, way, kind),
         must=must, within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
+        in_setpoints=way == "to",
     )  # fmt: skip
 
 
@@ -110,6 +118,8 @@ _BRIDGED = "a gap within the age that a reading may have is bridged"
 _SHORT = "setpoints that are late for less are caught up"
 _ANOTHERS = frozenset({"fall"})
 """What drives do that somebody else commands: a robot that is told to kneel does not stand."""
+_WRONG_ANGLE = frozenset({"fall", "rate"})
+"""What a drive does that obeys a setpoint which was another one on its way."""
 _DELAY = Magnitudes(1e-3, 50e-3, "s")
 _BYTE = Magnitudes(1.0, 7.0, "1")
 
@@ -132,9 +142,10 @@ KINDS = (
     _kind("setpoints_lost", "Setpoints do not arrive.", "to", "drop", _unless_short, 0.2,
           why=_SHORT),
     _kind("setpoints_late", "Setpoints arrive late.", "to", "delay",
-          _unless_early(_COMMANDS_LATE), 0.2, why=_SHORT, magnitude=_DELAY),
+          _unless_unshown, 0.2, why=_SHORT + "; where no echo shows it, the joint lags by its "
+          "speed times the delay, within its following window", magnitude=_DELAY),
     _kind("setpoints_corrupt", "A byte of the setpoints is inverted.", "to", "corrupt",
-          _unless_unconfirmed, 0.2, magnitude=_BYTE,
+          _unless_unconfirmed, 0.2, magnitude=_BYTE, forgives=_WRONG_ANGLE,
           why="as setpoints that are late; where no echo shows it, a low byte is 3.9 kPa of the "
           "joint's 500 and 3 mrad of a leg's servo, less than those may be off"),
     _kind("setpoints_short", "Setpoints lack bytes.", "to", "truncate", _unless_short, 0.2,

@@ -96,6 +96,7 @@ class Performance(Watcher):
         self._seen_at: float | None = None
         self._running_from: float | None = None
         self._felt_at: list[float | None] = []
+        self._made_at: list[float] = []
         self._said: list[str] = []
         self._stage: Stage
         self._rehearsal: RehearsalStage | None = None
@@ -209,6 +210,7 @@ class Performance(Watcher):
 
     def _make(self, item: Break) -> None:
         stage = self._stage
+        self._made_at.append(stage.world.time)
         self._felt_at.append(None if item.row.spoils_law else stage.world.time)
         self._note(item)
         end = item.row.apply(stage, item.place(self.subject), item.sizes)
@@ -256,12 +258,13 @@ class Performance(Watcher):
         times, rows = (np.array(values) for values in self._stage.truth)
         plight = partial(
             plight_of, subject=self.subject, columns=self._columns, truth=self._stage.truth,
-            broke_at=self._broke_at, ended_at=ended_at,
+            ended_at=ended_at,
         )  # fmt: skip
+        made_at = [*self._made_at, *[None] * len(self._case.breaks)]  # a second may never come
         forgiven = {
             name
-            for item in self._case.breaks
-            for name in item.row.forgives | item.row.excuses(plight(item))
+            for item, at in zip(self._case.breaks, made_at, strict=False)
+            for name in item.row.forgives | item.row.excuses(plight(item, broke_at=at))
         }
         violations = judge(
             self.subject.hazards, self._columns, times, rows,
@@ -314,7 +317,7 @@ def plight_of(
     truth : Truth
         From the start on.
     broke_at : float or None
-        When the first fault happened, s; None if it did not.
+        When it did, s; None if it did not.
     ended_at : float
         When the program ended or died, s.
     """
@@ -324,7 +327,9 @@ def plight_of(
     moved = 0.0
     if place.axis in columns:
         column = columns.index(place.axis)
-        way = [row[column] for row in truth.rows[first : last + 1]]
+        # What begins to move just before the end could not be seen any more.
+        seen = bisect_right(truth.times, truth.times[last] - item.row.within)
+        way = [row[column] for row in truth.rows[first : max(seen, first + 1)]]
         moved = max(way) - min(way)
     power = [columns.index(f"powered_{a}") for a in place.names[:1] if f"powered_{a}" in columns]
     limp = any(row[column] == 0.0 for row in truth.rows[first:] for column in power)

@@ -61,6 +61,11 @@ class Subject:
     chosen: tuple[str, ...] = ()
     configs: str = ""
 
+    @property
+    def has_pressure(self) -> bool:
+        """Whether it has chambers, which are filled while it is energised."""
+        return any(hazard.name == "pressure" for hazard in self.hazards)
+
     def words_of(self, bus: str) -> tuple[str, ...]:
         """Return names that stand for a bus: its own, and those of all that is on it."""
         devices = self.on_bus.get(bus, ())

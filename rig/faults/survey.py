@@ -10,7 +10,7 @@ from rig.assembly import REGISTRY, Backend, Rig
 from rig.calibration.catalogue import procedures
 from rig.calibration.recording import RigLacks
 from rig.config import Profile, find_configs, find_file, list_files, load_profile
-from rig.config.document import name_under
+from rig.config.document import plain_under
 from rig.config.experiment import rig_of
 from rig.experiment.plan import load_plan
 from rig.experiment.run import run_experiment
@@ -45,7 +45,7 @@ class _Look(Watcher):
 
 
 def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
-    """Return the experiments whose rig this is, or else those of its mechanism, by name.
+    """Return the experiments whose rig this is, or else those of rigs with its plant, by name.
 
     Raises
     ------
@@ -57,10 +57,14 @@ def experiments_of(rig: str, configs: Path | None) -> tuple[str, ...]:
     # Their files are read and no more: of what other rigs name nothing runs.
     rigs = {name: rig_of(name, search) for name in list_files("experiments", search)}
     found = tuple(name for name, own in rigs.items() if own == rig)
-    if not found:  # then what its mechanism does on another rig
-        mechanism = load_profile(rig, REGISTRY, [], search).mechanism
+    if not found:  # then what another rig does that has the same mechanism in the same world
+        load_profile(rig, REGISTRY, [], search)  # what is wrong with it is said first
+
+        def world_of(name: str) -> list[object]:
+            return [plain_under(key, name, "rigs", search) for key in ("mechanism", "plant")]
+
         named = {own for own in rigs.values() if own is not None}
-        alike = {own for own in named if name_under("mechanism", own, "rigs", search) == mechanism}
+        alike = {own for own in named if world_of(own) == world_of(rig)}
         found = tuple(name for name, own in rigs.items() if own in alike)
     if not found:
         raise ConfigurationError(f"no experiment runs on {rig}: nothing to break it in")

@@ -158,7 +158,12 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
 
 def what_must_come(case: Case, subject: Subject) -> Must:
     """Return what must come of a case's first fault in its phase; a second one excuses none."""
-    musts = [item.row.must(item.sizes, subject) for item in case.breaks]
+    # Drives that are being enabled are told where they stand, again and again.
+    rests = case.moment is Moment.ENERGISE and not subject.has_pressure
+    musts = [
+        Must.EITHER if rests and item.row.in_setpoints else item.row.must(item.sizes, subject)
+        for item in case.breaks
+    ]
     if case.moment is Moment.CONNECT and case.first.kind != "nothing":
         return Must.EITHER  # it may be refused, or be past before anybody looks
     if Must.SAFE in musts:

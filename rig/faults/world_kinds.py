@@ -34,7 +34,7 @@ from rig.faults.stage import Stage
 from rig.faults.subject import Subject
 
 _PLANT = "plant"
-_ALONE = frozenset({*ON_A_WIRE, "pressure"})
+ALONE = frozenset({*ON_A_WIRE, "pressure"})
 """What a chamber does that no setpoint reaches any more, when all others are vented: it pulls
 alone, with what the supply gives, until the mechanical stop bears it."""
 
@@ -80,7 +80,7 @@ def _whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
     ]
 
 
-def _is_felt(least: float) -> Expect:
+def is_felt(least: float) -> Expect:
     """Expect that what is at least so large is seen, and that less does no harm."""
     return lambda sizes, subject: Must.SAFE if abs(sizes.magnitude or 0.0) >= least else Must.EITHER
 
@@ -151,19 +151,21 @@ def _kind(
     )  # fmt: skip
 
 
-def _of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
+def of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
               words: Sequence[str] = (), *, why: str = "",
               forgives: frozenset[str] = frozenset(),
               excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
+    """Return a fault of a plant that takes a channel's number."""
     places = partial(_channels, name, words)
     return _kind(name, what, places, must, within, why=why, forgives=forgives, excuses=excuses)
 
 
-def _of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
+def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                words: Sequence[str] = (), *, fault: str | None = None, why: str = "",
                magnitude: Magnitudes | None = None, lasts: Magnitudes | None = None,
                forgives: frozenset[str] = frozenset(),
                excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
+    """Return a fault of a device, or of one of its axes or a plant's channels."""
     places = partial(_devices, fault or name, words)
     return _kind(
         name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
@@ -182,52 +184,52 @@ _MOMENT = Magnitudes(1e-3, 1.0, "s")
 _CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
 PNEUMATIC = (
-    _of_plant("regulator_stuck", "A regulator holds the pressure that it has.", either, 1.0,
+    of_plant("regulator_stuck", "A regulator holds the pressure that it has.", either, 1.0,
               why="at that pressure the rig may go on for as long as it is wanted"),
-    _of_device("regulator_stuck_at", "A regulator goes to some pressure and stays there.", either,
+    of_device("regulator_stuck_at", "A regulator goes to some pressure and stays there.", either,
                1.0, fault="regulator_stuck", magnitude=Magnitudes(5e3, 450e3, "Pa"),
                why="at a pressure near that which is wanted nothing is amiss; above 50 kPa it "
                "pulls alone when all others are vented, with 9 N and more, until the stop bears it",
                excuses=pulls_alone),
-    _of_device("regulator_slow", "A regulator takes so many times as long.", _is_felt(2.5),
+    of_device("regulator_slow", "A regulator takes so many times as long.", is_felt(2.5),
                _UNTIL_MOVED, magnitude=Magnitudes(1.2, 6.0, "1"),
                why="a little slower tracks a little worse; while nothing moves, nobody can tell"),
-    _of_device("regulator_offset", "A regulator gives another pressure than it is told.",
-               _is_felt(_REGULATOR_OFF), 1.0, magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
+    of_device("regulator_offset", "A regulator gives another pressure than it is told.",
+               is_felt(_REGULATOR_OFF), 1.0, magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; so much a regulator is off by catalogue"),
-    _of_device("monitor_offset", "A pressure monitor is off.", _is_felt(60e3), 1.0, ("monitor",),
+    of_device("monitor_offset", "A pressure monitor is off.", is_felt(60e3), 1.0, ("monitor",),
                magnitude=Magnitudes(2e3, 120e3, "Pa", signed=True),
                why="the loop closes over the rods; the pressure is judged, not controlled"),
-    _of_device("monitor_frozen", "A pressure monitor repeats its value.", either, 1.0,
+    of_device("monitor_frozen", "A pressure monitor repeats its value.", either, 1.0,
                ("monitor",), why="the loop closes over the rods, and a pressure may rest"),
-    _of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
+    of_device("small_leak", "A chamber leaks.", either, 1.0, fault="leak",
                magnitude=Magnitudes(1e-11, 1e-8, "m3/(s Pa)"),
                why="a regulator makes up for a leak that is smaller than its flow"),
-    _of_device("leak", "The tube of a chamber is off.", _is_felt(_TUBE), 0.3,
+    of_device("leak", "The tube of a chamber is off.", is_felt(_TUBE), 0.3,
                magnitude=Magnitudes(1e-8, 5e-8, "m3/(s Pa)"),
                why="less than 1.5e-8 m3/(s Pa), a narrow tube, a regulator makes up for: the rods "
                "stay where they do when nothing leaks"),
-    _of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
-              forgives=_ALONE),
-    _of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
-              why="a shut chamber is a spring, and holds where it is", forgives=_ALONE),
-    _of_plant("wire_cut", "A wire breaks.", safe, 0.1, forgives=ON_A_WIRE),
-    _of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
+    of_plant("regulator_open", "A regulator gives all that the supply has.", safe, 0.2,
+              forgives=ALONE),
+    of_plant("regulator_closed", "A regulator lets no air in or out.", either, 1.0,
+              why="a shut chamber is a spring, and holds where it is", forgives=ALONE),
+    of_plant("wire_cut", "A wire breaks.", safe, 0.1, forgives=ON_A_WIRE),
+    of_plant("wire_slack", "A wire has come off its ball and hangs.", safe, 0.2, ("wire",),
               forgives=ON_A_WIRE),
-    _of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
+    of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
               forgives=ON_A_WIRE),
     _kind("supply_lost", "The supply falls to another pressure.",
-          partial(_whole, "supply_lost", ("supply", "regulator")), _is_felt(0.0), 0.3,
+          partial(_whole, "supply_lost", ("supply", "regulator")), is_felt(0.0), 0.3,
           magnitude=Magnitudes(1e3, 100e3, "Pa")),
-    _of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
+    of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
               ("regulator",), why="as a regulator that holds its pressure"),
-    _of_plant("wire_break", "The wire of a pressure monitor breaks.", safe, 0.05, ("monitor",)),
+    of_plant("wire_break", "The wire of a pressure monitor breaks.", safe, 0.05, ("monitor",)),
 )  # fmt: skip
 
 EMERGENCY_STOPS = (
-    _of_device("emergency_stop", "The emergency stop is pressed.", safe, 0.02,
+    of_device("emergency_stop", "The emergency stop is pressed.", safe, 0.02,
                ("emergency stop",)),
-    _of_device("stop_wire_cut", "The wire of the emergency stop's chain breaks.", safe, 0.02,
+    of_device("stop_wire_cut", "The wire of the emergency stop's chain breaks.", safe, 0.02,
                ("emergency stop",), fault="emergency_stop"),
     FaultKind(name="emergency_stop_tapped", what="The emergency stop is pressed and let go of.",
               places=partial(_devices, "emergency_stop", ("emergency stop",)),
@@ -242,92 +244,85 @@ EMERGENCY_STOPS = (
 )  # fmt: skip
 
 SENSORS = (
-    _of_device("encoder_frozen", "An encoder repeats its position.", either, 0.5,
+    of_device("encoder_frozen", "An encoder repeats its position.", either, 0.5,
                fault="frozen", why="at rest nobody can tell", lasts=_MOMENT),
-    _of_device("encoder_offset", "An encoder jumps and stays off.", _is_felt(4e-3), 0.1,
+    of_device("encoder_offset", "An encoder jumps and stays off.", is_felt(4e-3), 0.1,
                ("rod", "wire"), fault="jump", why="wires give so much",
                magnitude=Magnitudes(0.1e-3, 20e-3, "m", signed=True)),
-    _of_device("encoder_drift", "An encoder's zero wanders.", _is_felt(2e-3), 1.5,
+    of_device("encoder_drift", "An encoder's zero wanders.", is_felt(2e-3), 1.5,
                ("rod", "wire"), fault="drift",
                magnitude=Magnitudes(0.1e-3, 10e-3, "m/s", signed=True),
                why="it takes long until a slow drift is more than wires give"),
-    _of_device("encoder_scale", "An encoder counts so many times the way.", either, 1.0,
+    of_device("encoder_scale", "An encoder counts so many times the way.", either, 1.0,
                ("rod", "wire"), fault="scale", magnitude=Magnitudes(1.02, 2.0, "1"),
                why="without a way there is nothing to count"),
-    _of_device("encoder_mirrored", "An encoder counts backwards.", either, 0.5,
+    of_device("encoder_mirrored", "An encoder counts backwards.", either, 0.5,
                ("rod", "wire"), fault="mirrored", why="without a way there is nothing to count"),
-    _of_device("encoder_noisy", "An encoder's samples scatter.", either, 0.5, ("rod", "wire"),
+    of_device("encoder_noisy", "An encoder's samples scatter.", either, 0.5, ("rod", "wire"),
                fault="noisy", magnitude=Magnitudes(5e-6, 1e-3, "m"),
                why="noise makes the pressures rough before it makes anything move"),
-    _of_device("encoder_alarm", "An encoder raises its alarm bit.", safe, 0.1, fault="alarm"),
+    of_device("encoder_alarm", "An encoder raises its alarm bit.", safe, 0.1, fault="alarm"),
 )  # fmt: skip
 
 NODES = (
-    _of_device(
-        "silent",
-        "A device falls off the bus.",
-        _outlasts_readings,
-        0.1,
-        lasts=_MOMENT,
-        why="a gap within the age that a reading may have is bridged",
-    ),
-    _of_device(
-        "silent_for_good", "A device falls off the bus and stays off.", safe, 0.1, fault="silent"
-    ),
-    _of_device("reboot", "A device loses its power for a moment.", safe, 0.1),
-    _of_device("rebooted", "A servo loses its power for a moment.", safe, 0.1),
-    _of_device("wrong_state", "A device leaves its state unasked.", safe, 0.1),
-    _of_device("heartbeat_silent", "A device works but sends no heartbeat.", safe, 0.3),
-    _of_device("emergency", "A device reports an emergency.", safe, 0.05),
-    _of_device("sdo_silent", "A device answers no SDO.", ride),
-)
+    of_device("silent", "A device falls off the bus.", _outlasts_readings, 0.1, lasts=_MOMENT,
+              why="a gap within the age that a reading may have is bridged"),
+    of_device("silent_for_good", "A device falls off the bus and stays off.", safe, 0.1,
+              fault="silent"),
+    of_device("reboot", "A device loses its power for a moment.", safe, 0.1),
+    of_device("rebooted", "A servo loses its power for a moment.", safe, 0.1),
+    of_device("wrong_state", "A device leaves its state unasked.", safe, 0.1),
+    of_device("heartbeat_silent", "A device works but sends no heartbeat.", safe, 0.3),
+    of_device("emergency", "A device reports an emergency.", safe, 0.05),
+    of_device("sdo_silent", "A device answers no SDO.", ride),
+)  # fmt: skip
 
 SERVOS = (
-    _of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1),
-    _of_device("drive_stuck", "A drive does not follow any more.", either, 1.0, fault="stuck",
+    of_device("drive_fault", "A drive reports a fault and drops its torque.", safe, 0.1),
+    of_device("drive_stuck", "A drive does not follow any more.", either, 1.0, fault="stuck",
                why="an axis that is not asked to move does not show it"),
-    _of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
+    of_device("servo_encoder_jump", "A servo's encoder jumps and stays off.", safe, 0.1,
                fault="encoder_jump", magnitude=Magnitudes(0.05, 1.0, "rad", signed=True),
                why="a servo that holds by position alone turns by what is outside its limits",
                excuses=lets_fall_far),
-    _of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
+    of_device("servo_encoder_frozen", "The encoder of a servo's loop repeats its angle.", either,
                0.2, fault="encoder_frozen", excuses=lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
-    _of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
+    of_device("servo_encoder_mirrored", "The encoder of a servo's loop counts backwards.", either,
                0.2, fault="encoder_mirrored", excuses=lets_fall_unseen,
                why="at rest nobody can tell; in motion it is seen within 50 ms"),
-    _of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
+    of_device("servo_encoder_drift", "The zero of a servo's encoder wanders.", either, 1.0,
                fault="encoder_drift", magnitude=Magnitudes(1e-3, 0.1, "rad/s", signed=True),
                why="slower than 0.04 rad/s, or in motion, the motor's velocity does not show it"),
-    _of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
+    of_device("servo_encoder_scale", "A servo's encoder counts so many times the way.", either,
                1.0, fault="encoder_scale", magnitude=Magnitudes(1.02, 1.5, "1"),
                why="the loop follows it: nothing in the drive says where the joint is"),
-    _of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
+    of_device("servo_encoder_noisy", "A servo's encoder scatters.", either, 0.5,
                fault="encoder_noisy", magnitude=Magnitudes(1e-4, 0.05, "rad"),
                why="a servo shakes by what its encoder scatters; more than it can go is a jump"),
-    _of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
-    _of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
-    _of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
-    _of_device("disarm", "An axis goes idle unasked.", safe, 0.1),
-    _of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
-    _of_device("corrupted", "A servo's answers come with a wrong bit.", _outlasts_readings, 0.2,
+    of_device("safe_torque_off", "The torque is taken off by hardware.", safe, 0.1),
+    of_device("wrong_mode", "A drive changes its mode unasked.", safe, 0.1),
+    of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
+    of_device("disarm", "An axis goes idle unasked.", safe, 0.1),
+    of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
+    of_device("corrupted", "A servo's answers come with a wrong bit.", _outlasts_readings, 0.2,
                lasts=_MOMENT, why="as a gap"),
-    _of_device("truncated", "A servo's answers break off.", _outlasts_readings, 0.2,
+    of_device("truncated", "A servo's answers break off.", _outlasts_readings, 0.2,
                lasts=_MOMENT, why="as a gap"),
-    _of_device("doubled", "A servo answers twice.", either, 0.2, lasts=_MOMENT,
+    of_device("doubled", "A servo answers twice.", either, 0.2, lasts=_MOMENT,
                why="the second answer is not asked for"),
-    _of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=_MOMENT,
+    of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=_MOMENT,
                why="a joint that is not asked to move does not show it"),
-    _of_device("same_id", "Two servos have one id.", safe, 0.5),
-    _of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
-    _of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),
-    _of_device("undervoltage", "A servo lacks voltage.", safe, 0.5),
-    _of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5),
-    _of_device("shock", "A servo reports an electrical shock.", safe, 0.5),
-    _of_device("overloaded", "A servo is overloaded.", safe, 0.5),
-    _of_plant("blocked", "Something is in an axis' way.", either, 1.0,
+    of_device("same_id", "Two servos have one id.", safe, 0.5),
+    of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
+    of_device("warm", "A servo is warm.", either, why="the profile says how warm it may be"),
+    of_device("undervoltage", "A servo lacks voltage.", safe, 0.5),
+    of_device("encoder_broken", "A servo's encoder is broken.", safe, 0.5),
+    of_device("shock", "A servo reports an electrical shock.", safe, 0.5),
+    of_device("overloaded", "A servo is overloaded.", safe, 0.5),
+    of_plant("blocked", "Something is in an axis' way.", either, 1.0,
               why="an axis that is not asked to move does not show it"),
-    _of_plant("brake_released", "A brake does not hold.", ride,
+    of_plant("brake_released", "A brake does not hold.", ride,
               why="its drive holds the joint; only one without torque falls, and nobody holds it",
               excuses=falls),
     _kind("payload", "A load hangs on the hand.", partial(_whole, "payload", ()), either,
@@ -335,7 +330,7 @@ SERVOS = (
 )  # fmt: skip
 
 CAMERAS = tuple(
-    _of_device(f"camera_{name}", what, either, 1.0, ("camera", "marker", "image"), fault=fault,
+    of_device(f"camera_{name}", what, either, 1.0, ("camera", "marker", "image"), fault=fault,
                why=_CAMERA, magnitude=magnitude, lasts=lasts)
     for name, fault, what, magnitude, lasts in (
         ("blind", "covered", "Something is before the camera.", None, _MOMENT),
@@ -347,16 +342,18 @@ CAMERAS = tuple(
 )  # fmt: skip
 
 SURROUNDINGS = (
-    _of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
+    of_device("push", "Somebody pushes the robot.", _rides_up_to(HARMLESS_PUSH), 1.0,
+               ("struck", "from where it was sent", "does not follow"),
                magnitude=Magnitudes(0.01, 5.0, "N s", signed=True), excuses=topples,
                why="nothing measures a push; more than 0.3 N s moves the capture point by 8 mm, "
                "all the margin of a step"),
-    _of_device("hand_push", "Somebody pushes the arm's hand.", _rides_up_to(HARMLESS_HAND_PUSH),
-               1.0, magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=overpowers,
+    of_device("hand_push", "Somebody pushes the arm's hand.", _rides_up_to(HARMLESS_HAND_PUSH),
+               1.0, ("struck", "does not follow", "speed above its limit"),
+               magnitude=Magnitudes(0.05, 60.0, "N s", signed=True), excuses=overpowers,
                why="nothing measures a push; what it moves the drives bring back, up to 10 N s: "
                "100 N at arm's length are half of the strongest drive's torque"),
     *(
-        _of_device(f"{part}_push", f"Somebody pushes the {body}.",
+        of_device(f"{part}_push", f"Somebody pushes the {body}.",
                    _rides_up_to(HARMLESS_HAND_PUSH), 1.0,
                    ("pushed", "speed of", "position of the pair", "tilt"),
                    magnitude=Magnitudes(0.05, 10.0, "N s", signed=True), excuses=overpowers_wires,

@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.plant import LentPlant
 
 Lend = Callable[[Mapping[str, float], int], LentPlant]
@@ -86,6 +86,9 @@ class TuningBench(Protocol):
     @abstractmethod
     def told(self) -> dict[str, float]:
         """Return the numbers of the model that laws are told, SI."""
+
+    def check(self, chosen: object) -> None:
+        """Raise a ValueError if a law cannot be tried with such settings, whatever its gains."""
 
     @abstractmethod
     def trial(self, chosen: object, true: Mapping[str, float], seed: int) -> Trial:

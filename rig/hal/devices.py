@@ -8,6 +8,7 @@ Drivers inherit these protocols: what has a default need not be written.
 
 from abc import abstractmethod
 from collections.abc import Mapping
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from rig.hal.columns import Column
@@ -35,6 +36,13 @@ class Device(Protocol):
     def log_values(self) -> tuple[float, ...]:
         """Return this cycle's values for `log_columns`; called after `check`. Hot path."""
         return ()
+
+    def show_in(self, folder: Path) -> None:
+        """Let whoever looks on see what it sees, by a file of the run's folder.
+
+        Called before `connect`; see `rig.hal.pictures`. Default: it takes no pictures.
+        """
+        return
 
     @abstractmethod
     def connect(self) -> None:
@@ -137,6 +145,19 @@ def device_column(device: str, quantity: str, unit: str, description: str) -> Co
     return Column(f"device.{device.replace('-', '_')}_{quantity}", unit, description)
 
 
+def _not_vented(
+    name: str, channels: tuple[str, ...], reading: Reading[Vector], safe: Vector, now: float
+) -> str:
+    """Return which chambers hold more than they should (Pa gauge); empty: none is known to."""
+    pressures, t = reading
+    full = ", ".join(
+        f"{channel} still holds {pressure / 1e3:.1f} kPa"
+        for channel, pressure, most in zip(channels, pressures, safe, strict=True)
+        if pressure - most > _VENTED
+    )
+    return _not_fresh(name, now - t) or (f"{name}: {full}" if full else "")
+
+
 class PressureRegulator(Device, Protocol):
     """Electro-pneumatic regulators, n channels."""
 
@@ -160,15 +181,7 @@ class PressureRegulator(Device, Protocol):
 
     def unsafe(self, now: float) -> str:
         """Return which chambers still hold more than they should; see `Device.unsafe`."""
-        pressures, t = self.pressure()
-        full = ", ".join(
-            f"{channel} still holds {pressure / 1e3:.1f} kPa"
-            for channel, pressure, safe in zip(
-                self.channels, pressures, self.safe_pressure(), strict=True
-            )
-            if pressure - safe > _VENTED
-        )
-        return _not_fresh(self.name, now - t) or (f"{self.name}: {full}" if full else "")
+        return _not_vented(self.name, self.channels, self.pressure(), self.safe_pressure(), now)
 
     def inspect(self) -> Vector:
         """Ask for the monitored pressures without the cycle, Pa gauge, shape (n,).
@@ -201,6 +214,46 @@ class PressureRegulator(Device, Protocol):
         """
         if any(shut):
             raise ValueError(f"{self.name}: no channel has a valve to its chamber")
+
+
+class ProportionalValves(Device, Protocol):
+    """Proportional spool valves, each with a pressure sensor at its chamber, n channels.
+
+    The opening of a spool is -1 where it exhausts the chamber most, 1 where it feeds it most, and 0
+    in the middle of its signal; around that it is shut, more or less. Safe is the exhaust.
+    """
+
+    channels: tuple[str, ...]
+    sensor_range: tuple[float, float]
+    """Pressures that the sensors show, Pa gauge."""
+
+    @abstractmethod
+    def pressure(self) -> Reading[Vector]:
+        """Return the chambers' pressures, Pa gauge, shape (n,)."""
+
+    @abstractmethod
+    def set_opening(self, opening: Vector) -> None:
+        """Take openings for this cycle, -1 … 1, shape (n,)."""
+
+    def unsafe(self, now: float) -> str:
+        """Return which chambers are not vented; see `Device.unsafe`."""
+        vented = (0.0,) * len(self.channels)
+        return _not_vented(self.name, self.channels, self.pressure(), vented, now)
+
+    def inspect(self) -> Vector:
+        """Ask for the pressures without the cycle; see `PressureRegulator.inspect`."""
+        return self.pressure().value
+
+    def shut_supply(self, shut: bool) -> bool:
+        """Shut or open the supply; see `PressureRegulator.shut_supply`."""
+        return False
+
+    def opening_columns(self) -> tuple[Column, ...]:
+        """Return columns for the openings that were sent, for a device's `log_columns`."""
+        return tuple(
+            device_column(self.name, f"opening_{channel}", "", "opening that was sent, -1 … 1")
+            for channel in self.channels
+        )
 
 
 class LinearEncoder(Device, Protocol):
@@ -244,6 +297,10 @@ class EmergencyStopInput(Protocol):
         """
         return
 
+    def wake(self) -> None:
+        """Have `look` answered that works before `connect`, by a device that a bus has stopped."""
+        return
+
 
 class Markers(NamedTuple):
     """Markers seen in one image; a marker that was not seen is absent, not zero.
@@ -275,6 +332,28 @@ class MarkerCamera(Device, Protocol):
         """Return the newest markers; `t` is the middle of the exposure."""
 
 
+class LoadCells(Device, Protocol):
+    """Load cells, n channels: what a foot stands on."""
+
+    channels: tuple[str, ...]
+
+    @abstractmethod
+    def forces(self) -> Reading[Vector]:
+        """Return what each bears, N, shape (n,); pressed is positive."""
+
+
+class InertialSensor(Device, Protocol):
+    """An inclinometer with gyroscopes on a body; x forwards, y to the left, z up."""
+
+    @abstractmethod
+    def lean(self) -> Reading[Vector]:
+        """Return roll and pitch against the vertical, rad, shape (2,)."""
+
+    @abstractmethod
+    def turning(self) -> Reading[Vector]:
+        """Return the body's rates about its own x and y, rad/s, shape (2,)."""
+
+
 class ServoBus(Device, Protocol):
     """A chain of servo drives, n joints."""
 
@@ -299,3 +378,19 @@ class ServoBus(Device, Protocol):
     @abstractmethod
     def set_torque_enabled(self, enabled: bool) -> None:
         """Energise or release all joints."""
+
+    questions_feed: bool = False
+    """Whether a question restarts the watchdog: who waits for it says nothing meanwhile."""
+
+    def follow_still(self) -> tuple[str, ...] | None:
+        """Ask without the cycle which joints still follow setpoints, by name; None: nobody knows.
+
+        For somebody who only listens, after the master has died: no setpoint and no heartbeat is
+        sent.
+
+        Raises
+        ------
+        ConnectionFailed
+            A drive does not answer.
+        """
+        return None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, Self
 
 
 class Address(NamedTuple):
@@ -117,6 +117,20 @@ class DriverSettings:
             The settings of its bus; None if it is on none.
         """
         return None
+
+    def gentle(self, speed: float, window: float, effort: float) -> Self:
+        """Return the settings for a rig that nobody trusts yet. Default: there is nothing to lower.
+
+        Parameters
+        ----------
+        speed : float
+            At most so fast may an axis be, rad/s.
+        window : float
+            At most so far may an axis be from its setpoint, rad.
+        effort : float
+            Share of the torque or current that the settings permit.
+        """
+        return self
 
     def device_path(self) -> str | None:
         """Return the file below ``/dev`` that it is opened by; None: it has none of its own."""

@@ -1,11 +1,15 @@
 """Files that somebody else may have written, read so that none can hang the program or fill it."""
 
 import os
+import pwd
 import stat
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, Final
 
 from rig.hal.errors import ConfigurationError
+
+_PIECE: Final = 1 << 20
+"""Bytes that are read at once."""
 
 
 def open_regular(path: Path) -> BinaryIO:
@@ -31,6 +35,24 @@ def open_regular(path: Path) -> BinaryIO:
         raise ConfigurationError(f"cannot read {str(path)!r}: {error}") from error
 
 
+def users_folder(variable: str, *below: str) -> Path:
+    """Return a folder in which this user keeps something.
+
+    Parameters
+    ----------
+    variable : str
+        Of the environment; it may name the folder. A relative path counts for nothing: it would be
+        another folder wherever somebody works, and filled by whoever filled that one.
+    *below : str
+        Where it is in the user's home otherwise.
+    """
+    said = Path(os.environ.get(variable, ""))
+    if said.is_absolute():
+        return said
+    home = Path.home()
+    return Path(home if home.is_absolute() else pwd.getpwuid(os.getuid()).pw_dir, *below)
+
+
 def read_regular(path: Path, most: int) -> bytes:
     """Return the content of a regular file.
 
@@ -48,9 +70,13 @@ def read_regular(path: Path, most: int) -> bytes:
     """
     with open_regular(path) as stream:
         try:
-            content = stream.read(most + 1)
+            # By pieces: room for all that it may have would be taken, however short it is.
+            pieces, left = [], most + 1
+            while left and (piece := stream.read(min(_PIECE, left))):
+                pieces.append(piece)
+                left -= len(piece)
         except OSError as error:
             raise ConfigurationError(f"cannot read {path}: {error.strerror or error}") from error
-    if len(content) > most:
+    if not left:
         raise ConfigurationError(f"cannot read {path}: it has more than {most} bytes")
-    return content
+    return b"".join(pieces)

@@ -4,6 +4,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
 from rig.hal.controller import Law
 from rig.hal.devices import Device, EmergencyStopInput
@@ -36,44 +37,6 @@ class Expected(NamedTuple):
     name: str
     value: float
     unit: str
-
-
-_MOST_SENSITIVE = 2.0
-
-
-class ClosedLoop(NamedTuple):
-    """The distance of a controlled loop from instability, as a linear model says.
-
-    Parameters
-    ----------
-    stable : bool
-        Without the friction that a linear model leaves out.
-    crossover : float
-        Greatest frequency at which the loop's gain is 1, rad/s; 0 if it never is.
-    phase : float
-        Phase margin, rad; negative where it is not stable.
-    delay : float
-        Dead time that it bears beyond what the profile says, s; 0 where it is not stable.
-    sensitivity : float
-        Greatest sensitivity.
-    """
-
-    stable: bool
-    crossover: float
-    phase: float
-    delay: float
-    sensitivity: float
-
-    @property
-    def is_robust(self) -> bool:
-        """Whether it is as far from instability as process control asks for.
-
-        References
-        ----------
-        K. J. Åström, T. Hägglund, "Advanced PID control", ISA, 2006, section 4.5: sensitivities
-        between 1.2 and 2.
-        """
-        return self.stable and self.sensitivity <= _MOST_SENSITIVE
 
 
 class Margin(NamedTuple):
@@ -157,8 +120,34 @@ class Mechanism(Hindsight[Settings], Protocol[Settings, State, Reference, Comman
         return None
 
     @classmethod
-    def derated(cls, settings: Settings, effort: float) -> Settings | None:
-        """Return settings with a share of its pressure or torque; None: there are none."""
+    def derated(cls, settings: Settings, effort: float, speed: float) -> Settings | None:
+        """Return settings for a share of its pressure or torque, and of its speed.
+
+        None: nobody knows them.
+        """
+        return None
+
+    @classmethod
+    def slowed(
+        cls, settings: Settings, reference: object, controller: Any, period: float, share: float
+    ) -> tuple[object, Motion[Reference]] | None:
+        """Return who follows a motion with a share of its speed, and that motion.
+
+        None, the default: whoever follows references follows slower ones too, see `slow_down`.
+        A mechanism whose laws plan whole motions says how they do it more slowly.
+
+        Parameters
+        ----------
+        settings, reference, controller, period
+            See `plan`.
+        share : float
+            Of the speed.
+
+        Raises
+        ------
+        ValueError
+            It cannot be done more slowly.
+        """
         return None
 
     @classmethod

@@ -95,6 +95,8 @@ class MechanismParts(Additions):
         order; without it `rig commission` cannot test the rig.
     scene : Path, optional
         A `rig.hal.scene.Scene`, which `rig watch` shows; without it the page has its scope alone.
+    drawings : mapping of str to Path
+        `rig.hal.drawn_profile.Draw`s, with which `rig new rig` makes profiles, by the format.
     """
 
     settings: Path
@@ -102,6 +104,7 @@ class MechanismParts(Additions):
     bench: Path | None = None
     commissioning: Path | None = None
     scene: Path | None = None
+    drawings: Mapping[str, Path] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

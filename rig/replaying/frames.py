@@ -1,5 +1,6 @@
 """A run's frames through the drivers at hand: from what was on the bus to what the log says."""
 
+import os
 from collections.abc import Sequence
 from functools import partial
 
@@ -12,11 +13,14 @@ from rig.assembly.rig import Rig
 from rig.assembly.watchful_clock import WatchfulClock
 from rig.config import Profile
 from rig.hal import ConfigurationError, FastCanBus, SafetyError
+from rig.hal.files import read_regular
 from rig.hal.frames import LoggedFrame
 from rig.replaying.recorded import RecordedRun
 
 _RESOLUTION = 1e-6
 """Of the times in a file of frames, s."""
+_MOST_FRAMES = 1 << 27
+"""Of a run: hours on a full bus."""
 
 
 class ReplayClock:
@@ -103,7 +107,7 @@ def _with_ways(run: RecordedRun, frames: list[LoggedFrame]) -> list[LoggedFrame]
     from drivers.can.frame_log import SENT, WAYS
 
     path = run.folder.path / f"{FRAMES}{WAYS}"
-    ways = path.read_bytes() if path.is_file() else b""
+    ways = read_regular(path, _MOST_FRAMES) if os.path.lexists(path) else b""
     if len(ways) != len(frames):
         raise ConfigurationError(
             f"{run.folder.path}: {path.name} says of {len(ways)} frames who sent them, and there "

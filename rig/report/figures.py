@@ -1,13 +1,19 @@
 """The figures of one run, drawn from its folder alone."""
 
-from collections.abc import Iterable
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 from rig.assembly import REGISTRY
 from rig.hal import ConfigurationError
 from rig.hal.fits import where
-from rig.report.data import imprint_of, load_run
+from rig.report.data import RunData, imprint_of, load_run
 from rig.report.figure import FigureKind
 from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
@@ -77,15 +83,49 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
         return drawn
     folder = run.folder.place(FIGURES_FOLDER)
     with paper_style():
-        for name in chosen:
-            draw = known[name].draw
-            try:
-                figure = draw(run)
-                if figure is not None:
-                    drawn.files.extend(save(figure, folder, name, imprint_of([run.folder])))
-            except (OSError, RunFolderError):
-                raise
-            except Exception as error:  # anything may happen in the code of others
-                why = f"{type(error).__name__}: {error}"
-                drawn.failures.append(f"the figure {name} ({where(draw)}) cannot be drawn: {why}")
+        for one in _share_out(partial(_draw, run, folder), chosen):
+            drawn.files.extend(one.files)
+            drawn.failures.extend(one.failures)
     return drawn
+
+
+def _draw(run: RunData, folder: Path, name: str) -> Drawn:
+    """Draw one figure into a folder, or say why not."""
+    draw = known_figures(run.mechanism)[name].draw
+    try:
+        figure = draw(run)
+        if figure is None:
+            return Drawn([], [])
+        return Drawn(save(figure, folder, name, imprint_of([run.folder])), [])
+    except (OSError, RunFolderError):
+        raise
+    except Exception as error:  # anything may happen in the code of others
+        why = f"{type(error).__name__}: {error}"
+        return Drawn([], [f"the figure {name} ({where(draw)}) cannot be drawn: {why}"])
+
+
+def _share_out(draw: Callable[[str], Drawn], names: list[str]) -> Iterator[Drawn]:
+    """Draw on every processor that this process has, where it can be copied."""
+    workers = min(len(names), len(os.sched_getaffinity(0)))
+    may_fork = threading.active_count() == 1 and not multiprocessing.current_process().daemon
+    if workers < 2 or not may_fork:
+        yield from map(draw, names)
+        return
+    import matplotlib.figure  # noqa: F401  (once, before the copies are made)
+
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(workers, context, _begin_copy, (draw,)) as pool:
+        yield from pool.map(_draw_in_copy, names)
+
+
+_draws: list[Callable[[str], Drawn]] = []
+"""In a copy of the process: what draws a figure of its run; it is not sent, it is there."""
+
+
+def _begin_copy(draw: Callable[[str], Drawn]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for the process that waits
+    _draws.append(draw)
+
+
+def _draw_in_copy(name: str) -> Drawn:
+    return _draws[-1](name)

@@ -131,10 +131,10 @@ def save(
         )
         with whole_file(picture) as temporary:
             figure.savefig(temporary)
-        figure.set_layout_engine("none")  # all files have the layout of the first
-        for path, date in ((svg, "Date"), (pdf, "CreationDate")):
-            with whole_file(path) as temporary:
-                figure.savefig(temporary, metadata={date: None})
+        with _kept_layout(figure):
+            for path, date in ((svg, "Date"), (pdf, "CreationDate")):
+                with whole_file(path) as temporary:
+                    figure.savefig(temporary, metadata={date: None})
         if not has_table:
             with whole_file(table) as temporary:
                 temporary.write_text(table_of(figure), encoding="utf-8")
@@ -153,6 +153,16 @@ def _leave_room(figure: "Figure") -> None:
     if isinstance(engine, ConstrainedLayoutEngine):
         foot = 1.5 * ORIGIN_TEXT / 72.0 / figure.get_figheight()
         engine.set(rect=(0.0, foot, 1.0, 1.0 - foot))
+
+
+@contextmanager
+def _kept_layout(figure: "Figure") -> Iterator[None]:
+    """Save with the layout that the figure has; an engine, even an idle one, draws it once more."""
+    import matplotlib as mpl
+
+    with mpl.rc_context({"figure.constrained_layout.use": False}):
+        figure.set_layout_engine(None)
+        yield
 
 
 def place_legend(axes: "Axes", columns: int) -> None:

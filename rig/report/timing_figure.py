@@ -28,8 +28,6 @@ def draw_timing(run: RunData) -> "Figure | None":
     is_virtual = float(lateness.max()) < _VIRTUAL
     first = _COMPILING if is_virtual and len(lateness) > 2 * _COMPILING else 0
     times = stage_times(run.log)[first:] * 1e6
-    if first:
-        left.set_title(f"without the first {first} cycles, which compile", loc="left")
     rows = np.arange(len(STAGES))
     share = times.sum(axis=0) / max(float(times.sum()), 1e-12)
     median, p99 = np.percentile(times, [50.0, 99.0], axis=0)
@@ -43,7 +41,8 @@ def draw_timing(run: RunData) -> "Figure | None":
     left.set_ylim(len(STAGES) - 0.5, -0.5)
     left.grid(axis="y", visible=False)
     left.set_xscale("log")
-    left.set_xlabel("time per cycle (µs)")
+    without = f"\nwithout the first {first} cycles, which compile" if first else ""
+    left.set_xlabel(f"time per cycle (µs){without}")
     left.set_ylabel("stage and its share")
     place_legend(left, 3)
 

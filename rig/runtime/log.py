@@ -13,13 +13,12 @@ import numpy as np
 from rig.hal import ConfigurationError
 from rig.hal.columns import Column
 from rig.hal.files import open_regular
-from rig.runtime.mcap_file import CHANNEL_ID, decode_channel
+from rig.runtime.mcap_file import CHANNEL_ID, MAGIC, decode_channel
 from rig.runtime.recorder import CHECKSUM_SIZE, OPCODE_MESSAGE, RECORD_HEAD, RECORD_PREFIX
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MAGIC = b"\x89MCAP0\r\n"
 _OPCODE_CHANNEL = 0x04
 OPCODE_DATA_END = 0x0F
 _DATA_END_SIZE = RECORD_PREFIX + 4
@@ -224,13 +223,13 @@ class LogFile:
         """Judge what follows the last row: an index, or whatever a killed process left."""
         stream.seek(end)
         rest = stream.read(max(min(self.record.itemsize, self._size - end), 0))
-        start = max(self._size - _FOOTER.size - len(_MAGIC), end)
+        start = max(self._size - _FOOTER.size - len(MAGIC), end)
         stream.seek(start)
         tail = stream.read(max(self._size - start, 0))
-        self.complete = tail.endswith(_MAGIC)
+        self.complete = tail.endswith(MAGIC)
         if rest[:1] == bytes([OPCODE_DATA_END]):
-            if self.complete and len(tail) >= _FOOTER.size + len(_MAGIC):
-                summary = _FOOTER.unpack_from(tail[-_FOOTER.size - len(_MAGIC) :])[2]
+            if self.complete and len(tail) >= _FOOTER.size + len(MAGIC):
+                summary = _FOOTER.unpack_from(tail[-_FOOTER.size - len(MAGIC) :])[2]
                 if summary != end + _DATA_END_SIZE:
                     raise self._damaged(count, "is missing: the index stands elsewhere")
         elif self.complete or len(rest) == self.record.itemsize:
@@ -283,11 +282,11 @@ def is_locked(path: str | Path) -> bool:
 
 def _read_preamble(path: Path, stream: BinaryIO) -> tuple[tuple[Column, ...], int, int | None]:
     """Return the columns, the offset of the first row, and what each checksum begins with."""
-    magic = stream.read(len(_MAGIC))
-    if magic != _MAGIC:
-        kind = UnfinishedLog if _MAGIC.startswith(magic) else LogError
+    magic = stream.read(len(MAGIC))
+    if magic != MAGIC:
+        kind = UnfinishedLog if MAGIC.startswith(magic) else LogError
         raise kind(f"{path} is not an MCAP file")
-    offset = len(_MAGIC)
+    offset = len(MAGIC)
     while len(head := stream.read(RECORD_PREFIX)) == RECORD_PREFIX:
         opcode, length = struct.unpack("<BQ", head)
         body = stream.read(min(length, _LONGEST_PREAMBLE))

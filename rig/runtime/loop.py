@@ -30,9 +30,22 @@ SAFE_CYCLES = 5
 
 
 class Progress(NamedTuple):
-    """The state of a run, for a progress line."""
+    """The state of a run, for a progress line.
+
+    Parameters
+    ----------
+    phase : Phase
+    elapsed : float
+        Time since the run began, s: the clock of the log and of its events.
+    t, duration : float
+        Time of the reference, s, negative before its motion begins; and what it lasts.
+    margin : Margin
+    missed : int
+        Ticks that were skipped.
+    """
 
     phase: Phase
+    elapsed: float
     t: float
     duration: float
     margin: Margin
@@ -270,9 +283,8 @@ class Loop(Generic[State, Reference, Command]):
                 buses.look(t)
                 if progress is not None:
                     margin = mechanism.worst_margin(state, applied, now)
-                    progress(
-                        Progress(run.phase, run.reference_time, run.duration, margin, run.missed)
-                    )
+                    at = run.reference_time
+                    progress(Progress(run.phase, t, at, run.duration, margin, run.missed))
             if run.finished:
                 return
             due = pace.advance(t, clock_now() - start, cycle.busiest)

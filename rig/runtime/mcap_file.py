@@ -1,21 +1,20 @@
 """The records around the messages of an MCAP file: header, schema, channel; index, footer.
 
-The records are those of the `mcap` library; only their order is ours. Its `Writer` keeps its
-statistics to itself, so it would count none of the messages that `LogRecorder` packs by itself,
-and the index of a finished log would call the log empty.
+They are written by hand: the `mcap` library's record classes take a quarter of a second to
+import, which every run would wait for, and its `Writer` keeps its statistics to itself, so it
+would count none of the messages that `LogRecorder` packs, and call a finished log empty.
+
+References
+----------
+MCAP specification, https://mcap.dev/spec, section "Records".
 """
 
-import io
 import json
 import struct
 import zlib
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from rig.hal.columns import SCHEMA_NAME, Column, check_columns, schema_text
-
-if TYPE_CHECKING:
-    from mcap.records import Channel, McapRecord, Schema
 
 TOPIC = "/cycle"
 CHANNEL_ID = 1
@@ -23,6 +22,11 @@ COLUMNS_KEY = "columns"
 """Key of the channel metadata under which the columns stand as JSON."""
 CHECKSUM_KEY, CHECKSUM = "checksum", "crc32"
 """Entry of the channel metadata that says that every message ends with its checksum."""
+
+MAGIC = b"\x89MCAP0\r\n"
+_HEADER, _FOOTER, _SCHEMA, _CHANNEL = 0x01, 0x02, 0x03, 0x04
+_STATISTICS, _SUMMARY_OFFSET, _DATA_END = 0x0B, 0x0E, 0x0F
+_SCHEMA_ID = 1
 
 
 def encode_preamble(columns: Sequence[Column]) -> bytes:
@@ -33,12 +37,8 @@ def encode_preamble(columns: Sequence[Column]) -> bytes:
     ValueError
         The columns do not make a legal message.
     """
-    from mcap.records import Header
-    from mcap.well_known import Profile
-    from mcap.writer import LIBRARY_IDENTIFIER, MCAP0_MAGIC
-
-    header = Header(profile=Profile.ROS2, library=LIBRARY_IDENTIFIER)
-    return bytes(MCAP0_MAGIC) + _encode(header, _schema(columns), _channel(columns))
+    header = _record(_HEADER, _text("ros2") + _text("rig"))
+    return MAGIC + header + _schema(columns) + _channel(columns)
 
 
 def encode_ending(
@@ -57,47 +57,22 @@ def encode_ending(
     first, last : int
         Log times of the first and last message, ns since the epoch.
     """
-    from mcap.opcode import Opcode
-    from mcap.records import DataEnd, Footer, Statistics, SummaryOffset
-    from mcap.writer import MCAP0_MAGIC
-
-    statistics = Statistics(
-        attachment_count=0,
-        channel_count=1,
-        channel_message_counts={CHANNEL_ID: count} if count else {},
-        chunk_count=0,
-        message_count=count,
-        metadata_count=0,
-        message_start_time=first,
-        message_end_time=last,
-        schema_count=1,
-    )
-    data_end = _encode(DataEnd(data_section_crc=0))
+    # One schema, one channel; no attachments, metadata records or chunks.
+    counts = struct.pack("<HQ", CHANNEL_ID, count) if count else b""
+    statistics = struct.pack("<QHIIIIQQ", count, 1, 1, 0, 0, 0, first, last) + _sized(counts)
+    data_end = _record(_DATA_END, struct.pack("<I", 0))  # 0: without a checksum
     start = offset + len(data_end)
-    summary = b""
-    offsets = []
-    for opcode, record in (
-        (Opcode.SCHEMA, _schema(columns)),
-        (Opcode.CHANNEL, _channel(columns)),
-        (Opcode.STATISTICS, statistics),
-    ):
-        data = _encode(record)
-        offsets.append(
-            SummaryOffset(
-                group_opcode=opcode, group_start=start + len(summary), group_length=len(data)
-            )
-        )
+    summary = offsets = b""
+    for data in (_schema(columns), _channel(columns), _record(_STATISTICS, statistics)):
+        group = struct.pack("<BQQ", data[0], start + len(summary), len(data))
+        offsets += _record(_SUMMARY_OFFSET, group)
         summary += data
     offset_start = start + len(summary)
-    summary += _encode(*offsets)
+    summary += offsets
     # The checksum covers the footer too, up to itself.
-    footer_head = struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offset_start)
-    footer = Footer(
-        summary_start=start,
-        summary_offset_start=offset_start,
-        summary_crc=zlib.crc32(summary + footer_head),
-    )
-    return data_end + summary + _encode(footer) + bytes(MCAP0_MAGIC)
+    footer_head = struct.pack("<BQQQ", _FOOTER, 20, start, offset_start)
+    checksum = struct.pack("<I", zlib.crc32(summary + footer_head))
+    return data_end + summary + footer_head + checksum + MAGIC
 
 
 def decode_channel(channel_record: bytes) -> tuple[tuple[Column, ...], bool] | None:
@@ -113,52 +88,75 @@ def decode_channel(channel_record: bytes) -> tuple[tuple[Column, ...], bool] | N
     ValueError
         It is no Channel record, or what it says of the columns is no list of them.
     """
-    from mcap.data_stream import ReadDataStream
-    from mcap.exceptions import McapError
-    from mcap.records import Channel
-
     try:
-        channel = Channel.read(ReadDataStream(io.BytesIO(channel_record)))
-        told = channel.metadata.get(COLUMNS_KEY)
+        _, rest = _take_text(channel_record[4:])  # two identifiers; topic
+        _, rest = _take_text(rest)  # encoding of the messages
+        metadata = _take_texts(rest)
+        told = metadata.get(COLUMNS_KEY)
         if told is None:
             return None
         columns = tuple(Column(*map(str, column)) for column in json.loads(told))
         check_columns(columns)
-    except (McapError, struct.error, TypeError, RecursionError) as error:
+    except (struct.error, TypeError, RecursionError) as error:
         raise ValueError(str(error)) from error
-    return columns, channel.metadata.get(CHECKSUM_KEY) == CHECKSUM
+    return columns, metadata.get(CHECKSUM_KEY) == CHECKSUM
 
 
-def _schema(columns: Sequence[Column]) -> "Schema":
-    from mcap.records import Schema
-    from mcap.well_known import SchemaEncoding
-
-    data = schema_text(columns).encode()
-    return Schema(id=1, name=SCHEMA_NAME, encoding=SchemaEncoding.ROS2, data=data)
+def _schema(columns: Sequence[Column]) -> bytes:
+    body = struct.pack("<H", _SCHEMA_ID) + _text(SCHEMA_NAME) + _text("ros2msg")
+    return _record(_SCHEMA, body + _sized(schema_text(columns).encode()))
 
 
-def _channel(columns: Sequence[Column]) -> "Channel":
-    from mcap.records import Channel
-    from mcap.well_known import MessageEncoding
-
+def _channel(columns: Sequence[Column]) -> bytes:
     # ROS definitions have units only in comments, so `read_log` takes its columns from here.
     metadata = {
         COLUMNS_KEY: json.dumps([list(column) for column in columns]),
         CHECKSUM_KEY: CHECKSUM,
     }
-    return Channel(
-        id=CHANNEL_ID,
-        topic=TOPIC,
-        message_encoding=MessageEncoding.CDR,
-        schema_id=1,
-        metadata=metadata,
-    )
+    body = struct.pack("<HH", CHANNEL_ID, _SCHEMA_ID) + _text(TOPIC) + _text("cdr")
+    return _record(_CHANNEL, body + _texts(metadata))
 
 
-def _encode(*records: "McapRecord") -> bytes:
-    from mcap.data_stream import RecordBuilder
+def _record(opcode: int, body: bytes) -> bytes:
+    return struct.pack("<BQ", opcode, len(body)) + body
 
-    builder = RecordBuilder()
-    for record in records:
-        record.write(builder)
-    return bytes(builder.end())  # type: ignore[no-untyped-call]  # mcap has types elsewhere
+
+def _sized(data: bytes) -> bytes:
+    return struct.pack("<I", len(data)) + data
+
+
+def _text(text: str) -> bytes:
+    return _sized(text.encode())
+
+
+def _texts(texts: Mapping[str, str]) -> bytes:
+    return _sized(b"".join(_text(key) + _text(value) for key, value in texts.items()))
+
+
+def _take_sized(data: bytes) -> tuple[bytes, bytes]:
+    """Return what stands at the front after its length, and the rest.
+
+    Raises
+    ------
+    struct.error, ValueError
+        There is no length, or less than it says.
+    """
+    (length,) = struct.unpack_from("<I", data)
+    end = 4 + length
+    if end > len(data):
+        raise ValueError(f"{length} bytes are announced, and {len(data) - 4} there")
+    return data[4:end], data[end:]
+
+
+def _take_text(data: bytes) -> tuple[str, bytes]:
+    text, rest = _take_sized(data)
+    return text.decode(), rest
+
+
+def _take_texts(data: bytes) -> dict[str, str]:
+    rest, _ = _take_sized(data)
+    texts = {}
+    while rest:
+        key, rest = _take_text(rest)
+        texts[key], rest = _take_text(rest)
+    return texts

@@ -5,27 +5,42 @@ import fcntl
 import json
 import os
 import shutil
+import stat
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO, TypedDict, cast
+from typing import BinaryIO, Final, TypedDict, cast
 
 from rig.hal import ConfigurationError, RigError
+from rig.hal.files import open_regular
 from rig.spare_room import SpareRoom, append_line
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
 from rig.typed_json import checked, parse
+from rig.whole_file import refuse_link
 
 JOURNAL = "points.jsonl"
 _LOCK = ".lock"
+_LONGEST: Final = 1 << 20
+"""Bytes of a line: a hundred metrics and a reason take a hundredth of it."""
+
+
+class _Metric(TypedDict):
+    """A metric of a line; its value may be one that JSON does not have."""
+
+    name: str
+    value: object
+    unit: str
+    bound: float | None
+    kind: str | None
 
 
 class _Line(TypedDict):
-    """A line of a journal; a metric without a value is no number."""
+    """A line of a journal."""
 
     point: str
     status: str
     reason: str
-    metrics: list[dict[str, object]]
+    metrics: list[_Metric]
 
 
 class Journal:
@@ -56,8 +71,8 @@ class Journal:
             self._lock = _take_lock(folder / _LOCK, folder)
             self._spare = SpareRoom(folder)
             self._spare.take()
-            self._fd = os.open(folder / JOURNAL, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
-            self._reader: BinaryIO = (folder / JOURNAL).open("rb")
+            self._fd = _open_own(folder / JOURNAL, os.O_APPEND)
+            self._reader: BinaryIO = open_regular(folder / JOURNAL)
         except OSError as error:
             raise ConfigurationError(
                 f"cannot keep a sweep in {folder}: {error.strerror or error}; choose another place "
@@ -140,27 +155,61 @@ class Journal:
         """
         whole = 0
         self._reader.seek(0)
-        for line in self._lines():
-            try:
-                finding = checked(parse(line.decode()), _Line, "a line of it")
-                name = bytes.fromhex(finding["point"])
-            except (ConfigurationError, ValueError, RecursionError) as error:
-                raise ConfigurationError(
-                    f"{self.folder / JOURNAL} is no journal of a sweep, or of another version: "
-                    "choose another folder with --out"
-                ) from error
-            self._places[name] = whole
-            whole += len(line)
+        count = 0
+        try:
+            for line in self._lines():
+                self._places[_name_in(line)] = whole
+                whole += len(line)
+                count += 1
+        except (ConfigurationError, ValueError, RecursionError) as error:
+            raise ConfigurationError(
+                f"{self.folder / JOURNAL} is no journal of a sweep, or of another version, after "
+                f"line {count}: {error}; choose another folder with --out"
+            ) from error
         os.ftruncate(self._fd, whole)
 
     def _lines(self) -> Iterator[bytes]:
-        for line in self._reader:
+        while line := self._reader.readline(_LONGEST + 1):
+            if len(line) > _LONGEST:
+                raise ValueError(f"a line of it has more than {_LONGEST} bytes")
             if line.endswith(b"\n"):
                 yield line
 
 
+def _name_in(line: bytes) -> bytes:
+    """Return the name of the point that a line tells of.
+
+    Raises
+    ------
+    ConfigurationError, ValueError, RecursionError
+        It is no line of a journal.
+    """
+    finding = checked(parse(line.decode()), _Line, "the next")
+    for metric in finding["metrics"]:
+        if not isinstance(metric["value"], float | int):
+            raise ValueError(f"the next has no number for {metric['name']}")
+    return bytes.fromhex(finding["point"])
+
+
+def _open_own(path: Path, flags: int = 0) -> int:
+    """Open a file of a sweep's folder for writing, and no other to which a link there leads.
+
+    Raises
+    ------
+    OSError
+        It cannot be opened.
+    """
+    refuse_link(path)
+    how = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC | flags
+    descriptor = os.open(path, how, 0o644)
+    if stat.S_ISREG(os.fstat(descriptor).st_mode):
+        return descriptor
+    os.close(descriptor)
+    raise OSError(f"{path.name} is not a regular file")
+
+
 def _take_lock(path: Path, folder: Path) -> int:
-    descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+    descriptor = _open_own(path)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -11,8 +11,9 @@ import numpy as np
 from rig.config.diagnostics import Problems, nearest
 from rig.config.document import parse_mapping
 from rig.config.located import Plain
-from rig.config.yaml_loader import read_source
+from rig.config.yaml_loader import MAX_BYTES, read_source
 from rig.hal import ConfigurationError
+from rig.hal.files import read_regular
 from rig.sweeping.axis import MAX_VALUES, Axis, DrawnAxis, make_axis, parse_seeds
 from rig.sweeping.request import SweepRequest, as_options, as_text
 from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
@@ -30,9 +31,12 @@ PERTURBATION: Final = "simulation.perturbation"
 def is_sweep_file(source: str) -> bool:
     """Return whether a path is that of a sweep file: it says what is varied."""
     path = Path(source)
-    if path.suffix not in (".yaml", ".yml") or not path.is_file():
+    if path.suffix not in (".yaml", ".yml"):
         return False
-    text = path.read_text(encoding="utf-8", errors="replace")
+    try:
+        text = read_regular(path, MAX_BYTES).decode(errors="replace")
+    except ConfigurationError:  # whoever takes it for something else says why
+        return False
     keys = {line.partition(":")[0] for line in text.splitlines()}
     return "experiment" in keys and "reference" not in keys
 

@@ -126,7 +126,7 @@ def write_csv(folder: Path, columns: Columns, rows: Iterable[TableRow]) -> Path:
             writer.writerow(columns.names)
             writer.writerows(map(guarded, columns.cells(row)) for row in rows)
 
-    return _write(folder / CSV, write)
+    return write_table(folder / CSV, write)
 
 
 def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> Path:
@@ -158,10 +158,17 @@ def write_parquet(folder: Path, columns: Columns, rows: Iterator[TableRow]) -> P
                 data = [list(column) for column in zip(*batch, strict=True)]
                 writer.write_table(pyarrow.table(data, schema=schema))
 
-    return _write(folder / PARQUET, write)
+    return write_table(folder / PARQUET, write)
 
 
-def _write(path: Path, write: Callable[[Path], None]) -> Path:
+def write_table(path: Path, write: Callable[[Path], None]) -> Path:
+    """Let somebody write a file, which is whole or not there; return its path.
+
+    Raises
+    ------
+    SweepStopped
+        It cannot be written.
+    """
     try:
         with whole_file(path) as temporary:
             write(temporary)

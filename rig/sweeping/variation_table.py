@@ -12,9 +12,8 @@ from rig.config.formats import format_quantity
 from rig.sweeping.data import SweepData
 from rig.sweeping.finding import DONE
 from rig.sweeping.maps import short
-from rig.sweeping.table import guarded
+from rig.sweeping.table import guarded, write_table
 from rig.sweeping.variations import VARIATION, WORST
-from rig.whole_file import write_whole
 
 CSV, JSON = "variations.csv", "variations.json"
 
@@ -118,17 +117,32 @@ def table_of(data: SweepData, metric: str) -> VariationTable:
 
 
 def write_variations(folder: Path, data: SweepData) -> None:
-    """Write the tables of all metrics: for people in CSV, with every reason in JSON."""
+    """Write the tables of all metrics: for people in CSV, with every reason in JSON.
+
+    Raises
+    ------
+    SweepStopped
+        They cannot be written.
+    """
     tables = [table_of(data, metric) for metric in data.metrics]
     laws = tables[0].laws if tables else ()
-    with (folder / CSV).open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(["metric", VARIATION, *(law or "value" for law in laws)])
-        writer.writerows(
-            [guarded(text) for text in (table.metric, *row)]
-            for table in tables for row in table.texts()
-        )  # fmt: skip
-    write_whole(folder / JSON, json.dumps([_plain(table) for table in tables], indent=1) + "\n")
+
+    def write(path: Path) -> None:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(["metric", VARIATION, *(law or "value" for law in laws)])
+            writer.writerows(
+                [guarded(text) for text in (table.metric, *row)]
+                for table in tables for row in table.texts()
+            )  # fmt: skip
+
+    write_table(folder / CSV, write)
+    plain = json.dumps([_plain(table) for table in tables], indent=1) + "\n"
+    write_table(folder / JSON, lambda path: _put(path, plain))
+
+
+def _put(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
 
 
 def _plain(table: VariationTable) -> dict[str, object]:

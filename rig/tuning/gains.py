@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 
 Settings = TypeVar("Settings", bound="DataclassInstance")
 
+Nested = dict[str, "float | Nested"]
+"""Of a profile's section."""
+
 _DIGITS = 4
 """Of a gain, as it is tried and written."""
 
@@ -60,15 +63,15 @@ def with_gains(settings: Settings, gains: Mapping[str, float]) -> Settings:
     return dataclasses.replace(settings, **changes)
 
 
-def nested(gains: Mapping[str, float]) -> dict[str, float | dict[str, float]]:
+def nested(gains: Mapping[str, float]) -> Nested:
     """Return gains as a profile's section has them."""
-    found: dict[str, float | dict[str, float]] = {}
+    found: Nested = {}
     for key, value in gains.items():
-        name, _, below = key.partition(".")
-        if below:
-            part = found.setdefault(name, {})
-            assert isinstance(part, dict)
-            part[below] = value
-        else:
-            found[name] = value
+        *above, name = key.split(".")
+        part = found
+        for section in above:
+            inner = part.setdefault(section, {})
+            assert isinstance(inner, dict)
+            part = inner
+        part[name] = value
     return found

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
 from rig.hal.bench import Trial
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 
 SENSITIVITY: Final = 1.7
 """Greatest sensitivity that a loop may have: it is then at least 1/1.7 from the critical point."""

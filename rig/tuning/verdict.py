@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rig.hal.bench import Trial
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 from rig.tuning.ensemble import Member
 from rig.tuning.score import SENSITIVITY, score
 from rig.tuning.workbench import Workbench

@@ -15,7 +15,7 @@ from rig.config.names import find_configs
 from rig.experiment.plan import load_plan
 from rig.hal import ConfigurationError
 from rig.hal.bench import Trial, TuningBench
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 from rig.tuning.ensemble import Ensemble, Member
 from rig.tuning.gains import with_gains
 
@@ -81,6 +81,11 @@ class Workbench:
         self.settings = self.profile.controllers[request.controller]
         self._fine = self._bench(None)
         self._coarse = self._bench(COARSE)
+        try:
+            self._fine.check(self.settings)
+        except ValueError as error:
+            where = f"{self.profile.name}: controllers.{request.controller}"
+            raise ConfigurationError(f"{where}: {error}") from error
         self.unit = self._fine.unit
         self.duration = self._fine.duration
         calibration = self.profile.calibration

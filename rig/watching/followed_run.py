@@ -1,6 +1,6 @@
 """A run as its page sees it: what its folder says, and its log as far as it goes."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
@@ -29,6 +29,8 @@ _LOOKS_BACK = 1.0
 """Of the statistics of cycles, s of the rig's time."""
 _MOST_EVENTS = 2000
 _LONGEST_SENTENCE = 2000
+RUN = 1.0
+"""What the column ``phase`` says while the reference is followed."""
 SIMULATED = ("sim", "virtual", "vcan")
 """Backends that move nothing; whatever else a manifest says is taken for hardware."""
 
@@ -102,6 +104,7 @@ class FollowedRun:
         self._tail = LogTail(self.folder.log_path)
         self._extremes: Extremes | None = None
         self._events_read = 0
+        self._began: float | None = None
 
     @property
     def count(self) -> int:
@@ -157,13 +160,34 @@ class FollowedRun:
 
     def row_at(self, t: float) -> int:
         """Return the number of the first row that is not before a time, s."""
+        return self._first_row(lambda row: bool(row["t"] >= t))
+
+    def motion_began(self) -> float | None:
+        """Return the time at which the reference began, s; None: it has not, or nothing says so."""
+        if self._began is None and self.count:
+            names = [column.name for column in self.columns]
+            if "phase" not in names:
+                return None
+            phase = names.index("phase")
+            first = self._first_row(lambda row: bool(row["row"][phase] >= RUN))
+            if first < self.count:
+                row = self._tail.rows(first, first + 1)[0]
+                if row["row"][phase] > RUN:
+                    return None  # it was stopped on its way there
+                known = "reference.time" in names
+                since = row["row"][names.index("reference.time")] if known else 0.0
+                self._began = float(row["t"] - since)
+        return self._began
+
+    def _first_row(self, is_there: "Callable[[np.void], bool]") -> int:
+        """Return the number of the first row for which it is so, as it is for all after it."""
         low, high = 0, self.count
         while low < high:
             middle = (low + high) // 2
-            if self._tail.rows(middle, middle + 1)["t"][0] < t:
-                low = middle + 1
-            else:
+            if is_there(self._tail.rows(middle, middle + 1)[0]):
                 high = middle
+            else:
+                low = middle + 1
         return low
 
     def window(

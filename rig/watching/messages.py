@@ -11,10 +11,13 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ROWS, FRAMES, BESIDE = 1, 2, 3
+    from rig.hal.pictures import Snapshot
+
+ROWS, FRAMES, BESIDE, CAMERA = 1, 2, 3, 4
 """Kinds of packed messages."""
 _HEAD = struct.Struct("<IIIId")
 """Kind, number of the request that it answers, rows, values of a row, and the first time, s."""
+_SIZE = struct.Struct("<HH24s")
 LONGEST = 16 << 10
 """Bytes of the longest message that a page may send."""
 MOST_COLUMNS = 256
@@ -35,6 +38,17 @@ def pack(kind: int, number: int, t: "NDArray[np.float64]", values: "NDArray[np.f
     body[:, 0] = t - origin
     body[:, 1:] = values
     return _HEAD.pack(kind, number, len(t), values.shape[1], origin) + body.tobytes()
+
+
+def pack_picture(number: int, picture: "Snapshot") -> bytes:
+    """Return what a camera saw: where markers are, the image's size, a word, and the picture.
+
+    Its frame's number stands where rows have their first time.
+    """
+    marks = np.array(picture.marks, "<f4").reshape(-1, 2)
+    head = _HEAD.pack(CAMERA, number, len(marks), 1, float(picture.frame))
+    size = _SIZE.pack(picture.width, picture.height, picture.verdict.encode()[:24])
+    return head + marks.tobytes() + size + picture.jpeg
 
 
 def parse(text: str, columns: int) -> Request:

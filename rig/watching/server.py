@@ -1,9 +1,11 @@
 """The one listener: the page's files, its web socket, and the form that stops the run."""
 
 import asyncio
+import contextlib
 import html
 import logging
 import os
+import signal
 import socket as sockets
 from collections.abc import Awaitable, Callable
 from datetime import datetime
@@ -103,6 +105,7 @@ class WatchServer:
             await self._studio.work(self._is_left)
         finally:
             await runner.cleanup()
+            self._studio.cameras.close()
             for followed in (self._followed, self._beside):
                 if followed is not None:
                     followed.close()
@@ -264,4 +267,11 @@ def serve_run(
         tokens = server.tokens
         tell(address + tokens.look, None if tokens.steer is None else address + tokens.steer)
 
-    asyncio.run(server.serve(port, started))
+    async def serve() -> None:
+        task = asyncio.current_task()
+        assert task is not None
+        asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, task.cancel)
+        with contextlib.suppress(asyncio.CancelledError):
+            await server.serve(port, started)
+
+    asyncio.run(serve())

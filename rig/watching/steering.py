@@ -8,7 +8,7 @@ from controllers.base import Law
 from rig.assembly import REGISTRY, make_controller
 from rig.config import load_profile
 from rig.hal import ConfigurationError
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 from rig.run_folder import RunFolder
 from rig.steering.mailbox import Mailbox
 from rig.tuning.gains import values_of, with_gains

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rig.watching.followed_run import FollowedRun
+from rig.watching.cameras import Cameras
+from rig.watching.followed_run import RUN, FollowedRun
 from rig.watching.messages import FRAMES, Request, pack
 from rig.watching.picture import Picture, Plain
 
@@ -22,8 +23,6 @@ _LOOK_EVERY = 5
 """Of so many ticks one looks at manifest and events."""
 _FRAME_RATE = 30.0
 """Of the scene, 1/s of the rig's time."""
-_RUN = 1.0
-"""What the column ``phase`` says while the reference is followed."""
 _LOOKS = 2000
 """Rows of a run that has ended in which its margins are looked at."""
 _MOST_FRAMES = 6
@@ -48,6 +47,10 @@ class Studio:
         The scene, once the log has begun.
     new_frames : tuple of bytes
         The scene in the rows of the last tick, packed.
+    cameras : Cameras
+        Of the run.
+    new_pictures : tuple of bytes
+        What they have seen since the last tick, packed.
     generation : int
         Grows when there is something else to be described.
     viewers : int
@@ -63,6 +66,8 @@ class Studio:
         self.run = run
         self.picture: Picture | None = None
         self.new_frames: tuple[bytes, ...] = ()
+        self.cameras = Cameras(run.folder.path)
+        self.new_pictures: tuple[bytes, ...] = ()
         self.generation = 1
         self.viewers = 0
         self.steering = steering
@@ -93,6 +98,9 @@ class Studio:
                 self.run.look_again()
                 self._live = self.run.is_live
                 self._status = {}
+                if self._live and self.cameras.find():
+                    self.generation += 1
+            self.new_pictures = self.cameras.look() if self.viewers and self._live else ()
             self._draw(before)
             self._tick()
             number += 1
@@ -119,8 +127,16 @@ class Studio:
             "columns": [list(column) for column in self.run.columns],
             "scene": {} if self.picture is None else self.picture.described(),
             "beside": None if self.beside is None else self.beside.folder.path.name,
+            "cameras": list(self.cameras.names),
             "gains": [] if steering is None else steering.described(),
         }
+
+    @property
+    def shift(self) -> float:
+        """How much later the motion of the run began than that of the run beside it, s."""
+        began = (None if one is None else one.motion_began() for one in (self.run, self.beside))
+        later, sooner = began
+        return 0.0 if later is None or sooner is None else later - sooner
 
     def status(self) -> Plain:
         """Return how the run stands; computed once for all who ask within a tick."""
@@ -129,7 +145,7 @@ class Studio:
             facts = run.facts()
             if not self._live and self._worst_of != run.count:
                 self._worst_of, self._margins = run.count, self._least_margins()
-            elif self._live and facts.phase == _RUN:
+            elif self._live and facts.phase == RUN:
                 self._margins = self._margins_in(np.array([run.count - 1]))
             self._status = {
                 "type": "status",
@@ -156,7 +172,7 @@ class Studio:
             return []
         rows = np.linspace(0, self.run.count - 1, min(self.run.count, _LOOKS)).astype(np.intp)
         values = self.run.samples(rows)[1]
-        return self._margins_in(rows[values[:, phase[0]] == _RUN])
+        return self._margins_in(rows[values[:, phase[0]] == RUN])
 
     def steer(self, request: Request) -> str | None:
         """Hand a change of a gain on; return what is to be said of it."""

@@ -97,12 +97,14 @@ class Viewer:
             if self._described != studio.generation:
                 self._described = studio.generation
                 await self._say(self._described_to_it())
+                for picture in studio.cameras.last.values():
+                    await self._send(picture)
             await self._push_events()
             if tick % _STATUS_EVERY == 0:
                 await self._say(studio.status())
             await self._push_rows()
-            for frames in studio.new_frames:
-                await self._send(frames)
+            for packed in (*studio.new_frames, *studio.new_pictures):
+                await self._send(packed)
             tick += 1
             await studio.next_tick()
 
@@ -182,7 +184,10 @@ class Viewer:
         await self._send(pack(ROWS, cast("int", request["id"]), t, values))
 
     async def _beside(self, request: Request) -> None:
-        """Send the same window of the run beside it; columns that it lacks are no numbers."""
+        """Send the same window of the run beside it; columns that it lacks are no numbers.
+
+        The same window of the motion: one rig may have taken longer to get to its start.
+        """
         other = self._studio.beside
         if other is None:
             return
@@ -190,9 +195,11 @@ class Viewer:
         names = [self._studio.run.columns[k].name for k in cast("list[int]", request["columns"])]
         known = np.array([name in index for name in names], bool)
         columns = np.array([index.get(name, 0) for name in names], np.intp)
-        t, values = await _window(other, request, columns)
+        shift = self._studio.shift
+        ends = {end: cast("float", request[end]) - shift for end in ("from", "to")}
+        t, values = await _window(other, request | ends, columns)
         values = np.where(known, values, np.float32(np.nan))
-        await self._send(pack(BESIDE, cast("int", request["id"]), t, values))
+        await self._send(pack(BESIDE, cast("int", request["id"]), t + shift, values))
 
     async def _frames(self, request: Request) -> None:
         """Send the scene at even steps of a window of the log."""

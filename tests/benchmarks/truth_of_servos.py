@@ -46,7 +46,7 @@ def true_of_drives(profile, seed, procedure, folders):
 
 def true_of_links(profile, seed, procedure, folders):
     geometry = profile.mechanism_settings.geometry
-    names = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset")
+    names = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset", "a1")
     lengths = draw(asdict(profile.simulation.perturbation), seed).joints.lengths
     true = {
         ("arm", name): getattr(geometry, name) + error

@@ -27,7 +27,7 @@ QUIET = "{proportional: 3e7, integral: 1e8, derivative: 2e6}"
 
 def unwatched(mechanism):
     return (
-        f"{mechanism}.alarms.pressure={{deviation: 1 MPa, offset: 1 MPa, slow: 99}}",
+        f"{mechanism}.alarms.pressure={{deviation: 499 kPa, offset: 499 kPa, slow: 99}}",
         f"{mechanism}.limits.following=20 mm",
         f"{mechanism}.alarms.oscillation={{amplitude: 40 mm}}",
     )

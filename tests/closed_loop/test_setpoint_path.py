@@ -67,3 +67,13 @@ def test_a_module_that_was_made_safe_goes_on_to_say_what_it_measures(at):
     Stopped("cylinder-sine", options, Backend.VIRTUAL, at + 0.1, each=each)
     assert len(ages) > 25
     assert max(ages) < 5e-3
+
+
+@pytest.mark.parametrize(
+    ("at", "bytes_left"), [(DRAWN.uniform(0.1, 1.9), DRAWN.randrange(4)) for _ in range(6)]
+)
+def test_a_module_that_cannot_be_told_to_vent_is_stopped_and_vents(at, bytes_left):
+    """The first short frame is a fault, and the safe setpoints after it are as short."""
+    stopped = run([at], FrameFault("truncate", SETPOINTS, count=LASTING, value=bytes_left))
+    assert "wrong length" in str(stopped.outcome.fault)
+    assert np.abs(stopped.column("position")).max() < LIMIT

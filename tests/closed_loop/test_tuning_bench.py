@@ -38,7 +38,7 @@ DEVICES = ("regulators", "encoder-agonist")
 READ = ("position_agonist", "position_antagonist", "pressure_agonist", "pressure_antagonist")
 BLIND = tuple(
     f"cylinder.alarms.pressure.{alarm}"
-    for alarm in ("deviation=500 kPa", "slow=50", "offset=500 kPa")
+    for alarm in ("deviation=499 kPa", "slow=50", "offset=499 kPa")
 )
 """Regulators are drawn here that the profile's alarms would rightly call slow."""
 

@@ -11,7 +11,7 @@ from rig.assembly import Backend
 DRAWN = random.Random(2519)
 BLIND = tuple(
     f"cylinder.alarms.pressure.{alarm}"
-    for alarm in ("deviation=500 kPa", "slow=50", "offset=500 kPa")
+    for alarm in ("deviation=499 kPa", "slow=50", "offset=499 kPa")
 )
 """The pressures' alarms would see such a regulator first: here the swing itself has to be seen."""
 

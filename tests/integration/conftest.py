@@ -1,15 +1,20 @@
 """What whole runs share."""
 
 import dataclasses
+import shutil
+from pathlib import Path
 
 import pytest
 import warm_start
 from broken_package import plug_in
 
+from rig.assembly import Backend, build_rig
+from rig.assembly.simulated import build_virtual
 from rig.commissioning.record import CommissioningState
 from rig.experiment import frozen
 
 __all__ = ["plug_in"]
+CONFIGS = Path(__file__).parents[2] / "configs"
 _FREEZES = {}
 
 
@@ -55,3 +60,24 @@ def warm_workers(monkeypatch):
         )
 
     monkeypatch.setattr("rig.sweeping.pool._start_server", start_server)
+
+
+@pytest.fixture
+def pretended_hardware(tmp_path, monkeypatch):
+    """Have emulated nodes in virtual time taken for real ones; return where profiles are kept.
+
+    The folder has what ships, but no calibration and no acceptance test.
+    """
+
+    def build(profile, backend, on=None, frames=None):
+        if backend is not Backend.HARDWARE:
+            return build_rig(profile, backend, on, frames)
+        made = build_virtual(profile, frames)
+        made.backend = backend
+        return made
+
+    configs = tmp_path / "configs"
+    shutil.copytree(CONFIGS, configs, ignore=shutil.ignore_patterns("calibration", "commissioning"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.setattr("rig.experiment.run.build_rig", build)
+    return configs

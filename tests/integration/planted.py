@@ -2,6 +2,7 @@
 
 import dataclasses
 import random
+from functools import partial
 
 from drivers.sim.nodes.cia401 import EmulatedCia401
 from drivers.sim.nodes.cia406 import EmulatedCia406
@@ -64,8 +65,10 @@ def foreign_node(rig, chance):
     taken = {node.node_id for node in bus.nodes}
     number = chance.choice([n for n in range(1, 127) if n not in taken])
     node = EmulatedCia406("nobody's", number, rig.clock.world.plant, 0)
-    node.send = bus._sender(node)
+    node.send = partial(bus._send, node)
+    node.listens_anew = bus._listeners.clear
     bus.nodes = (*bus.nodes, node)
+    bus._listeners.clear()
 
 
 def silent_node(rig, chance):
@@ -236,11 +239,11 @@ def drawn_unit(profile, seed):
     return dataclasses.replace(profile, simulation=simulation)
 
 
-def rig_with(profile, seen, plant=None, seed=0):
+def rig_with(seen, plant=None, seed=0):
     """Return what builds a rig with a defect, and looks at the truth of it."""
 
-    def make():
-        rig = build_rig(profile, Backend.VIRTUAL)
+    def make(its):
+        rig = build_rig(its, Backend.VIRTUAL)
         if plant is not None:
             plant(rig, random.Random(f"{plant.__name__} {seed}"))
         rig.clock.world = Watched(rig.clock.world, seen)

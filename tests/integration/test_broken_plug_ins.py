@@ -111,7 +111,7 @@ def test_a_driver_without_make_safe(plug_in):
     exit_code, said, _ = plug_in(*DRIVER, code, "check", "cylinder-tecno")
     assert exit_code == 2
     assert "driver tecno-regulator" in said
-    assert "it has no identity, make_safe, unsafe, written" in said
+    assert "it has no identity, make_safe, show_in, unsafe, written" in said
 
 
 def test_an_addition_that_cannot_be_loaded_is_named_where_its_law_is_missed(plug_in):

@@ -34,7 +34,8 @@ def test_a_procedure_from_preview_to_use(configs, capsys):
     assert calibrate(configs, "response", "--yes", "--on", "sim", "--temperature", "23 degC") == 0
     shown, said = capsys.readouterr()
     assert "bears more dead time" in shown, "what the loops bear, now that it is known"
-    assert "`rig tune cylinder --controller cascade`" in said
+    rig = configs / "rigs" / "cylinder.yaml"  # where nobody who leaves --configs out would find it
+    assert f"`rig tune {rig} --controller cascade`" in said
     (run,) = (configs.parent / "runs").iterdir()
     assert (run / "figures" / "calibration-response.png").stat().st_size > 10_000
     assert json.loads((run / "manifest.json").read_text())["status"] == "ok"

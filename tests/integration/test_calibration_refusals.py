@@ -74,7 +74,8 @@ def test_hardware_is_refused_with_what_would_mend_it(configs, capsys, how, seria
     told = " ".join(capsys.readouterr().err.split())
     assert ENCODER in told
     assert reason in told
-    assert "rig calibrate cylinder encoders --replace --on hardware" in told
+    rig = configs / "rigs" / "cylinder.yaml"
+    assert f"rig calibrate {rig} encoders --replace --on hardware" in told
     assert runs(configs) == []
 
 

@@ -14,7 +14,7 @@ ENOUGH = {"pressure": 20e3, "way": 1e-3}
 
 def perform(out, profile, plant=None, seed=0, skip=()):
     seen = dict.fromkeys(ENOUGH, 0.0)
-    site = Site(profile, rig_with(profile, seen, plant, seed), SimulatedOperator(), out)
+    site = Site(profile, rig_with(seen, plant, seed), SimulatedOperator(), out)
     steps = [step for step in steps_of(profile) if step.name not in skip]
     record = begin(profile, [out], CommissioningFacts("virtual"), anew=True)
     said = []

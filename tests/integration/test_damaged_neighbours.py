@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from rig.calibration.store import load
 from rig.cli import invoke
 from rig.config.calibration import HISTORY, seal
 from rig.hal import ConfigurationError
@@ -129,3 +130,98 @@ def test_a_journal_of_a_sweep(tmp_path, seed):
     (tmp_path / JOURNAL).write_text(line + "\n")
     with pytest.raises(ConfigurationError, match="is no journal of a sweep"):
         Journal(tmp_path)
+
+
+@pytest.mark.parametrize("name", [JOURNAL, ".lock", ".spare"])
+@pytest.mark.parametrize("what", ["link", "pipe", "device", "folder"])
+def test_a_sweep_writes_into_no_file_of_others(tmp_path, name, what):
+    """A torn line is cut off, and so would be all of a file without a line's end."""
+    (tmp_path / "swept").mkdir()
+    secret, there = tmp_path / "secret", tmp_path / "swept" / name
+    secret.write_text("what is mine")
+    if what == "folder":
+        there.mkdir()
+    elif what == "link":
+        there.symlink_to(secret)
+    else:
+        put(there, what)
+    with pytest.raises(ConfigurationError, match="swept"):
+        Journal(tmp_path / "swept")
+    assert secret.read_text() == "what is mine"
+
+
+def test_a_journal_without_an_end_is_refused(tmp_path):
+    with (tmp_path / JOURNAL).open("wb") as stream:
+        stream.truncate(1 << 32)
+    with pytest.raises(ConfigurationError, match="has more than 1048576 bytes"):
+        Journal(tmp_path)
+
+
+@pytest.mark.parametrize("what", ["pipe", "device", "loose link", "folder"])
+def test_what_stands_in_the_place_of_a_calibration_is_no_missing_one(configs, capsys, what):
+    path = configs / "calibration" / "cylinder" / "encoder-agonist.yaml"
+    path.parent.mkdir(parents=True)
+    try:
+        path.mkdir() if what == "folder" else put(path, what)
+        assert invoke(["check", "cylinder", "--configs", str(configs)]) == 2
+        assert str(path) in capsys.readouterr().err
+    finally:
+        shutil.rmtree(configs / "calibration")
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_measurements_of_before_are_as_they_are_read_later(tmp_path, seed):
+    chance = random.Random(seed)
+    one = {"name": "scale", "value": 1.0, "std": 0.1, "unit": "1", "procedure": "encoders"}
+    origin = {"date": "2026-01-01T00:00:00+00:00", "operator": "me", "residual_rms": 1e-6}
+    key = chance.choice([*one, "residual_rms", "valid_until", "backend", "blocks"])
+    wrong = chance.choice([[], {}, True, "x" if key in ("value", "std", "blocks") else 3.5])
+    spoilt = dict(origin) if key in ("residual_rms", "blocks") else dict(one)
+    spoilt[key] = [] if key in ("blocks", "value", "std", "residual_rms") else wrong
+    content = {"values": {}, "measured": [one], "provenance": origin}
+    place = "provenance" if key in ("residual_rms", "blocks") else "measured"
+    content[place] = spoilt if place == "provenance" else [one, spoilt]
+    path = tmp_path / "encoder.yaml"
+    path.write_bytes(sealed(content))
+    with pytest.raises(ConfigurationError, match=f"encoder.yaml: {place}.*{key} is "):
+        load(path)
+
+
+@pytest.mark.parametrize("kind", ["check", "calibration", "loop", "path"])
+def test_no_link_has_an_error_quote_another_file(configs, tmp_path, capsys, kind):
+    secret = tmp_path / "secret"
+    secret.write_text("root:*:20228:swordfish\n")
+    folder = configs / "calibration" / "cylinder"
+    path = tmp_path / "mine.yaml"
+    words = ["check", str(path), "--configs", str(configs)]
+    if kind == "calibration":
+        folder.mkdir(parents=True)
+        path, words[1] = folder / "encoder-agonist.yaml", "cylinder"
+    if kind == "path":
+        content = yaml.safe_load((configs / "experiments" / "arm-path.yaml").read_text())
+        reference = {"kind": "arm-path", "file": str(tmp_path / "places.csv")}
+        path.write_text(yaml.safe_dump({**content, "reference": reference}))
+        (tmp_path / "places.csv").symlink_to(secret)
+    else:
+        path.symlink_to(path.name if kind == "loop" else secret)
+    try:
+        assert invoke(words) == 2
+        said = capsys.readouterr().err
+        assert "swordfish" not in said
+        assert (path.name if kind != "path" else "places.csv") in said, said
+    finally:
+        shutil.rmtree(configs / "calibration", ignore_errors=True)
+
+
+@pytest.mark.parametrize("key", ["procedure", "backend"])
+def test_a_history_of_other_types_is_no_traceback(configs, capsys, key):
+    folder = configs / "calibration" / "cylinder" / HISTORY / "cylinder"
+    folder.mkdir(parents=True)
+    origin = {"date": "2026-01-01T00:00:00+00:00", "operator": "me", key: ["x"]}
+    (folder / "20260101.yaml").write_bytes(sealed({"values": {}, "provenance": origin}))
+    try:
+        words = ["calibrate", "cylinder", "--history", "cylinder", "--configs", str(configs)]
+        assert invoke(words) == 0
+        assert f"{key} is ['x']" in capsys.readouterr().err
+    finally:
+        shutil.rmtree(configs / "calibration")

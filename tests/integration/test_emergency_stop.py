@@ -125,6 +125,19 @@ def test_a_rig_is_reset_without_letting_its_joints_go():
     assert told == [False, True, False]
 
 
+def test_a_drive_that_a_bus_has_stopped_tells_of_its_contact():
+    """A rig that was open before leaves its nodes stopped, where they answer no SDO."""
+    made = build_rig(plan_of("arm").profile, Backend.VIRTUAL)
+    stop_all = bytes((0x02, 0))
+    for node in made.clock.world.buses[0].nodes:
+        node.receive(0x000, stop_all, 0.0)
+    with made.watching_stop() as is_pressed:
+        for _ in range(4):
+            is_pressed()
+            made.clock.sleep_until(made.clock.now() + 0.02)
+        assert is_pressed() is False
+
+
 class Contact(EmergencyStopInput):
     """A contact of somebody's own, which remembers nothing."""
 

@@ -13,7 +13,7 @@ from rig.assembly import REGISTRY
 from rig.cli.command_table import COMMANDS
 from rig.cli.commands import invoke
 from rig.explaining.faults import fault_topics, topic_of
-from rig.explaining.glossary import glossary
+from rig.explaining.glossary import glossary, without_keys
 
 ROOT = Path(rig.__file__).parents[1]
 FAULTS = {
@@ -33,6 +33,11 @@ def test_every_key_measure_and_law_has_a_meaning():
     assert [word for word in words if len(word.text) < 2] == []
     names = {word.name for word in words if word.kind == "measure"}
     assert names == set(REGISTRY.measures(None, object))
+
+
+def test_no_measure_or_law_hides_a_key_of_the_same_name():
+    others = {word.name for word in without_keys()}
+    assert {word.name for word in glossary() if word.kind.endswith("key")} & others == set()
 
 
 def test_drawn_words_of_files_are_known(capsys):
@@ -123,3 +128,17 @@ def test_a_missed_bound_is_explained(tmp_path, capsys):
     assert code == 0
     assert "tracking_rms_01 is" in out
     assert "rig explain tracking_rms`" in out.replace("\n ", "")
+
+
+@pytest.mark.parametrize("word", ["sensitivity", "stable", "sim", "virtual", "vcan", "hardware"])
+def test_words_of_tables_and_options_are_known(capsys, word):
+    code, out, _ = said(capsys, word)
+    assert code == 0
+    assert out.startswith(f"{word}: ")
+
+
+def test_a_metric_of_one_stretch_is_explained_by_its_measure(capsys):
+    code, out, _ = said(capsys, "tracking_rms_0.1hz")
+    assert code == 0
+    assert "tracking_rms (measure of cylinder)" in out and "'0.1hz'" in " ".join(out.split())
+    assert said(capsys, "tracking_rmz_0.1hz")[0] == 2

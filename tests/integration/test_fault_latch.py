@@ -24,6 +24,7 @@ SHORT = [
     "approach=0.3 s",
     "metrics={}",
     "cylinder.limits.stop_energy=1 J",
+    "loop.small_margin=a test",
 ]
 
 

@@ -27,7 +27,15 @@ COMMANDS = {
     "check": ("check", "cylinder"),
     "simulate": ("simulate", "cylinder"),
     "monitor": ("monitor", "cylinder", "--frames"),
-    "run": ("run", "cylinder-step", "--no-report", "--set", "cylinder.limits.stop_energy=1 J"),
+    "run": (
+        "run",
+        "cylinder-step",
+        "--no-report",
+        "--set",
+        "cylinder.limits.stop_energy=1 J",
+        "--set",
+        "loop.small_margin=a test",
+    ),
 }
 _CAPABILITIES_3 = 0x2008_0522  # linux/capability.h
 _OVERRIDES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH
@@ -105,12 +113,20 @@ def test_an_interface_that_python_can_does_not_know(refused):
     ("interface", "maker", "complaint", "advice"),
     [
         ("gs_usb:0", "can.Bus", "No module named 'usb'", "pip install 'python-can[gs-usb]'"),
-        ("gs_usb:0", "can.Bus", "Access denied (insufficient permissions)",
-         "ip -brief link show type can"),
-        ("udp_multicast:239.74.163.2", "drivers.can.interfaces.MulticastBus", "No such device",
-         "ip route add 224.0.0.0/4 dev lo"),
+        (
+            "gs_usb:0",
+            "can.Bus",
+            "Access denied (insufficient permissions)",
+            "ip -brief link show type can",
+        ),
+        (
+            "udp_multicast:239.74.163.2",
+            "drivers.can.interfaces.MulticastBus",
+            "No such device",
+            "ip route add 224.0.0.0/4 dev lo",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_else_an_interface_may_say(refused, monkeypatch, interface, maker, complaint, advice):
     def refuse(*_, **options):
         raise OSError(complaint)

@@ -45,7 +45,7 @@ REFUSED = {
         ("after 0.00 s", "at 61.00 deg tilt towards 0.0 deg", "max_tilt is 60.00 deg"),
     ),
     "stroke": (
-        ("reference.tilt=40 deg", "joint.home=12 mm"),
+        ("reference.tilt=40 deg", "joint.home=12 mm", "plant.home=12 mm"),
         ("at 40.00 deg tilt towards", "rod 4 would extend to -5.45 mm, beyond 0.00 mm"),
     ),
     "stroke-of-a-larger-ball": (
@@ -78,6 +78,8 @@ REFUSED = {
             f"{LIMITS}.tension=[5 N, 400 N]",
             "joint.home=40 mm",
             "joint.stroke=80 mm",
+            "plant.home=40 mm",
+            "plant.cylinder.stroke=80 mm",
             *(f"devices.encoder-{k}.stroke=80 mm" for k in (1, 2, 3, 4)),
         ),
         ("at 74.50 deg tilt towards", "leaves its seat", "inside its contact cone"),

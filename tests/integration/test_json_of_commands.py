@@ -81,6 +81,7 @@ PRINTED = {
     "check": ["check", "cylinder-step"],
     "status": ["status", "cylinder"],
     "faults list": ["faults", "list", "cylinder"],
+    "commission": ["commission", "cylinder", "--dry-run"],
     "schema": ["schema", "profile"],
 }
 

@@ -2,12 +2,14 @@
 
 import random
 import tomllib
+from pathlib import Path
 
 import pytest
 from stranger_lab import Lab, beside_the_source
 
 from rig.assembly import REGISTRY
 from rig.cli import invoke
+from rig.config import load_profile
 from rig.config.names import find_configs, list_files
 
 
@@ -84,3 +86,52 @@ def test_what_is_there_stays(here, capsys):
     before = sorted(here.rglob("*"))
     assert invoke(["new", "controller", "sensor"]) == 2
     assert sorted(here.rglob("*")) == before
+
+
+ARMS = Path(__file__).parents[1] / "data" / "arms"
+
+
+@pytest.mark.parametrize(
+    "option",
+    [
+        ("--urdf", "kr-6-r900.urdf"),
+        pytest.param(("--dh", "puma-560.yaml"), marks=pytest.mark.slow),
+    ],
+)
+def test_an_arm_from_its_description_runs_at_once(here, capsys, option):
+    kind, file = option
+    assert invoke(["new", "rig", "our-arm", kind, str(ARMS / file)]) == 0
+    noted = capsys.readouterr().err
+    assert "within a nanometre" in noted
+    assert "rig run arm-tour --on sim --rig our-arm.yaml" in noted
+    assert invoke(["check", "our-arm.yaml"]) == 0
+    assert invoke(["run", "arm-tour", "--on", "sim", "--rig", "our-arm.yaml", "--no-report"]) == 0
+
+
+@pytest.mark.parametrize("shipped", ["arm-irb-120", "arm-puma-560"])
+def test_a_shipped_arm_is_what_its_description_comes_to(here, shipped):
+    kind, end = ("urdf", "urdf") if shipped == "arm-irb-120" else ("dh", "yaml")
+    file = ARMS / f"{shipped.removeprefix('arm-')}.{end}"
+    assert invoke(["new", "rig", "ours", f"--{kind}", str(file)]) == 0
+    ours, theirs = (
+        load_profile(name, REGISTRY, search=find_configs()) for name in ("ours.yaml", shipped)
+    )
+    assert ours.mechanism_settings == theirs.mechanism_settings
+    assert ours.devices == theirs.devices
+    assert ours.plant == theirs.plant
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "reason"),
+    [
+        (["rig", "ours", "--urdf", "none.urdf"], 2, "none.urdf"),
+        (["rig", "ours", "--urdf", "a", "--dh", "b"], 2, "one of --urdf, --dh"),
+        (["rig", "ours", "--dh", "a", "--tip", "hand"], 2, "--tip names a link of --urdf"),
+        (["rig", "ours", "--urdf", "a", "--like", "arm"], 2, "one of --urdf, --dh"),
+        (["experiment", "ours", "--urdf", "a"], 2, "one of --urdf, --dh"),
+    ],
+)
+def test_a_description_that_is_none(here, capsys, words, code, reason):
+    assert invoke(["new", *words]) == code
+    assert reason in capsys.readouterr().err
+    assert not list(here.iterdir())

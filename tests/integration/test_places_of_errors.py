@@ -45,7 +45,8 @@ def test_both_ends_are_named(case, tmp_path, capsys):
 
 def test_null_takes_back_what_a_base_gives(tmp_path):
     path = tmp_path / "mine.yaml"
-    path.write_text(f"extends: cylinder\n{CASES['wire'][0]}          voltage: null\n")
+    more = "          voltage: null\n          raw: [0, 32767]\n"
+    path.write_text(f"extends: cylinder\n{CASES['wire'][0]}{more}")
     profile = load_profile(path, REGISTRY, (), find_configs())
     check_profile(profile)
     monitor = profile.devices["regulators"].settings.channels["agonist"].monitor

@@ -174,6 +174,9 @@ def test_a_fault_is_an_exception_with_its_run(out):
     assert len(faulted.value.run.data)
 
 
+BEARS = {"cylinder.limits.stop_energy": "1 J"}
+
+
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
@@ -200,7 +203,8 @@ def test_a_fault_is_an_exception_with_its_run(out):
         ({"measures": {"m": (len, "m/s/")}}, "measure m: .*usual units are"),
         ({"on": "mars"}, "'mars' is neither one of sim, virtual, vcan, hardware nor a CAN inter"),
         ({"on": "Sim"}, "'Sim' is neither one of sim"),
-        ({"on": "hardware", "set": {"cylinder.limits.stop_energy": "1 J"}}, "yes='cylinder'"),
+        ({"on": "hardware", "set": BEARS}, "loop.small_margin"),
+        ({"on": "hardware", "set": {**BEARS, "loop.small_margin": "x"}}, "yes='cylinder'"),
     ],
 )
 def test_what_is_wrong_is_a_sentence_before_anything_moves(out, wrong, said):

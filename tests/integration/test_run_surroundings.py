@@ -29,7 +29,7 @@ def test_missing_interface_is_named_with_what_would_mend_it(tmp_path, capsys):
     code = invoke(
         [*BASE, "--on", "hardware", "--yes", "cylinder", "--out", str(tmp_path),
          "--set", "buses.can0.channel=nocan7", "--set", "loop.priority=0",
-         "--set", "cylinder.limits.stop_energy=1 J"]
+         "--set", "cylinder.limits.stop_energy=1 J", "--set", "loop.small_margin=a test"]
     )  # fmt: skip
     said = capsys.readouterr().err
     assert code == 3

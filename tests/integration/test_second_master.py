@@ -25,7 +25,10 @@ from rig.run_folder import RunFolder
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 GENERATOR = np.random.default_rng(12)
-SHORT = ["reference.tones=[{frequency: 1 Hz, periods: 2}]", "approach=0.3 s", "metrics={}"]
+SHORT = [
+    "reference.tones=[{frequency: 1 Hz, periods: 2}]", "approach=0.3 s", "metrics={}",
+    "loop.small_margin=a test",
+]  # fmt: skip
 FOREIGN = {  # identifier and bytes of what only the master sends, and its words
     "SYNC": (0x080, b"", "SYNC (identifier 0x080)"),
     "heartbeat": (0x77F, b"\x05", "the master's heartbeat (identifier 0x77F)"),
@@ -155,7 +158,8 @@ def holder(tmp_path, monkeypatch):
 def test_an_interface_has_one_master_on_a_host(holder, tmp_path, capsys):
     channel, process = holder
     words = ["--on", channel, "--out", str(tmp_path / "runs"), "--yes", "cylinder", "--no-report"]
-    code = invoke(["run", "cylinder-step", *words, "--set", "cylinder.limits.stop_energy=1 J"])
+    code = invoke(["run", "cylinder-step", *words, "--set", "cylinder.limits.stop_energy=1 J",
+                   "--set", "loop.small_margin=a test"])  # fmt: skip
     said = capsys.readouterr().err
     assert code == 3
     assert f"process {process.pid} of this host drives {channel} (socketcan)" in said

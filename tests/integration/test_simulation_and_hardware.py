@@ -20,7 +20,7 @@ from rig.config import load_profile
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ENCODER = "encoder-agonist"
-STOP = ("--set", "cylinder.limits.stop_energy=1 J")
+STOP = ("--set", "cylinder.limits.stop_energy=1 J", "--set", "loop.small_margin=a test")
 BRIEF = ("--set", "reference.dwell=0.3 s", "--set", "approach=0.5 s", "--set", "metrics={}")
 SLOW = ("buses.can0.heartbeat=50 ms", "buses.can0.heartbeat_timeout=150 ms")
 
@@ -70,7 +70,8 @@ def test_hardware_refuses_what_was_not_measured_on_it(lab, capsys, backend, seed
     assert lab("run", "cylinder-step", "--on", "hardware", "--yes", "cylinder") == 3
     said = " ".join(capsys.readouterr().err.split())
     assert f"{ENCODER}: its calibration {words}" in said
-    assert "rig calibrate cylinder encoders --replace --on hardware" in said
+    rig = lab.configs / "rigs" / "cylinder.yaml"
+    assert f"rig calibrate {rig} encoders --replace --on hardware" in said
     assert not lab.runs.exists()
     assert lab("check", "cylinder") == 0
     assert "refused on hardware" in capsys.readouterr().out

@@ -27,7 +27,8 @@ PROCEDURES = {
 
 
 @pytest.fixture
-def configs(tmp_path):
+def configs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # a name is found here
     shutil.copytree(CONFIGS, tmp_path / "configs", ignore=shutil.ignore_patterns("calibration"))
     return tmp_path / "configs"
 
@@ -143,3 +144,23 @@ def test_the_last_run_of_each_kind_is_shown(configs):
     found, _ = stages(configs)
     assert found["last simulated run"].startswith("faulted, cylinder-sine, 2026-01-02 00:00:00, ")
     assert found["last run on hardware"].startswith("aborted, cylinder-sine, 2026-01-01 12:00:00")
+
+
+def test_a_rig_beside_no_folder_of_rigs_is_named_by_its_path(configs, tmp_path):
+    (tmp_path / "ours.yaml").write_text("extends: cylinder\ndescription: ours\n")
+    found = CliRunner().invoke(status, ["ours.yaml", "--json"], standalone_mode=False)
+    command = json.loads(found.stdout)["next"].split()
+    assert command[:3] == ["rig", "commission", "ours.yaml"]
+    assert command[-2:] == ["--yes", "ours"]
+
+
+def test_a_profile_that_check_refuses_is_not_sent_on(configs):
+    own = configs / "rigs" / "short.yaml"
+    own.write_text("name: short\nextends: cylinder\ncylinder: {home: 20 mm}\n")
+    told = CliRunner().invoke(status, ["short", "--json"])
+    assert told.exit_code == 0
+    shown = json.loads(told.stdout)
+    assert shown["next"] == "rig check short"
+    first = shown["stages"][0]
+    assert first["what"] == "valid"
+    assert "plant.home" in first["state"]

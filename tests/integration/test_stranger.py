@@ -97,7 +97,7 @@ def test_a_typing_error_is_shown_with_its_place(lab):
 
 
 def test_its_schema_is_part_of_the_schema(lab):
-    words = ("max_twist", "load-cell", "rod_stiffness", "cross-coupled")
+    words = ("max_twist", '"load-cell"', "rod_stiffness", "cross-coupled")
     schema = lab.rig("schema", "profile", "crank")
     assert schema.returncode == 0, schema.stderr
     assert all(word in schema.stdout for word in words)

@@ -48,6 +48,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
     found = yaml.safe_load(file.read_text())["values"]
     used = load_profile("cylinder", REGISTRY, (), [place / "configs"]).controllers["pid"]
     assert used.proportional == found["proportional"]
+    assert "tuned for cylinder-step: other motions may need other gains" in said
     for word in ("error, hold", "reversals", "drawn plants", "proportional"):
         assert word in table
     (figure,) = (place / "whole").glob("*/tuning.png")
@@ -83,6 +84,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
         (("tune", "cylindre"), "cylinder"),
         (("tune", "cylinder", "--controller", "pidd"), "it has pid"),
         (("tune", "joint", "--controller", "joint-cascade"), "has no controller"),
+        (("tune", "joint"), "dither.amplitude and path_dither.force have to be 0"),
         (("tune", "arm", "--controller", "esc"), "tuned"),
         (("tune", "cylinder", "--for", "arm-wrist-hit"), "cylinder"),
         (("tune", "cylinder", "--set", "plant.model=spherical-joint"), "plant"),

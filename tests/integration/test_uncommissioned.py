@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rig.assembly import Backend, build_rig
-from rig.assembly.simulated import build_virtual
 from rig.cli import invoke
 from rig.commissioning.record import load_record, write_record
 from rig.runtime.log import read_log
@@ -24,36 +22,25 @@ SHORT = (
     "reference.tones=[{frequency: 1 Hz, periods: 2}]",
     "approach=0.3 s",
     "metrics={}",
+    "loop.small_margin=a test",
     "cylinder.limits.stop_energy=1 J",
 )
 
 
 @pytest.fixture
-def rig(tmp_path, monkeypatch):
+def rig(tmp_path, pretended_hardware):
     """Return what runs an experiment on hardware that is none."""
-
-    def build(profile, backend, on=None, frames=None):
-        if backend is not Backend.HARDWARE:
-            return build_rig(profile, backend, on, frames)
-        made = build_virtual(profile, frames)
-        made.backend = backend
-        return made
-
-    configs = tmp_path / "configs"
-    shutil.copytree(CONFIGS, configs, ignore=shutil.ignore_patterns("calibration", "commissioning"))
-    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    monkeypatch.setattr("rig.experiment.run.build_rig", build)
 
     def run(*words, settings=SHORT):
         words = (*words, *(word for option in settings for word in ("--set", option)))
         code = invoke([
             "run", "cylinder-sine", "--no-report", "--on", "hardware", "--yes", "cylinder",
-            "--configs", str(configs), "--out", str(tmp_path / "runs"), *words,
+            "--configs", str(pretended_hardware), "--out", str(tmp_path / "runs"), *words,
         ])  # fmt: skip
         folders = sorted((tmp_path / "runs").iterdir()) if (tmp_path / "runs").exists() else []
         return code, folders[-1] if folders else None
 
-    run.configs = configs
+    run.configs = pretended_hardware
     return run
 
 
@@ -101,7 +88,8 @@ def test_it_moves_at_a_quarter_of_its_speed_and_says_what_is_missing(rig, capsys
     assert code == 0
     err = " ".join(capsys.readouterr().err.split())
     assert "never commissioned" in err and "first of them bus" in err
-    assert "rig commission cylinder --on hardware" in said(slow)[0]
+    file = rig.configs / "rigs" / "cylinder.yaml"
+    assert f"rig commission {file} --on hardware" in said(slow)[0]
     fast_speed, _ = truth(whole)
     speed, pressure = truth(slow)
     assert speed < 0.5 * fast_speed

@@ -143,11 +143,15 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
     folder = RunFolder.open(run.folder)
     assert folder.status is RunStatus.ABORTED
     assert "stopped by the operator" in str(folder.manifest["message"])
-    assert read_log(folder.log_path).complete
+    log = read_log(folder.log_path)
+    assert log.complete
     changes = [event for event in folder.events() if event["kind"] == "tuning"]
     change, undone, last = changes
     assert [undone["data"]["new"], undone["data"]["old"]] == [change["data"]["old"], 90.0]
     assert undone["t"] > change["t"] + 0.99  # the ramp is over
+    # By the log's clock, whose seconds before the motion are not negative.
+    assert log.column("reference.time")[0] < -0.5
+    assert all(0.0 < event["t"] < log.t[-1] for event in changes)
     assert change["data"]["key"] == "position_rate"
     assert change["data"]["new"] == 90.0
     assert change["data"]["who"]

@@ -97,9 +97,10 @@ def served_folder(folder: Path, *arguments: str):
 
 
 @contextlib.contextmanager
-def paced_run(out: Path, experiment: str = "cylinder-sine"):
+def paced_run(out: Path, *arguments: str):
     """Yield the folder of a run that goes on in real time, and that nobody watches."""
-    command = [sys.executable, "-m", "rig", "run", experiment, "--on", "sim", "--pace", "1"]
+    arguments = arguments or ("cylinder-sine", "--on", "sim")
+    command = [sys.executable, "-m", "rig", "run", *arguments, "--pace", "1"]
     process = subprocess.Popen(
         [*command, "--no-report", "--out", str(out)], stderr=subprocess.PIPE, text=True
     )

@@ -146,6 +146,8 @@ def test_an_interface_at_another_bit_rate(tmp_path):
         "cylinder",
         "--set",
         "cylinder.limits.stop_energy=1 J",
+        "--set",
+        "loop.small_margin=a test",
         "--out",
         tmp_path / "runs",
         environment=environment,

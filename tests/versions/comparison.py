@@ -1,8 +1,9 @@
 """Metrics of one experiment under several versions: the same bytes, or the same but for rounding.
 
-Numpy adds up in another order from version to version. So the same bytes are asked of environments
-with the same resolution of dependencies, whatever their Python; the lowest may differ from the
-newest in the last digits, and in what is nothing but rounding itself, a residual of 4e-16.
+Numpy adds up in another order from version to version, and the newest one is not the same on every
+Python. So the same bytes are asked of environments that compute with the same versions, whatever
+their Python; others may differ in the last digits, and in what is nothing but rounding itself, a
+residual of 4e-16.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Two regulators on a scripted CiA 401 module, and what they are set to."""
+"""What is driven by a scripted CiA 401 module with two analogue outputs, two regulators first."""
 
 from scripted_bus import Bench, ScriptedNode, common_objects, u8, u16, u32
 
@@ -25,8 +25,10 @@ VENTED = "181#B80BB80B01"  # both monitors 3000 counts (0 Pa), the stop's contac
 START = "201#0000000000"
 
 
-class Regulators(Bench):
-    def __init__(self, settings=SETTINGS, **options):
+class AnalogueBench(Bench):
+    """A driver, and a scripted module with two analogue outputs, a supply valve and a contact."""
+
+    def __init__(self, driver, settings, **options):
         super().__init__(**options)
         objects = common_objects(0x000F0191) | {
             (0x6206, 1): u8(0),
@@ -40,7 +42,7 @@ class Regulators(Bench):
                 (0x6444, sub): u32(0x7FFF),
             }
         self.node = ScriptedNode(self.interface, 1, objects)
-        self.driver = Cia401Regulators("valves", settings, self.bus)
+        self.driver = driver("valves", settings, self.bus)
 
     def start(self, reading=VENTED):
         self.driver.connect()
@@ -48,6 +50,11 @@ class Regulators(Bench):
         self.node.sync_answers.append(reading)
         self.driver.arm()
         return self.sent()
+
+
+class Regulators(AnalogueBench):
+    def __init__(self, settings=SETTINGS, **options):
+        super().__init__(Cia401Regulators, settings, **options)
 
     def run(self, *frames, setpoints=(0.0, 0.0)):
         self.interface.put(*frames)

@@ -151,6 +151,15 @@ def test_a_mistake_matters_only_to_who_needs_the_object(change, line, what, tmp_
     assert eds.name_of(0x6503, 0) is None
 
 
+@pytest.mark.parametrize("count", ["255", "1000000000", "-1", "0xFFFFFFFFFFFFFFFF"])
+def test_an_array_of_more_elements_than_an_object_has_is_refused(count, tmp_path):
+    eds = read_eds(write(tmp_path, PLAIN.replace("CompactSubObj=3", f"CompactSubObj={count}")))
+    with pytest.raises(EdsError, match=r":33: CompactSubObj is .*, expected 0 to 254"):
+        list(eds.objects())
+    with pytest.raises(EdsError, match="expected 0 to 254"):
+        eds.find(0x6401, 1)
+
+
 def test_a_file_without_objects_and_a_missing_one_are_named(tmp_path):
     path = write(tmp_path, "[FileInfo]\nFileName=x\n")
     with pytest.raises(EdsError, match="describes no object"):

@@ -58,7 +58,7 @@ def unit_rates(n: TwistNumbers, q: Six, d: Six, side: float) -> tuple[Six, float
     elbow = q[2] + n.elbow_angle
     frame = two_link_frame(n.a2, n.a3, q[1], elbow)
     out = c1 * vx + s1 * vy
-    turn = (c1 * vy - s1 * vx) / _kept_off(frame.radius * frame.sine, out)
+    turn = (c1 * vy - s1 * vx) / _kept_off(frame.radius * frame.sine + n.a1, out)
     swing, stretch, bend = two_link_parts(n.a2, n.a3, frame, out + n.offset * turn, vz)
     e = math.sin(elbow)
     if abs(e) < _TINY:

@@ -31,7 +31,7 @@ class TwistNumbers(PlainNumbers):
 
     def __init__(self, geometry: ArmGeometry, period: float, *, through: bool) -> None:
         arm = dimensions_of(geometry)
-        self.a2, self.a3, self.d6 = arm.a2, arm.a3, arm.d6
+        self.a1, self.a2, self.a3, self.d6 = arm.a1, arm.a2, arm.a3, arm.d6
         self.offset, self.elbow_angle, self.wrist_sign = (
             arm.offset, arm.elbow_angle, arm.wrist_sign,
         )  # fmt: skip

@@ -106,7 +106,7 @@ def _permitted(n: TwistNumbers, q: Six, after: Six, side: float, u: Six, rates: 
 
 @inlined
 def _radius(n: TwistNumbers, q: Six) -> float:
-    return n.a2 * math.sin(q[1]) + n.a3 * math.sin(q[1] + q[2] + n.elbow_angle)
+    return n.a2 * math.sin(q[1]) + n.a3 * math.sin(q[1] + q[2] + n.elbow_angle) + n.a1
 
 
 @inlined

@@ -6,9 +6,11 @@ bus: it halts at `due`, brings the plant there, and calls `tick`.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from drivers.marker_camera.detector import MarkerDetector
 from drivers.marker_camera.link import Event
+from drivers.marker_camera.shown import ShownFrames, offer_pictures
 from drivers.sim.camera.ports import CameraBuild, MarkerPort
 from drivers.sim.camera.poses import MarkerPose
 from drivers.sim.camera.renderer import Image, MarkerRenderer
@@ -35,6 +37,7 @@ class EmulatedCamera(SimulatedLink):
         self._instants = build.instants
         self._poses: list[MarkerPose] = []
         self._image: Image | None = None
+        self._shown = ShownFrames(None)
 
     # The world's side -----------------------------------------------------------------
 
@@ -59,6 +62,15 @@ class EmulatedCamera(SimulatedLink):
 
     # The driver's side ----------------------------------------------------------------
 
+    def show_in(self, picture: Path) -> None:
+        """Put pictures into this file: the frames that go through the detector."""
+        self.look_into(offer_pictures(picture))
+
+    def look_into(self, picture: Path | None) -> None:
+        """Put pictures into a file that is there already, if there is one."""
+        self._shown.close()
+        self._shown = ShownFrames(picture)
+
     def poll(self, now: float) -> Sequence[Event]:
         """Return what has arrived by `now` (s) and was not fetched yet."""
         return self._delivery.fetch(now)
@@ -82,7 +94,9 @@ class EmulatedCamera(SimulatedLink):
         self._frame += 1
         if self._is_unplugged() or self._delivery.is_dropped() or self.has("stalled"):
             return
-        sighting = self._detector.detect(self._expose(poses), frame, stamp)
+        image = self._expose(poses)
+        sighting = self._detector.detect(image, frame, stamp)
+        self._shown.offer(image, sighting, self._detector.places)
         self._delivery.send(sighting, arrival + self.delay)
 
     def _expose(self, poses: tuple[MarkerPose, ...]) -> Image:

@@ -113,6 +113,8 @@ def cover_disc(
     """
     cover[:] = 0.0
     share = 1.0 / poses.shape[0]
+    far = 2.0 * (1.0001 * _FAR * blur) ** 2  # with room for what rounding does
+    far_x, far_y = far / focal[0] ** 2, far / focal[1] ** 2
     for k in range(poses.shape[0]):
         nx, ny, nz = poses[k, 0, 2], poses[k, 1, 2], poses[k, 2, 2]
         cx, cy, cz = poses[k, 0, 3], poses[k, 1, 3], poses[k, 2, 3]
@@ -127,14 +129,22 @@ def cover_disc(
                     continue
                 s = height / fall
                 x, y, z = s * dx - cx, s * dy - cy, s - cz
-                off = math.sqrt(x * x + y * y + z * z)
+                square = x * x + y * y + z * z
+                off = math.sqrt(square)
                 if off < 1e-12:
                     cover[row, column] += share
                     continue
                 # How fast the distance from the centre grows along a row and a column.
                 toward = (x * dx + y * dy + z) / fall
-                along = s * (x - nx * toward) / (off * focal[0])
-                down = s * (y - ny * toward) / (off * focal[1])
+                growth_x, growth_y = x - nx * toward, y - ny * toward
+                # Most pixels are further from the edge than the blur reaches, which squares tell.
+                reach = s * s * (growth_x * growth_x * far_x + growth_y * growth_y * far_y)
+                if (radius - off) ** 2 * square > reach:
+                    if off < radius:
+                        cover[row, column] += share
+                    continue
+                along = s * growth_x / (off * focal[0])
+                down = s * growth_y / (off * focal[1])
                 slope = math.sqrt(along * along + down * down)
                 inside = (radius - off) / (slope * blur * math.sqrt(2.0))
                 cover[row, column] += share * _step(inside)

@@ -7,9 +7,11 @@ a virtual CAN interface does, so what can reach the one can reach the other.
 
 import socket
 from collections.abc import Sequence
+from pathlib import Path
 
 from drivers.marker_camera.link import Event, Failure
 from drivers.marker_camera.packet_link import PacketLink
+from drivers.marker_camera.shown import offer_pictures
 
 
 def camera_address(channel: str, camera: str) -> str:
@@ -32,6 +34,11 @@ class ReachedCamera(PacketLink):
         super().__init__()
         self._address = address
         self._failure: Failure | None = None
+        self._picture: Path | None = None
+
+    def show_in(self, picture: Path) -> None:
+        """Put pictures into this file from the next `open` on."""
+        self._picture = offer_pictures(picture)
 
     def open(self, now: float) -> None:
         """Reach for the camera, which begins to expose frames."""
@@ -51,6 +58,8 @@ class ReachedCamera(PacketLink):
             return
         link.setblocking(False)
         self._socket = link
+        if self._picture is not None:  # whose process may have another folder to work in
+            link.send(str(self._picture.resolve()).encode())
 
     def poll(self, now: float) -> Sequence[Event]:
         """Return what has come since the last call; never waits."""

@@ -6,6 +6,7 @@ import pickle
 import select
 import socket
 from collections.abc import Sequence
+from pathlib import Path
 from time import monotonic
 from typing import Any, Final
 
@@ -78,8 +79,8 @@ class Exposing:
                 self._hear(*pickle.loads(packet))
             if self._listener in ready:
                 self._accept()
-            if self._client in ready and self._has_gone():
-                self._dismiss()
+            if self._client in ready:
+                self._listen()
             if self._client is not None:
                 for event in self._camera.poll(monotonic() - self._origin):
                     self._hand_over(event)
@@ -121,20 +122,26 @@ class Exposing:
         self._client = client
         self._simulation.send(OPENED)
 
-    def _has_gone(self) -> bool:
+    def _listen(self) -> None:
+        """Hear which file the client wants pictures in, or that it is gone."""
         assert self._client is not None
         try:
-            return not self._client.recv(1)
+            told = self._client.recv(_LARGEST)
         except BlockingIOError:
-            return False
+            return
         except ConnectionResetError:
-            return True
+            told = b""
+        if told:
+            self._camera.look_into(Path(os.fsdecode(told)))
+        else:
+            self._dismiss()
 
     def _dismiss(self) -> None:
         if self._client is not None:
             self._client.close()
             self._client = self._expected = None
             self._camera.close()
+            self._camera.look_into(None)
             self._simulation.send(CLOSED)
 
     def _hand_over(self, event: Event) -> None:

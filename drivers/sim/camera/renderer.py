@@ -5,6 +5,7 @@ the scene with noise of their own, drawn once.
 """
 
 import copy
+from bisect import bisect_left  # numpy's search copies a row of the image first
 from collections.abc import Sequence
 from functools import lru_cache
 from math import ceil, sqrt
@@ -154,8 +155,8 @@ class MarkerRenderer:
         ends = []
         for goal_x, goal_y in ((x.min(), y.min()), (x.max(), y.max())):
             for _ in range(4):  # a column's x hardly depends on its row, and the other way round
-                column = int(np.searchsorted(self._rays[min(row, rows - 1), :, 0], goal_x))
-                row = int(np.searchsorted(self._rays[:, min(column, columns - 1), 1], goal_y))
+                column = bisect_left(self._rays[min(row, rows - 1), :, 0], goal_x)
+                row = bisect_left(self._rays[:, min(column, columns - 1), 1], goal_y)
             ends.append((row, column))
         (top, left), (bottom, right) = ends
         if bottom == 0 or right == 0 or top == rows or left == columns:

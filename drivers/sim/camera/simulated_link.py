@@ -1,6 +1,7 @@
 """The driver's link to a simulated camera, up to what it sees."""
 
 from math import inf
+from pathlib import Path
 from typing import Final
 
 from drivers.marker_camera.link import Failure, Ready
@@ -30,6 +31,9 @@ class SimulatedLink(CameraFaults):
         self._start = inf
         self._frame = 0
         """Number of the next frame."""
+
+    def show_in(self, picture: Path) -> None:
+        """Put pictures into this file, if it has any; a camera without images has none."""
 
     def open(self, now: float) -> None:
         """Begin to expose frames."""

@@ -4,7 +4,7 @@ from functools import partial
 from math import inf
 from typing import Protocol
 
-from drivers.sim.direct.regulators import SimulatedDevice
+from drivers.sim.direct.device import SimulatedDevice
 from drivers.sim.rod_faults import ROD_FAULTS, RodFaults
 from rig.hal import Clock, DeviceFault, LinearEncoder, Reading, Vector
 

@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from drivers.sim.direct.regulators import SimulatedDevice
+from drivers.sim.direct.device import SimulatedDevice
 from rig.hal import Clock, DeviceFault, device_column
 
 _NO_LETTERS = re.compile("[^a-z0-9]+")

@@ -31,6 +31,7 @@ from drivers.sim.nodes.sdo_server import SdoServer
 
 VENDOR_ID = 0x0000_0000  # the number that CiA gives to nobody
 
+_OPERATIONAL = NmtState.OPERATIONAL  # found five times faster than an enumeration's member
 _SYNC_ID = 0x080
 _NMT_ID = 0x000
 _COMMAND_TO_STATE = {
@@ -65,6 +66,8 @@ class EmulatedNode(FaultInjection):
     ----------
     send : callable
         Takes CAN id and data of each frame that leaves the node; the bus sets it.
+    listens_anew : callable
+        Called when the node hears other identifiers than before; the bus sets it.
     due : float
         When `tick` has something to do at the latest, s.
     now : float
@@ -88,6 +91,7 @@ class EmulatedNode(FaultInjection):
         self.name = name
         self.node_id = node_id
         self.send: Send = lambda can_id, data: None
+        self.listens_anew: Callable[[], None] = lambda: None
         self.now = 0.0
         self.due = 0.0
         self.state = NmtState.INITIALISING
@@ -124,6 +128,7 @@ class EmulatedNode(FaultInjection):
             self.dictionary, self._heartbeat_lost, self._heartbeat_found, self.route
         )
         self._server = SdoServer(self.dictionary, lambda data: self.transmit(0x580 + node_id, data))
+        self._parts = (self._server, self._consumer, self._producer, self.emergency)
         self._add_faults()
 
     def _add_faults(self) -> None:
@@ -188,6 +193,10 @@ class EmulatedNode(FaultInjection):
 
     # Time and frames ------------------------------------------------------------------
 
+    def hears(self, can_id: int) -> bool:
+        """Return whether frames of this identifier do anything here now."""
+        return can_id in self._routes
+
     def receive(
         self,
         can_id: int,
@@ -228,16 +237,17 @@ class EmulatedNode(FaultInjection):
 
     def _plan(self) -> None:
         """Work out when the next tick has something to do."""
-        due = min(
-            self._server.due,
-            self._consumer.due,
-            self._producer.due,
-            self.emergency.due,
-            self.fault_due,
-        )
-        if self.state is NmtState.OPERATIONAL:
-            due = min(due, self.process_due(), self.pdos.due)
+        due = self.fault_due
+        for part in self._parts:  # compared, because min() takes twice as long
+            due = part.due if part.due < due else due
+        if self.state is _OPERATIONAL:
+            for wanted in (self.process_due(), self.pdos.due):
+                due = wanted if wanted < due else due
         self.due = due
+
+    def deadline_moved(self) -> None:
+        """Take it that a receive PDO is waited for anew; nothing else has changed."""
+        self._plan()
 
     def wake(self) -> None:
         """Have `tick` look at everything as soon as it is called."""
@@ -258,7 +268,7 @@ class EmulatedNode(FaultInjection):
         """Build the table from CAN id to handler; NMT is always heard, SDO unless stopped."""
         routes: dict[int, Callable[[bytes, float], None]] = {}
         if self.state is NmtState.OPERATIONAL:
-            routes |= self.pdos.routes()
+            routes |= self.pdos.arrange()
             routes[self._sync.integer & 0x7FF] = self._on_sync
         if self.state is not NmtState.STOPPED:
             routes[0x600 + self.node_id] = self._on_sdo
@@ -266,6 +276,7 @@ class EmulatedNode(FaultInjection):
             routes[0x700 + node] = self._heartbeat_receiver(node)
         routes[_NMT_ID] = self._on_nmt
         self._routes = routes
+        self.listens_anew()
         self.wake()
 
     def _heartbeat_receiver(self, node: int) -> Callable[[bytes, float], None]:

@@ -17,6 +17,11 @@ class BusNode(Protocol):
     """When `tick` has something to do at the latest, s."""
     now: float
     """The time that the node was last told, s."""
+    listens_anew: Callable[[], None]
+    """Called when the node hears other identifiers than before; the bus sets it."""
+
+    def hears(self, can_id: int) -> bool:
+        """Return whether `receive` does anything with data frames of this identifier now."""
 
     def receive(
         self, can_id: int, data: bytes, now: float, *, extended: bool = False, remote: bool = False

@@ -153,6 +153,7 @@ class EmulatedCia401(EmulatedNode):
         self._broken: set[int] = set()
         self._stuck: set[int] = set()
         self._signals = [0.0] * len(self._regulators)
+        self._driven: int | None = None
         self._supply: bool | None = None
         self._locked: dict[int, bool] = {}
         self._next_look = inf
@@ -238,7 +239,7 @@ class EmulatedCia401(EmulatedNode):
 
     def restore_process(self) -> None:
         """Power-on: outputs at 0 counts, supply shut."""
-        self._supply = None
+        self._driven = self._supply = None
         self._locked.clear()
         self.apply_outputs(self.now)
 
@@ -250,6 +251,9 @@ class EmulatedCia401(EmulatedNode):
         self._drive(self._digital_output.integer)
 
     def _drive(self, bits: int) -> None:
+        if bits == self._driven:
+            return
+        self._driven = bits
         supply = bool(bits & self._supply_mask) or not self._supply_mask
         if supply is not self._supply:
             self._supply = supply

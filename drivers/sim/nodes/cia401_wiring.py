@@ -1,6 +1,10 @@
 """From the settings of a CiA 401 module to its simulated forms."""
 
+from collections.abc import Sequence
+from typing import TypeVar
+
 from drivers.cia401.channel_settings import AnalogueSignal
+from drivers.cia401.module_settings import ModuleSettings
 from drivers.cia401.settings import Cia401Settings
 from drivers.sim.direct.regulators import SimulatedRegulators
 from drivers.sim.nodes.analogue import AnalogueScale
@@ -11,12 +15,37 @@ from drivers.sim.regulator_port import RegulatorPort
 from drivers.sim.wiring import Installed, Wiring
 from rig.hal import Clock, ConfigurationError
 
+Module = TypeVar("Module", bound=ModuleSettings)
+Port = TypeVar("Port")
+
 
 def emulate_cia401(of: Installed[Cia401Settings, RegulatorPort]) -> tuple[EmulatedCia401]:
     """Return an emulated CiA 401 module, wired as the driver's settings say."""
-    settings = of.built
-    signals = list(settings.channels.values())
-    by_plant = [signals[of.channels.index(number)] for number in sorted(of.channels)]
+    locks = [channel.lock_bit for channel in of.built.channels.values()]
+    return (emulated_module(of, of.built, of.plant, locks),)
+
+
+def emulated_module(
+    of: Installed[Module, Port],
+    settings: ModuleSettings,
+    port: RegulatorPort,
+    lock_bits: Sequence[int | None],
+) -> EmulatedCia401:
+    """Return an emulated CiA 401 module.
+
+    Parameters
+    ----------
+    of : Installed
+        Whose it is.
+    settings : ModuleSettings
+        As it is built.
+    port : RegulatorPort
+        What hangs on it.
+    lock_bits : sequence of int or None
+        Output bits of the lock valves, one for each of its channels.
+    """
+    signals = list(settings.wired.values())
+    by_plant = [of.channels.index(number) for number in sorted(of.channels)]
     build = ModuleBuild(
         outputs=_array(of.name, [signal.setpoint for signal in signals]),
         inputs=_array(of.name, [signal.monitor for signal in signals]),
@@ -27,15 +56,15 @@ def emulate_cia401(of: Installed[Cia401Settings, RegulatorPort]) -> tuple[Emulat
     )
     wired = [
         RegulatorWiring(
-            signal.setpoint.sub,
-            signal.monitor.sub,
-            _scale(signal.setpoint),
-            _scale(signal.monitor),
-            signal.lock_bit,
+            signals[k].setpoint.sub,
+            signals[k].monitor.sub,
+            _scale(signals[k].setpoint),
+            _scale(signals[k].monitor),
+            lock_bits[k],
         )
-        for signal in by_plant
+        for k in by_plant
     ]
-    return (EmulatedCia401(of.name, settings.node, of.plant, wired, build),)
+    return EmulatedCia401(of.name, settings.node, port, wired, build)
 
 
 def simulate_cia401(
@@ -47,20 +76,13 @@ def simulate_cia401(
         raise ConfigurationError(
             f"{of.name}: without a bus, its channels stand in the plant's order"
         )
-    resolution = max(
-        abs(
-            (signal.monitor.pressure[1] - signal.monitor.pressure[0])
-            / (signal.monitor.raw[1] - signal.monitor.raw[0])
-        )
-        for signal in settings.channels.values()
-    )
     return SimulatedRegulators(
         of.name,
         tuple(settings.channels),
         of.plant,
         clock,
         pressure_range=settings.pressure_range,
-        resolution=resolution,
+        resolution=monitor_resolution(settings),
         deviation=settings.following.deviation,
         deviation_time=settings.following.time,
         safe=tuple(signal.safe for signal in settings.channels.values()),
@@ -68,7 +90,13 @@ def simulate_cia401(
     )
 
 
-def _array(name: str, signals: list[AnalogueSignal]) -> AnalogueArray:
+def monitor_resolution(settings: ModuleSettings) -> float:
+    """Return the coarsest step of a module's monitors, Pa."""
+    lines = [(channel.monitor.ends, channel.monitor.raw) for channel in settings.wired.values()]
+    return max(abs((end - start) / (high - low)) for (start, end), (low, high) in lines)
+
+
+def _array(name: str, signals: Sequence[AnalogueSignal]) -> AnalogueArray:
     kinds = {signal.index: signal.type for signal in signals}
     if len(kinds) > 1:
         raise ConfigurationError(
@@ -79,7 +107,7 @@ def _array(name: str, signals: list[AnalogueSignal]) -> AnalogueArray:
 
 
 def _scale(signal: AnalogueSignal) -> AnalogueScale:
-    return AnalogueScale(raw=signal.raw, electrical=signal.signal, pressure=signal.pressure)
+    return AnalogueScale(raw=signal.raw, electrical=signal.signal, pressure=signal.ends)
 
 
 WIRING = Wiring(emulate_cia401, simulate_cia401, correct_regulators, perturb_regulators)

@@ -139,6 +139,8 @@ class EmulatedCia402(EmulatedNode):
         super().wake()
         self._node_due = -inf
 
+    deadline_moved = wake  # the status word may have changed, which an event tells
+
     def _plan(self) -> None:
         super()._plan()
         self._node_due = self.due
@@ -339,9 +341,8 @@ class EmulatedCia402(EmulatedNode):
         objects.velocity.value = round(min(max(velocity, -_I32), _I32))
         share = port.joint_torque(channel) / self._gear / _RATED_TORQUE
         objects.torque.value = round(min(max(1e3 * share, -0x7FFF), 0x7FFF))
-        objects.following_error.value = (
-            round(self._motion.position - counts) if self.machine.state in POWERED else 0
-        )
+        error = round(self._motion.position - counts) if self.machine.state in POWERED else 0
+        objects.following_error.value = error
         objects.demand.value = round(min(max(self._motion.position, -_I32), _I32))
         objects.mode_display.value = self._mode
         objects.status_word.value = self._status()

@@ -103,6 +103,7 @@ class EmulatedOdrive(OdriveFaults):
         self.name = name
         self.node_id = node_id
         self.send: Send = lambda can_id, data: None
+        self.listens_anew: Callable[[], None] = lambda: None
         self.now = 0.0
         self.due = 0.0
         self.serial = build.serial
@@ -207,13 +208,17 @@ class EmulatedOdrive(OdriveFaults):
         """CAN id of the heartbeat."""
         return (self.node_id << 5 | 0x01,)
 
+    def hears(self, can_id: int) -> bool:
+        """Return whether frames of this identifier do anything here now."""
+        return can_id >> 5 in (self.node_id, _BROADCAST)
+
     def receive(
         self, can_id: int, data: bytes, now: float, *, extended: bool = False, remote: bool = False
     ) -> None:
         """Take a frame from the bus; what is not for this axis is ignored."""
-        node, command = can_id >> 5, can_id & 0x1F
-        if extended or "silent" in self.lasting or node not in (self.node_id, _BROADCAST):
+        if extended or "silent" in self.lasting or not self.hears(can_id):
             return
+        command = can_id & 0x1F
         if now >= self.due:
             self.tick(now)
         self.now = now
@@ -255,6 +260,7 @@ class EmulatedOdrive(OdriveFaults):
     def _take_address(self, data: bytes) -> None:
         if int.from_bytes(data[1:7], "little") == self.serial and data[0] < _BROADCAST:
             self.node_id = data[0]
+            self.listens_anew()
             if len(data) > 7:
                 self._connection = data[7]  # which host it is that has it now
 

@@ -6,7 +6,14 @@ from typing import Protocol
 
 from drivers.sim.nodes import emergency as emcy
 from drivers.sim.nodes.emergency import Emergency
-from drivers.sim.nodes.pdo import NO_RTR, NOT_VALID, PdoHost, ReceivePdo, TransmitPdo
+from drivers.sim.nodes.pdo import (
+    LAST_SYNCHRONOUS,
+    NO_RTR,
+    NOT_VALID,
+    PdoHost,
+    ReceivePdo,
+    TransmitPdo,
+)
 
 PDO_COUNT = 4
 Handler = Callable[[bytes, float], None]
@@ -23,6 +30,9 @@ class Process(PdoHost, Protocol):
 
     def wake(self) -> None:
         """Have the node look at what is due."""
+
+    def deadline_moved(self) -> None:
+        """Take it that a receive PDO is waited for anew."""
 
     def communication_failed(self) -> None:
         """Do what the node is told to do when its communication fails."""
@@ -47,6 +57,8 @@ class PdoExchange:
         self._process = process
         self.receive: list[ReceivePdo] = []
         self.transmit: list[TransmitPdo] = []
+        self._on_sync: list[TransmitPdo] = []
+        self._on_events: list[TransmitPdo] = []
 
     def add(self, receive: Sequence[Sequence[int]], transmit: Sequence[Sequence[int]]) -> None:
         """Add the PDOs with their default mappings; those without one are not valid."""
@@ -76,29 +88,34 @@ class PdoExchange:
         for pdo in self.receive:
             pdo.stop_watching()
 
-    def routes(self) -> dict[int, Handler]:
-        """Return the handler of each CAN id that is consumed."""
+    def arrange(self) -> dict[int, Handler]:
+        """Sort the PDOs by what moves them; return the handler of each CAN id consumed."""
+        valid = [pdo for pdo in self.transmit if pdo.can_id is not None]
+        self._on_sync = [pdo for pdo in valid if pdo.transmission_type <= LAST_SYNCHRONOUS]
+        self._on_events = [pdo for pdo in valid if pdo.event_driven]
         return {pdo.can_id: self._receiver(pdo) for pdo in self.receive if pdo.can_id is not None}
 
     @property
     def due(self) -> float:
         """When `tick` has something to do, s."""
-        return min(
-            *[pdo.due for pdo in self.receive],
-            *[pdo.due for pdo in self.transmit],
-            inf,
-        )
+        due = inf
+        for late in self.receive:
+            due = late.due if late.due < due else due
+        for event in self._on_events:
+            due = min(event.due, due)
+        return due
 
     def synchronise(self, now: float) -> None:
         """Act on a SYNC: sample and send what it asks for, apply what waited for it."""
-        wanted = [pdo for pdo in self.transmit if pdo.can_id is not None and pdo.wants_sync()]
+        wanted = [pdo for pdo in self._on_sync if pdo.wants_sync()]
         if wanted:
             self._process.sample_inputs(now)
             for pdo in wanted:
                 pdo.transmit(now)
         written = False
         for receive in self.receive:
-            if receive.synchronise():
+            if receive.waiting is not None:
+                receive.synchronise()
                 written = True
         if written:
             self._process.apply_outputs(now)
@@ -114,7 +131,7 @@ class PdoExchange:
         if late:
             self._process.communication_failed()
             return
-        wanted = [pdo for pdo in self.transmit if now >= pdo.due]
+        wanted = [pdo for pdo in self._on_events if now >= pdo.due]
         if wanted:
             self._process.sample_inputs(now)
             for transmit in wanted:
@@ -140,6 +157,6 @@ class PdoExchange:
             if pdo.receive(data, now):
                 process.apply_outputs(now)
             if pdo.due < inf:
-                process.wake()
+                process.deadline_moved()
 
         return receive

@@ -1,6 +1,7 @@
 """One antagonistic pair: two cylinders with regulators that pull a carriage by wires."""
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,11 +18,17 @@ from drivers.sim.plants.pneumatic_plant import (
     PRESSURE,
     TENSION,
     WIDTH,
-    PneumaticPlant,
+    Array,
 )
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.push import Push
-from drivers.sim.plants.settings import CarriageSettings, PlantSettings
+from drivers.sim.plants.regulator_plant import RegulatorPlant
+from drivers.sim.plants.settings import (
+    CarriageSettings,
+    CylinderPlantSettings,
+    PlantSettings,
+    SealFriction,
+)
 
 _SUPPLY, _POSITION, _CARRIAGE_SPEED = (
     list(PAIR_STATE.names or ()).index(name) for name in ("supply", "position", "speed")
@@ -48,7 +55,68 @@ def stop_damping(carriage: CarriageSettings) -> float:
     return 2.0 * low * math.sqrt(carriage.stop_stiffness * carriage.mass)
 
 
-class AntagonisticPairPlant(PneumaticPlant):
+def pair_parameters(
+    settings: CylinderPlantSettings,
+    carriage: CarriageSettings,
+    seals: SealFriction,
+    units: np.random.Generator,
+) -> Array:
+    """Return the `PAIR_PARAMETERS` of a carriage and supply line, the seat's friction drawn."""
+    seat = seals.seat * (1.0 + settings.friction_spread * units.uniform(-1.0, 1.0))
+    parameters = np.zeros(1, PAIR_PARAMETERS)
+    parameters[0] = (
+        settings.feed.supply_time,
+        settings.feed.supply_volume,
+        settings.home,
+        carriage.mass,
+        seat,
+        carriage.seat_stiffness,
+        carriage.seat_damping,
+        min(settings.home, settings.cylinder.stroke - settings.home),
+        carriage.stop_stiffness,
+        stop_damping(carriage),
+    )
+    return parameters
+
+
+class PairTruth:
+    """The truth about a pair of `PneumaticPlant`."""
+
+    channel_names: ClassVar[tuple[str, ...]] = ("agonist", "antagonist")
+
+    truth_columns = (
+        ("position", "m"),
+        ("velocity", "m/s"),
+        ("extension_agonist", "m"),
+        ("extension_antagonist", "m"),
+        ("pressure_agonist", "Pa"),
+        ("pressure_antagonist", "Pa"),
+        ("tension_agonist", "N"),
+        ("tension_antagonist", "N"),
+        ("supply", "Pa"),
+    )
+    """Names and units of `truth`."""
+
+    pair: Array
+    _cells: "memoryview[float]"
+
+    def truth(self) -> tuple[float, ...]:
+        """Return what no device measures, as `truth_columns` names it."""
+        cells, pair = self._cells, self.pair.view(float)
+        return (
+            pair.item(_POSITION),
+            pair.item(_CARRIAGE_SPEED),
+            cells[EXTENSION],
+            cells[WIDTH + EXTENSION],
+            cells[PRESSURE] - ATMOSPHERE,
+            cells[WIDTH + PRESSURE] - ATMOSPHERE,
+            cells[TENSION],
+            cells[WIDTH + TENSION],
+            pair.item(_SUPPLY) - ATMOSPHERE,
+        )
+
+
+class AntagonisticPairPlant(PairTruth, RegulatorPlant):
     """Physics of one antagonistic pair, integrated at 20 kHz.
 
     It starts at rest at home, vented and with the supply closed: nothing moves before
@@ -64,21 +132,6 @@ class AntagonisticPairPlant(PneumaticPlant):
 
     Settings = PlantSettings
 
-    channel_names = ("agonist", "antagonist")
-
-    truth_columns = (
-        ("position", "m"),
-        ("velocity", "m/s"),
-        ("extension_agonist", "m"),
-        ("extension_antagonist", "m"),
-        ("pressure_agonist", "Pa"),
-        ("pressure_antagonist", "Pa"),
-        ("tension_agonist", "N"),
-        ("tension_antagonist", "N"),
-        ("supply", "Pa"),
-    )
-    """Names and units of `truth`."""
-
     def __init__(self, settings: PlantSettings, seed: int) -> None:
         self.settings = settings
         units, monitors = np.random.default_rng(seed).spawn(2)
@@ -86,36 +139,7 @@ class AntagonisticPairPlant(PneumaticPlant):
         self.pair = np.zeros(1, PAIR_STATE)
         push = Push(self.pair["push"], {"along": (1.0,)}, "carriage_push")
         super().__init__(settings, seals, units=units, monitors=monitors, line=self.pair, push=push)
-        seat = seals.seat * (1.0 + settings.friction_spread * units.uniform(-1.0, 1.0))
-        self.pair_parameters = np.zeros(1, PAIR_PARAMETERS)
-        self.pair_parameters[0] = (
-            settings.regulator.supply_time,
-            settings.regulator.supply_volume,
-            settings.home,
-            settings.carriage.mass,
-            seat,
-            settings.carriage.seat_stiffness,
-            settings.carriage.seat_damping,
-            min(settings.home, settings.cylinder.stroke - settings.home),
-            settings.carriage.stop_stiffness,
-            stop_damping(settings.carriage),
-        )
-        self._pair_values = self.pair.view(float)
-
-    def truth(self) -> tuple[float, ...]:
-        """Return what no device measures, as `truth_columns` names it."""
-        cells, pair = self._cells, self._pair_values
-        return (
-            pair.item(_POSITION),
-            pair.item(_CARRIAGE_SPEED),
-            cells[EXTENSION],
-            cells[WIDTH + EXTENSION],
-            cells[PRESSURE] - ATMOSPHERE,
-            cells[WIDTH + PRESSURE] - ATMOSPHERE,
-            cells[TENSION],
-            cells[WIDTH + TENSION],
-            pair.item(_SUPPLY) - ATMOSPHERE,
-        )
+        self.pair_parameters = pair_parameters(settings, settings.carriage, seals, units)
 
     def lend(
         self, period: float, rod_step: float, pressure_step: float, seed: int

@@ -32,6 +32,7 @@ class ArmDimensions(Protocol):
     wrist_sign: int
     elbow_offset: float
     shoulder_offset: float
+    a1: float
     marker: tuple[float, float, float]
     position_min: tuple[float, ...]
     position_max: tuple[float, ...]
@@ -91,7 +92,7 @@ def describe_model(
     about_y, about_z, here = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
     # Of each joint its axis, and where its link ends, at which the next joint is.
     rods = (
-        (about_z, (0.0, geometry.shoulder_offset, 0.0)),
+        (about_z, (geometry.a1, geometry.shoulder_offset, 0.0)),
         (about_y, (0.0, 0.0, geometry.a2)),
         (about_y, (geometry.elbow_offset, 0.0, geometry.a3)),
         (about_z, here),

@@ -33,9 +33,9 @@ from drivers.sim.plants.regulator import (
 )
 from drivers.sim.plants.tube import SEGMENTS, step_tube
 
-REGULATING = 0.0
+WORKING = 0.0
 STUCK = 1.0
-"""The regulator holds the pressure that it had and follows no setpoint."""
+"""The regulator holds the pressure that it had and follows no setpoint; a spool stands still."""
 STUCK_OPEN = 2.0
 """The main valve stands open to the supply."""
 STUCK_CLOSED = 3.0
@@ -43,7 +43,7 @@ STUCK_CLOSED = 3.0
 
 STATE = np.dtype(
     [
-        ("setpoint", float),  # input, Pa gauge, as the converter puts it out
+        ("setpoint", float),  # input, as the converter puts it out: Pa gauge, or an opening
         ("mode", float),  # input, one of the constants above
         ("leak", float),  # input, sonic conductance to the atmosphere, m³/(s Pa)
         ("play", float),  # behind the hysteresis, Pa gauge
@@ -73,6 +73,7 @@ STATE = np.dtype(
         ("tube_first", float),  # between them, Pa absolute
         ("tube_second", float),
         ("monitor", float),  # behind the monitor's filter, Pa gauge
+        ("opening_rate", float),  # of a spool, 1/s
     ]
 )
 """State and inputs of a channel."""
@@ -258,6 +259,20 @@ def seal_friction(state: Record, p: Record, dt: float) -> float:
 
 
 @inlined
+def move_piston(state: Record, p: Record, stretch: float, rate: float, dt: float) -> None:
+    """Step the piston's speed under its wire (stretch, m, and rate, m/s), seals, air and stops."""
+    state.tension = wire_tension(stretch, rate, p.wire_stiffness, p.wire_damping)
+    state.friction = seal_friction(state, p, dt)
+    force = (
+        state.tension
+        - p.area * (state.pressure - ATMOSPHERE)
+        - state.friction
+        + stop_force(state.extension, state.speed, p)
+    )
+    state.speed += dt * force / p.mass
+
+
+@inlined
 def step_channel(
     state: Record,
     p: Record,
@@ -285,14 +300,6 @@ def step_channel(
     if p.tube_length <= 0.0:
         state.outlet = state.pressure
     step_regulator(state, p, queue, supply, dt)
-    state.tension = wire_tension(stretch, rate, p.wire_stiffness, p.wire_damping)
-    state.friction = seal_friction(state, p, dt)
-    force = (
-        state.tension
-        - p.area * (state.pressure - ATMOSPHERE)
-        - state.friction
-        + stop_force(state.extension, state.speed, p)
-    )
-    state.speed += dt * force / p.mass
+    move_piston(state, p, stretch, rate, dt)
     step_chamber(state, p, supply, dt)
     state.extension += dt * state.speed

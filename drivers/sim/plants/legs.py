@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from drivers.sim.plants.leg_sensors import FAULTS, SENSORS, LegSensors
 from drivers.sim.plants.legs_model import (
     CHANNELS,
     JOINTS,
@@ -22,10 +23,17 @@ _FREE_POSITIONS, _FREE_SPEEDS = 7, 6
 _BEARING = 0.02
 """Share of the weight above which a foot bears."""
 _GRAVITY = 9.81
+_LIFT, _IMMOVABLE = 0.05, 1e6
+"""Of a waist that is hung up, m; kg and kg m²."""
 _SLIPPERY = 0.05
 """Coefficient of friction of a wet sole on tiles."""
 _ROUNDING = 1e-9
 """s."""
+_LOWER = ("right_floor_lower", "left_floor_lower")
+_DROP, _DEEPEST = 5e-3, 30e-3
+"""m."""
+_STIFFNESS = 0x57
+"""Seeds the draw of the stiffnesses beside the unit's own seed: nothing else of it changes."""
 
 
 class LegsPlant:
@@ -51,7 +59,7 @@ class LegsPlant:
 
     Settings = LegsPlantSettings
 
-    channel_names = CHANNELS
+    channel_names = (*CHANNELS, *SENSORS)
     truth_columns = (
         ("waist_x", "m"),
         ("waist_y", "m"),
@@ -109,12 +117,18 @@ class LegsPlant:
         self._control = data.ctrl
         self._soles = data.site_xpos
         self._push = Push(data.xfrc_applied[model.body("waist").id, :3], LEVEL, "push")
-        self.known_faults = ("floor_slippery", "floor_grips", *self._push.known_faults)
+        self.sensors = LegSensors(settings.sensors, seed, geometry, model, data)
+        self.known_faults = (
+            "floor_slippery", "floor_grips", "hung", *_LOWER, *FAULTS, *self._push.known_faults
+        )  # fmt: skip
         blocks = [model.geom(f"terrain_{k}").id for k in range(len(settings.terrain))]
         self._ground = [model.geom("floor").id, *blocks]
         self._friction = model.geom_friction
         self._grip = float(self._friction[self._ground[0], 0])
         self._sole_geoms = (model.geom("right_sole").id, model.geom("left_sole").id)
+        if settings.ground_roll or settings.ground_pitch:
+            model.opt.gravity[:] = _gravity(settings.ground_roll, settings.ground_pitch)
+        self._stiffness = _draw_stiffness(settings, seed)
         self._damping_share = settings.servo.damping / settings.servo.stiffness
         self._reach = np.full(len(CHANNELS), math.inf)
         self._stand_ready(geometry)
@@ -138,6 +152,10 @@ class LegsPlant:
     def time(self) -> float:
         """Simulated time, s."""
         return self._time
+
+    def channel_value(self, channel: int) -> float:
+        """Return what a sensor shows; see `rig.hal.MeasuredPlant`."""
+        return self.sensors.show(channel - len(CHANNELS))
 
     def command_joint(
         self, channel: int, position: float, velocity: float, torque_on: bool
@@ -201,12 +219,15 @@ class LegsPlant:
             moved = True
         if moved:
             self._look()
+            self.sensors.sample(t)
 
     def inject(self, fault: str, value: float | None = None) -> None:
         """Push the upper body, as in ``left.push`` (value: N s), or change the floor's grip.
 
-        ``floor_slippery`` gives it another coefficient of friction (default 0.05), and
-        ``floor_grips`` its own again.
+        ``right_floor_lower`` and ``left_floor_lower`` (value: m, default 5 mm) put the floor lower
+        for one foot, which had better be in the air; `leg_sensors.FAULTS` break a sensor.
+        ``hung`` hangs it up by its waist, feet in the air. ``floor_slippery`` gives the floor
+        another coefficient of friction (default 0.05), and ``floor_grips`` its own again.
 
         Raises
         ------
@@ -217,6 +238,16 @@ class LegsPlant:
             raise ValueError(f"plant: no fault {fault!r}; known are {', '.join(self.known_faults)}")
         if fault.endswith(".push"):
             self._push.begin(fault, value, self._stepped)
+        elif fault in FAULTS:
+            self.sensors.break_by(fault, value)
+        elif fault in _LOWER:
+            by = _DROP if value is None else value
+            if not abs(by) <= _DEEPEST:
+                raise ValueError(f"plant: {fault} takes at most {_DEEPEST:g} m, not {by:g}")
+            # A floor that is lower for one foot alone is a sole that is as much higher.
+            self.model.geom_pos[self._sole_geoms[_LOWER.index(fault)], 2] += by
+        elif fault == "hung":
+            self._hang()
         elif fault == "floor_grips":
             self._friction[self._ground, 0] = self._grip
         else:
@@ -224,6 +255,12 @@ class LegsPlant:
             if not 0.0 <= friction < math.inf:
                 raise ValueError(f"plant: a floor's friction is no {friction:g}")
             self._friction[self._ground, 0] = friction
+
+    def _hang(self) -> None:
+        """Lift the waist, and make it too heavy to be moved by anything that the legs do."""
+        self._waist[2] += _LIFT
+        self.model.dof_armature[:_FREE_SPEEDS] = _IMMOVABLE
+        self._forward(self.model, self.data)
 
     def truth(self) -> tuple[float, ...]:
         """Return what no device measures, as `truth_columns` names it."""
@@ -260,8 +297,9 @@ class LegsPlant:
         self._forward(self.model, self.data)
 
     def _set_power(self) -> None:
-        stiffness, damping = self.settings.servo.stiffness, self.settings.servo.damping
+        damping = self.settings.servo.damping
         for channel, powered in enumerate(self._powered):
+            stiffness = self._stiffness[channel]
             self.model.actuator_gainprm[channel, 0] = stiffness if powered else 0.0
             self.model.actuator_biasprm[channel, 1] = -stiffness if powered else 0.0
             self.model.actuator_biasprm[channel, 2] = -damping if powered else 0.0
@@ -331,6 +369,20 @@ def _draw(settings: LegsPlantSettings, seed: int) -> LegDeviations:
         tuple((1.0 + settings.friction_spread * frictions).tolist()),
         1.0 + settings.friction_spread * floor,
     )
+
+
+def _draw_stiffness(settings: LegsPlantSettings, seed: int) -> list[float]:
+    """Draw each servo's stiffness, N m/rad."""
+    draws = np.random.default_rng((_STIFFNESS, seed % 2**32)).uniform(-1.0, 1.0, len(CHANNELS))
+    return [
+        settings.servo.stiffness * (1.0 + settings.stiffness_spread * d) for d in draws.tolist()
+    ]
+
+
+def _gravity(roll: float, pitch: float) -> tuple[float, float, float]:
+    """Return gravity as seen from ground that is inclined, m/s²."""
+    down = _GRAVITY * math.cos(pitch)
+    return (_GRAVITY * math.sin(pitch), -down * math.sin(roll), -down * math.cos(roll))
 
 
 def _attitude(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:

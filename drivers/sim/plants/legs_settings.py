@@ -9,6 +9,8 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Interval, Le, Unit
 
+from drivers.sim.plants.leg_sensors import LegSensorSettings
+
 
 @dataclass(frozen=True, slots=True)
 class LegServoSettings:
@@ -79,6 +81,13 @@ class LegsPlantSettings:
         Of the integration, s.
     terrain : tuple of TerrainBlock
         On the floor; of the floor's friction.
+    sensors : LegSensorSettings
+        How the load cells under the feet and the inertial sensor err, where a profile has them.
+    ground_roll, ground_pitch : float
+        By how much the whole ground is inclined about x and y, rad; what stands on it is not
+        told. Positive: the left side is higher, the way ahead goes down.
+    stiffness_spread : float
+        Bound of the relative deviation of each servo's stiffness from unit to unit.
     """
 
     servo: LegServoSettings = field(default_factory=LegServoSettings)
@@ -90,6 +99,10 @@ class LegsPlantSettings:
     fallen_tilt: Annotated[float, Unit("rad"), Interval(gt=0.0, lt=1.6)] = 0.6
     timestep: Annotated[float, Unit("s"), Interval(ge=1e-4, le=5e-3)] = 2.5e-3
     terrain: tuple[TerrainBlock, ...] = ()
+    sensors: LegSensorSettings = field(default_factory=LegSensorSettings)
+    ground_roll: Annotated[float, Unit("rad"), Interval(ge=-0.3, le=0.3)] = 0.0
+    ground_pitch: Annotated[float, Unit("rad"), Interval(ge=-0.3, le=0.3)] = 0.0
+    stiffness_spread: Annotated[float, Interval(ge=0.0, lt=0.9)] = 0.0
 
     def variant(self) -> None:
         """Return nothing: there is one kind of pair of legs only."""

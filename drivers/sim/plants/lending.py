@@ -28,7 +28,8 @@ DEVICES = np.dtype(
             "monitor_step",  # of its converter, Pa
             "rod_noise",  # m rms
             "rod_step",  # of its encoder, m
-            "full_scale",  # of the converter that drives the regulator, Pa
+            "least",  # of the converter that drives the actuator: a pressure, Pa, or an opening
+            "span",  # of it
             "codes",  # its steps
         )
     ]
@@ -104,9 +105,9 @@ def exchange_of(advance: Kernel, tell: Kernel) -> Kernel:
             shown = device.monitor_gain * (channel.monitor if device.is_filtered else pressure)
             shown += device.monitor_zero + device.monitor_noise * now[1, k]
             seen[count + k] = np.rint(shown / device.monitor_step) * device.monitor_step
-            share = min(max(setpoints[k] / device.full_scale, 0.0), 1.0)
+            share = min(max((setpoints[k] - device.least) / device.span, 0.0), 1.0)
             code = np.floor(share * device.codes + 0.5)
-            channel.setpoint = code / device.codes * device.full_scale
+            channel.setpoint = device.least + code / device.codes * device.span
         advance(*(bodies + (steps[0], dt[0])))  # noqa: RUF005 - what numba understands
         tell(bodies, truth)
 

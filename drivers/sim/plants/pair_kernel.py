@@ -75,6 +75,16 @@ def carriage_stop(position: float, speed: float, q: Record) -> float:
     return float(force)
 
 
+@inlined
+def step_carriage(pair: Record, q: Record, agonist: float, antagonist: float, dt: float) -> None:
+    """Step the carriage under the tensions of both wires, N."""
+    pair.friction = seat_friction(pair, q, agonist + antagonist, dt)
+    force = agonist - antagonist - pair.friction
+    force += carriage_stop(pair.position, pair.speed, q) + pair.push
+    pair.speed += dt * force / q.mass
+    pair.position += dt * pair.speed
+
+
 def _build(sources: int) -> Callable[..., None]:
     def advance_pair(
         channels: Record,
@@ -96,11 +106,7 @@ def _build(sources: int) -> Callable[..., None]:
             rate_b = -antagonist.speed + pair.speed
             step_channel(agonist, parameters[0], queues[0], pair.supply, stretch_a, rate_a, dt)
             step_channel(antagonist, parameters[1], queues[1], pair.supply, stretch_b, rate_b, dt)
-            pair.friction = seat_friction(pair, q, agonist.tension + antagonist.tension, dt)
-            force = agonist.tension - antagonist.tension - pair.friction
-            force += carriage_stop(pair.position, pair.speed, q) + pair.push
-            pair.speed += dt * force / q.mass
-            pair.position += dt * pair.speed
+            step_carriage(pair, q, agonist.tension, antagonist.tension, dt)
 
     return advance_pair
 

@@ -60,21 +60,7 @@ def draw_channel(
         "conductance_in": regulator.conductance_in,
         "conductance_out": regulator.conductance_out,
         "critical_ratio": regulator.critical_ratio,
-        "area": math.pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2),
-        "stroke": cylinder.stroke,
-        "dead_volume": cylinder.dead_volume,
-        "mass": cylinder.mass,
-        "coulomb": seals.coulomb * unit_friction,
-        "breakaway": seals.breakaway * unit_friction,
-        "stribeck_velocity": seals.stribeck_velocity,
-        "viscous": seals.viscous * unit_friction,
-        "pressure_friction": seals.pressure * unit_friction,
-        "bristle_stiffness": cylinder.bristle_stiffness,
-        "bristle_damping": cylinder.bristle_damping,
-        "stop_stiffness": cylinder.stop_stiffness,
-        "stop_damping": cylinder.stop_damping,
-        "wire_stiffness": wire.stiffness,
-        "wire_damping": wire.damping,
+        **body_values(cylinder, wire, seals, unit_friction),
         "dead_steps": dead_steps,
         "sampling": regulator.sampling,
         "repeatability": regulator.repeatability * full_scale,
@@ -92,6 +78,29 @@ def draw_channel(
         "outlet_volume": tube.outlet,
     }
     return tuple(values[name] for name in PARAMETERS.names or ())
+
+
+def body_values(
+    cylinder: ActuatorSettings, wire: WireSettings, seals: SealFriction, friction: float
+) -> dict[str, float]:
+    """Return the parameters of a channel's cylinder and wire; `friction` is this unit's factor."""
+    return {
+        "area": math.pi / 4.0 * (cylinder.bore**2 - cylinder.rod**2),
+        "stroke": cylinder.stroke,
+        "dead_volume": cylinder.dead_volume,
+        "mass": cylinder.mass,
+        "coulomb": seals.coulomb * friction,
+        "breakaway": seals.breakaway * friction,
+        "stribeck_velocity": seals.stribeck_velocity,
+        "viscous": seals.viscous * friction,
+        "pressure_friction": seals.pressure * friction,
+        "bristle_stiffness": cylinder.bristle_stiffness,
+        "bristle_damping": cylinder.bristle_damping,
+        "stop_stiffness": cylinder.stop_stiffness,
+        "stop_damping": cylinder.stop_damping,
+        "wire_stiffness": wire.stiffness,
+        "wire_damping": wire.damping,
+    }
 
 
 def scale_seals(

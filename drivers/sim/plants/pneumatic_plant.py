@@ -2,51 +2,32 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.sim.plants.channel import (
-    PARAMETERS,
-    REGULATING,
-    STATE,
-    STUCK,
-    STUCK_CLOSED,
-    STUCK_OPEN,
-)
+from drivers.sim.plants.channel import STATE, WORKING
 from drivers.sim.plants.lending import DEVICES, Kernel, Lending, Memory, exchange_of, memory_of
-from drivers.sim.plants.parameters import draw_channel
 from drivers.sim.plants.pneumatics import ATMOSPHERE
 from drivers.sim.plants.push import Push
-from drivers.sim.plants.regulator import quantize
-from drivers.sim.plants.settings import PneumaticPlantSettings, SealFriction
+from drivers.sim.plants.settings import CylinderPlantSettings, SealFriction
 
 _NOISE_BLOCK = 4096
 """Monitor samples drawn at a time: numpy's cost per call is spread over them."""
 
-_MODES = {
-    "regulator_stuck": STUCK,
-    "regulator_open": STUCK_OPEN,
-    "regulator_closed": STUCK_CLOSED,
-}
-
-_SLOWER, _OFFSET = 2.0, 50e3
-"""How much slower a regulator gets, and how far off a monitor (Pa), unless it is said."""
-_OF_CHANNEL = (
-    *("regulator_slow", "regulator_stuck", "regulator_offset"),
-    *("monitor_offset", "monitor_frozen", "leak"),
-)
+_OFFSET = 50e3
+"""How far off a monitor gets, Pa, unless it is said."""
+_OF_CHANNEL = ("monitor_offset", "monitor_frozen", "leak")
 """Faults that are addressed by channel, ``agonist.leak``, and whose value says how much."""
 
 EXTENSION, SPEED, PRESSURE, TENSION = (
     list(STATE.names or ()).index(name) for name in ("extension", "speed", "pressure", "tension")
 )
 """Columns of a channel's values."""
-_SETPOINT, _PILOT, _MONITOR = (
-    list(STATE.names or ()).index(name) for name in ("setpoint", "pilot", "monitor")
-)
+MONITOR = list(STATE.names or ()).index("monitor")
+"""Column of what a filtered monitor shows, Pa gauge."""
 WIDTH = len(STATE.names or ())
 """How many there are."""
 
@@ -54,13 +35,28 @@ WIDTH = len(STATE.names or ())
 Array = NDArray[Any]
 
 
+class Units(NamedTuple):
+    """The units of all channels, as a seed draws them.
+
+    Parameters
+    ----------
+    parameters, channels : ndarray, shape (n,)
+        Of each, and its state at rest but for what is the same on every plant.
+    queues : ndarray, shape (n, k)
+        Setpoints that have not acted yet.
+    """
+
+    parameters: Array
+    channels: Array
+    queues: Array
+
+
 class _Snapshot(NamedTuple):
     steps: int
     arrays: tuple[Array, ...]
     supply_open: bool
     modes: tuple[float, ...]
-    locked: tuple[bool, ...]
-    shown: tuple[tuple[int, float], ...]
+    more: tuple[object, ...]
 
 
 class PneumaticPlant(ABC):
@@ -70,7 +66,7 @@ class PneumaticPlant(ABC):
 
     Parameters
     ----------
-    settings : PneumaticPlantSettings
+    settings : CylinderPlantSettings
         Nominal parameters.
     seals : SealFriction
         Friction of the nominal cylinder.
@@ -84,12 +80,18 @@ class PneumaticPlant(ABC):
 
     channel_names: ClassVar[tuple[str, ...]]
 
-    own_faults: ClassVar[tuple[str, ...]] = (*_MODES, "leak", "wire_cut", "supply_lost", "repair")
-    """What `inject` understands without a channel's name before it."""
+    modes: ClassVar[Mapping[str, float]]
+    """Faults of what feeds a chamber as a whole: the mode of each."""
+
+    wear: ClassVar[tuple[str, ...]]
+    """Faults of what feeds a chamber whose value says how much; see `_wear_feed`."""
+
+    own_faults: ClassVar[tuple[str, ...]] = ("leak", "wire_cut", "supply_lost", "repair")
+    """What `inject` understands of it without a channel's name before it, beside `modes`."""
 
     def __init__(
         self,
-        settings: PneumaticPlantSettings,
+        settings: CylinderPlantSettings,
         seals: SealFriction,
         *,
         units: np.random.Generator,
@@ -98,14 +100,16 @@ class PneumaticPlant(ABC):
         push: Push,
     ) -> None:
         self._common = settings
-        self._full_scale = settings.regulator.full_scale
-        self._codes = float(2**settings.regulator.dac_bits - 1)
+        self._feed = feed = settings.feed
+        self._full_scale = feed.full_scale
         self._dt = settings.substep
         self._steps = 0
 
-        of_channels = [f"{c}.{fault}" for c in self.channel_names for fault in _OF_CHANNEL]
+        names = (*self.wear, *_OF_CHANNEL)
+        of_channels = [f"{c}.{fault}" for c in self.channel_names for fault in names]
         self._push = push
         self.known_faults: tuple[str, ...] = (
+            *self.modes,
             *self.own_faults,
             *of_channels,
             *push.known_faults,
@@ -114,51 +118,24 @@ class PneumaticPlant(ABC):
         count = len(self.channel_names)
         # A stream of its own: what is real of a rig must not change what else is drawn for it.
         reality, noise = units.spawn(2)
-        regulator = settings.regulator
-        dead_steps = np.rint(
-            regulator.dead_time
-            * (1.0 + regulator.dead_time_spread * reality.uniform(-1.0, 1.0, count))
-            / self._dt
-        )
-        self.queues = np.zeros((count, max(1, int(dead_steps.max()))))
-        """Setpoints that have not got to the pilot stages yet, Pa gauge, shape (n, k)."""
-        self.parameters = np.zeros(count, PARAMETERS)
-        for channel in range(count):
-            self.parameters[channel] = draw_channel(
-                units,
-                regulator=regulator,
-                cylinder=settings.cylinder,
-                wire=settings.wire,
-                seals=seals,
-                tube=settings.tube,
-                friction_spread=settings.friction_spread,
-                dead_steps=dead_steps[channel],
-            )
-        self._bandwidths = self.parameters["bandwidth"].copy()
-        self.channels = np.zeros(count, STATE)
+        self.parameters, self.channels, self.queues = self._draw_units(units, reality, seals)
         for pressure in ("pressure", "outlet", "tube_first", "tube_second"):
             self.channels[pressure] = ATMOSPHERE
         self.channels["extension"] = settings.home
-        self.channels["draw"] = reality.integers(1, 2**31 - 1, count)
-        self.channels["until_sample"] = reality.uniform(0.0, regulator.sampling, count)
-        self.channels["phase"] = reality.uniform(0.0, regulator.pilot_period, count)
         # Single numbers are read and written twice as fast so as through the array.
         self._cells = self.channels.view(np.uint8).data.cast("d")
 
         self._line = line
         self._line["supply"] = self._line["supply_target"] = ATMOSPHERE
         self._supply_open = False
-        self._supply_pressure = settings.regulator.supply_pressure
-        self._modes = [REGULATING] * count
-        self._locked = [False] * count
+        self._supply_pressure = feed.supply_pressure
+        self._modes = [WORKING] * count
         self._leaks = (0.0,) * count
         self._monitor_offsets = [0.0] * count
-        self._setpoint_offsets = [0.0] * count
         self._monitor_frozen: list[float | None] = [None] * count
-        filtered = regulator.monitor_time > 0.0 or settings.tube.length > 0.0
-        self._monitor = (_MONITOR, 0.0) if filtered else (PRESSURE, ATMOSPHERE)
+        self._monitor = (MONITOR, 0.0) if self._is_filtered() else (PRESSURE, ATMOSPHERE)
         self._shown = [(WIDTH * k + self._monitor[0], self._monitor[1]) for k in range(count)]
-        gains, zeros = regulator.monitor_error * reality.uniform(-1.0, 1.0, (2, count))
+        gains, zeros = feed.monitor_error * reality.uniform(-1.0, 1.0, (2, count))
         self._monitor_gains: list[float] = (1.0 + gains).tolist()
         self._monitor_zeros: list[float] = (self._full_scale * zeros).tolist()
 
@@ -195,8 +172,7 @@ class PneumaticPlant(ABC):
             tuple(array.copy() for array in self._moving()),
             self._supply_open,
             tuple(self._modes),
-            tuple(self._locked),
-            tuple(self._shown),
+            self._remember(),
         )
 
     def restore(self, snapshot: object) -> None:
@@ -206,8 +182,8 @@ class PneumaticPlant(ABC):
         for array, then in zip(self._moving(), snapshot.arrays, strict=True):
             array[...] = then
         self._supply_open = snapshot.supply_open
-        self._modes, self._locked = list(snapshot.modes), list(snapshot.locked)
-        self._shown = list(snapshot.shown)
+        self._modes = list(snapshot.modes)
+        self._recall(snapshot.more)
 
     def lend_kernel(
         self, kernels: tuple[Kernel, Kernel], bodies: tuple[Array, ...], timing: Lending
@@ -215,54 +191,51 @@ class PneumaticPlant(ABC):
         """Return the plant's kernel with its devices, and what it works on."""
         self.set_supply(True)
         devices = np.zeros(len(self.channel_names), DEVICES)
-        devices["is_filtered"] = self._monitor[0] == _MONITOR
+        devices["is_filtered"] = self._monitor[0] == MONITOR
         devices["monitor_gain"], devices["monitor_zero"] = self._monitor_gains, self._monitor_zeros
-        devices["monitor_noise"] = self._common.regulator.monitor_noise * self._full_scale
+        devices["monitor_noise"] = self._feed.monitor_noise * self._full_scale
         devices["rod_noise"] = self._common.encoder_noise
-        devices["full_scale"], devices["codes"] = self._full_scale, self._codes
+        devices["least"], devices["span"], devices["codes"] = self._converter
         return exchange_of(*kernels), memory_of(bodies, devices, timing, self._dt)
 
     def _moving(self) -> tuple[Array, ...]:
         """Return the arrays that change as the plant moves."""
         return self.channels, self.queues, self._line
 
+    def _remember(self) -> tuple[object, ...]:
+        """Return what a snapshot keeps besides."""
+        return ()
+
+    def _recall(self, more: tuple[object, ...]) -> None:
+        """Take back what `_remember` returned."""
+        assert not more
+
+    @abstractmethod
+    def _draw_units(
+        self, units: np.random.Generator, reality: np.random.Generator, seals: SealFriction
+    ) -> Units:
+        """Return the units of all channels, drawn from two streams."""
+
+    @property
+    @abstractmethod
+    def _converter(self) -> tuple[float, float, float]:
+        """The converter that drives what feeds a chamber: its least output, span and steps."""
+
+    @abstractmethod
+    def _is_filtered(self) -> bool:
+        """Return whether a monitor sees something else than the chamber."""
+
     @abstractmethod
     def _integrate(self, steps: int) -> None:
         """Step everything that moves `steps` times."""
-
-    def set_pressure_setpoint(self, channel: int, pressure: float) -> None:
-        """Take a setpoint, Pa gauge; the converter saturates and quantises it.
-
-        Raises
-        ------
-        ValueError
-            The setpoint is not a finite number: no converter can put it out.
-        """
-        if not math.isfinite(pressure):
-            raise ValueError(f"plant: channel {channel} cannot take the setpoint {pressure}")
-        wanted = pressure + self._setpoint_offsets[channel]
-        output = quantize(wanted, self._full_scale, self._codes)
-        self._cells[WIDTH * channel + _SETPOINT] = output
 
     def set_supply(self, open: bool) -> None:
         """Open the supply valve, or close it: it then vents the line and the regulators."""
         self._supply_open = open
         self._connect_supply()
 
-    def set_lock(self, channel: int, locked: bool) -> None:
-        """Shut or open the valve between a regulator and its chamber."""
-        self._locked[channel] = locked
-        first = WIDTH * channel
-        cell, zero = (_PILOT, 0.0) if locked else self._monitor
-        self._shown[channel] = (first + cell, zero)
-        self._set_mode(channel, self._modes[channel])
-
     def pressure(self, channel: int) -> float:
-        """Return what the regulator's monitor puts out, Pa gauge: its outlet and its noise.
-
-        That is the chamber, unless a shut lock valve is between: the bit of tube before the valve
-        follows the regulator's pilot stage at once.
-        """
+        """Return what the pressure's monitor puts out, Pa gauge: with its noise."""
         frozen = self._monitor_frozen[channel]
         if frozen is not None:
             return frozen
@@ -289,15 +262,13 @@ class PneumaticPlant(ABC):
         Parameters
         ----------
         fault : str
-            ``regulator_stuck`` (holds its pressure), ``regulator_open``, ``regulator_closed``,
-            ``leak`` (the chamber's tube is off), ``wire_cut`` and what else the plant knows,
-            each with a channel as its value; ``supply_lost`` with the pressure that remains,
-            Pa gauge; ``repair`` ends all of them. With a channel's name before it, as in
-            ``agonist.leak``, the value says how much: ``regulator_slow`` (factor on its time,
-            default 2), ``regulator_stuck`` (at this pressure, Pa gauge), ``leak`` (sonic
-            conductance, m³/(s Pa)), ``regulator_offset`` and ``monitor_offset`` (Pa, default
-            50 kPa) and ``monitor_frozen`` (none). ``along.carriage_push``, ``forward.ring_push``
-            and ``left.ring_push`` (value: N s) push what the wires move.
+            What `modes` names, ``leak`` (the chamber's tube is off), ``wire_cut`` and what else
+            the plant knows, each with a channel as its value; ``supply_lost`` with the pressure
+            that remains, Pa gauge; ``repair`` ends all of them. With a channel's name before it,
+            as in ``agonist.leak``, the value says how much: what `wear` names, ``leak`` (sonic
+            conductance, m³/(s Pa)), ``monitor_offset`` (Pa, default 50 kPa) and
+            ``monitor_frozen`` (none). ``along.carriage_push``, ``forward.ring_push`` and
+            ``left.ring_push`` (value: N s) push what the wires move.
         value : float, optional
             As said above; 0 if not given.
 
@@ -344,7 +315,7 @@ class PneumaticPlant(ABC):
             self.parameters[channel]["wire_stiffness"] = 0.0
             self.parameters[channel]["wire_damping"] = 0.0
         else:
-            self._set_mode(channel, _MODES[fault])
+            self._set_mode(channel, self.modes[fault])
 
     def _wear_channel(self, fault: str, channel: int, value: float | None) -> None:
         least = -math.inf if fault.endswith("_offset") else 0.0
@@ -352,35 +323,31 @@ class PneumaticPlant(ABC):
             raise ValueError(f"plant: {fault} takes a finite number from {least:g}, not {value:g}")
         if fault == "monitor_offset":
             self._monitor_offsets[channel] = _OFFSET if value is None else value
-        elif fault == "regulator_offset":
-            self._setpoint_offsets[channel] = _OFFSET if value is None else value
         elif fault == "monitor_frozen":
             self._monitor_frozen[channel] = self.pressure(channel)
         elif fault == "leak":
             self.channels[channel]["leak"] = self._common.leak if value is None else value
-        elif fault == "regulator_slow":
-            self.parameters[channel]["bandwidth"] = self._bandwidths[channel] / (value or _SLOWER)
         else:
-            if value is not None:
-                self.channels[channel]["pilot"] = value
-            self._set_mode(channel, STUCK)
+            self._wear_feed(fault, channel, value)
+
+    @abstractmethod
+    def _wear_feed(self, fault: str, channel: int, value: float | None) -> None:
+        """Wear what feeds a channel as one of `wear`; a value is finite."""
 
     def _set_mode(self, channel: int, mode: float) -> None:
-        """Have a regulator work or fail; behind a shut lock valve it does not matter which."""
+        """Have what feeds a chamber work or fail."""
         self._modes[channel] = mode
-        self.channels[channel]["mode"] = STUCK_CLOSED if self._locked[channel] else mode
+        self.channels[channel]["mode"] = mode
 
     def _repair(self) -> None:
         for channel in range(len(self.channel_names)):
-            self._set_mode(channel, REGULATING)
+            self._set_mode(channel, WORKING)
         self.channels["leak"] = self._leaks
         self.parameters["wire_stiffness"] = self._common.wire.stiffness
         self.parameters["wire_damping"] = self._common.wire.damping
-        self.parameters["bandwidth"] = self._bandwidths
         self._monitor_offsets = [0.0] * len(self.channel_names)
-        self._setpoint_offsets = [0.0] * len(self.channel_names)
         self._monitor_frozen = [None] * len(self.channel_names)
-        self._supply_pressure = self._common.regulator.supply_pressure
+        self._supply_pressure = self._feed.supply_pressure
         self._connect_supply()
 
     def _connect_supply(self) -> None:
@@ -390,7 +357,7 @@ class PneumaticPlant(ABC):
     def _next_noise(self) -> None:
         self._sample += 1
         if self._sample >= _NOISE_BLOCK:
-            rms = self._common.regulator.monitor_noise * self._full_scale
+            rms = self._feed.monitor_noise * self._full_scale
             shape = (_NOISE_BLOCK, len(self.channel_names))
             self._noise = (rms * self._monitors.standard_normal(shape)).tolist()
             rods = self._common.encoder_noise * self._encoders.standard_normal(shape)

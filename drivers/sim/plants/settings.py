@@ -7,7 +7,7 @@ knowledge; E, an estimate. Pressures are gauge where a catalogue gives gauge, an
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Protocol, Self
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
@@ -139,8 +139,25 @@ class CarriageSettings:
     restitution: Annotated[float, Ge(0.15), Le(1)] = 0.4
 
 
+class _Feed(Protocol):
+    """The facts that every plant needs of what feeds a chamber; see `RegulatorSettings`."""
+
+    @property
+    def full_scale(self) -> float: ...
+    @property
+    def supply_pressure(self) -> float: ...
+    @property
+    def supply_time(self) -> float: ...
+    @property
+    def supply_volume(self) -> float: ...
+    @property
+    def monitor_noise(self) -> float: ...
+    @property
+    def monitor_error(self) -> float: ...
+
+
 @dataclass(frozen=True, slots=True)
-class PneumaticPlantSettings:
+class CylinderPlantSettings:
     """The part of a plant's settings that every plant with pneumatic cylinders has.
 
     Parameters
@@ -161,7 +178,7 @@ class PneumaticPlantSettings:
         Step of the integration, s.
     encoder_noise : float
         Of what a rod's encoder sees, before it rounds, rms, m.
-    regulator, tube, cylinder, wire
+    cylinder, wire
         Parameters of the parts, the same for every channel.
     """
 
@@ -173,8 +190,6 @@ class PneumaticPlantSettings:
     leak: Annotated[float, Unit("m^3/(s Pa)"), Ge(0)] = 1e-8
     substep: Annotated[float, Unit("s"), Ge(1e-6), Le(1e-4)] = 50e-6
     encoder_noise: Annotated[float, Unit("m"), Ge(0), Le(1e-3)] = 0.0
-    regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
-    tube: TubeSettings = field(default_factory=TubeSettings)
     cylinder: ActuatorSettings = field(default_factory=ActuatorSettings)
     wire: WireSettings = field(default_factory=WireSettings)
 
@@ -197,29 +212,75 @@ class PneumaticPlantSettings:
             home=self.home + wire_offset,
         )
 
+    @property
+    def feed(self) -> _Feed:
+        """What sets a chamber's pressure."""
+        raise NotImplementedError
+
     def believed(self, told: Mapping[str, float]) -> Self:
         """Return the settings of a plant that is as the laws are told that the rig is.
 
         Parameters
         ----------
         told : mapping
-            ``area``, ``base_pressure``, ``coulomb``, ``stribeck_velocity``, and the regulators'
-            ``regulator_bandwidth``, ``regulator_damping``, ``regulator_dead_time`` and
-            ``regulator_monitor_time``, SI.
+            ``area``, ``base_pressure``, ``coulomb``, ``stribeck_velocity``, and what a subclass
+            takes of what feeds the chambers, SI.
         """
-        seals, regulator, cylinder = SEALS[self.seals], self.regulator, self.cylinder
-        pressure, area = told["base_pressure"], told["area"]
-        # Of a pair at its base pressure: two seals, and the seat that both wires load.
-        nominal = 2.0 * (seals.coulomb + (seals.pressure + seals.seat * area) * pressure)
-        # A calibration sees a dead time at the monitor: all of these come before it.
-        monitor = told["regulator_monitor_time"]
-        late = 0.5 * regulator.sampling + regulator.valve_time + monitor
-        late += self.tube.length / SOUND
+        seals, cylinder = SEALS[self.seals], self.cylinder
+        area = told["area"]
+        nominal = self._nominal_friction(told["base_pressure"], area)
         return replace(
             self,
             friction_scale=told["coulomb"] / nominal,
             stribeck_scale=told["stribeck_velocity"] / seals.stribeck_velocity,
             cylinder=replace(cylinder, bore=math.sqrt(4.0 * area / math.pi + cylinder.rod**2)),
+        )
+
+    def _nominal_friction(self, pressure: float, area: float) -> float:
+        """Return what is told as Coulomb friction, N: here of two seals and a seat.
+
+        A pair at its base pressure: both wires load the seat.
+        """
+        seals = SEALS[self.seals]
+        return 2.0 * (seals.coulomb + (seals.pressure + seals.seat * area) * pressure)
+
+
+@dataclass(frozen=True, slots=True)
+class PneumaticPlantSettings(CylinderPlantSettings):
+    """Cylinders that electro-pneumatic regulators feed through tubes.
+
+    Parameters
+    ----------
+    regulator, tube
+        Parameters of the parts, the same for every channel.
+    """
+
+    regulator: RegulatorSettings = field(default_factory=RegulatorSettings)
+    tube: TubeSettings = field(default_factory=TubeSettings)
+
+    @property
+    def feed(self) -> _Feed:
+        """See `CylinderPlantSettings.feed`."""
+        return self.regulator
+
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """See `CylinderPlantSettings.believed`; besides, what is told of the regulators.
+
+        Parameters
+        ----------
+        told : mapping
+            ``regulator_bandwidth``, ``regulator_damping``, ``regulator_dead_time`` and
+            ``regulator_monitor_time``, SI, among others.
+        """
+        # By its name: a dataclass with slots is made anew, which an empty super() does not see.
+        like = CylinderPlantSettings.believed(self, told)
+        regulator = self.regulator
+        # A calibration sees a dead time at the monitor: all of these come before it.
+        monitor = told["regulator_monitor_time"]
+        late = 0.5 * regulator.sampling + regulator.valve_time + monitor
+        late += self.tube.length / SOUND
+        return replace(
+            like,
             regulator=replace(
                 regulator,
                 bandwidth=told["regulator_bandwidth"],
@@ -228,6 +289,11 @@ class PneumaticPlantSettings:
                 monitor_time=monitor,
             ),
         )
+
+
+def carriage_mass(moving: float, cylinder: ActuatorSettings) -> float:
+    """Return a carriage's mass, kg, of what a pair moves in all."""
+    return max(moving - 2.0 * cylinder.mass, _LEAST_MASS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,9 +310,8 @@ class PlantSettings(PneumaticPlantSettings):
 
     def believed(self, told: Mapping[str, float]) -> Self:
         """See `PneumaticPlantSettings.believed`; besides, the carriage has the ``mass`` told."""
-        # By its name: a dataclass with slots is made anew, which an empty super() does not see.
         like = PneumaticPlantSettings.believed(self, told)
-        mass = max(told["mass"] - 2.0 * self.cylinder.mass, _LEAST_MASS)
+        mass = carriage_mass(told["mass"], self.cylinder)
         return replace(like, carriage=replace(self.carriage, mass=mass))
 
 

@@ -5,10 +5,17 @@ import math
 import numpy as np
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
+from drivers.sim.plants.lending import Kernel, Lending, Memory
 from drivers.sim.plants.parameters import scale_seals
-from drivers.sim.plants.pneumatic_plant import Array, PneumaticPlant
+from drivers.sim.plants.pneumatic_plant import Array
 from drivers.sim.plants.push import Push
-from drivers.sim.plants.spherical_joint_kernel import JOINT_STATE, WIRE_STATE, advance_joint
+from drivers.sim.plants.regulator_plant import RegulatorPlant
+from drivers.sim.plants.spherical_joint_kernel import (
+    JOINT_STATE,
+    WIRE_STATE,
+    advance_joint,
+    tell_joint,
+)
 from drivers.sim.plants.spherical_joint_parameters import (
     WIRES,
     JointGeometry,
@@ -27,7 +34,7 @@ _LEVEL = {"forward": (1.0, 0.0), "left": (0.0, 1.0)}
 """Directions of a push at the ring, in the ball's axes."""
 
 
-class SphericalJointPlant(PneumaticPlant):
+class SphericalJointPlant(RegulatorPlant):
     """Physics of the spherical joint, integrated at 20 kHz.
 
     The ring turns about the ball's centre with all three rotations and never leaves the ball:
@@ -56,7 +63,7 @@ class SphericalJointPlant(PneumaticPlant):
 
     channel_names = CHANNELS
 
-    own_faults = (*PneumaticPlant.own_faults, "wire_slack", "anchor_slipped")
+    own_faults = (*RegulatorPlant.own_faults, "wire_slack", "anchor_slipped")
     """What `inject` understands; the last two let some wire go (`slack`, `slip`) each time."""
 
     truth_columns = TRUTH_COLUMNS
@@ -119,22 +126,25 @@ class SphericalJointPlant(PneumaticPlant):
         """Return what no device measures, as `truth_columns` names it, after the last step."""
         return tuple(self._truth.tolist())
 
+    def lend(
+        self, period: float, rod_step: float, pressure_step: float, seed: int
+    ) -> tuple[Kernel, Memory]:
+        """Return its kernel; see `rig.hal.plant.LendingPlant`. The axes are the marker's."""
+        timing = Lending(period, rod_step, pressure_step, seed)
+        return self.lend_kernel((advance_joint, tell_joint), self._bodies, timing)
+
+    @property
+    def _bodies(self) -> tuple[Array, ...]:
+        """What the kernel takes before steps and substep."""
+        ring = self.joint, self.joint_parameters, self._truth
+        wires = self.wires, self.wire_parameters
+        return self.channels, self.parameters, self.queues, *wires, *ring
+
     def _moving(self) -> tuple[Array, ...]:
         return *super()._moving(), self.wires, self._truth
 
     def _integrate(self, steps: int) -> None:
-        advance_joint(
-            self.channels,
-            self.parameters,
-            self.queues,
-            self.wires,
-            self.wire_parameters,
-            self.joint,
-            self.joint_parameters,
-            self._truth,
-            steps,
-            self._dt,
-        )
+        advance_joint(*self._bodies, steps, self._dt)
 
     def _break_channel(self, fault: str, channel: int) -> None:
         if fault == "wire_slack":

@@ -5,14 +5,19 @@ knowledge; E, an estimate. The joint's own dimensions are the profile's geometry
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import Annotated, Self
 
 from annotated_types import Ge, Gt, Le, Lt, Unit
 
 from drivers.sim.plants.camera_settings import CameraSimulationSettings
 from drivers.sim.plants.regulator_settings import RealRegulatorSettings, RealTubeSettings
-from drivers.sim.plants.settings import PneumaticPlantSettings, TubedActuatorSettings
+from drivers.sim.plants.settings import (
+    SEALS,
+    PneumaticPlantSettings,
+    TubedActuatorSettings,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +134,22 @@ class SphericalJointPlantSettings(PneumaticPlantSettings):
     slack: Annotated[float, Unit("m"), Ge(0), Le(0.1)] = 10e-3
     ring: RingSettings = field(default_factory=RingSettings)
     camera: CameraSimulationSettings = field(default_factory=CameraSimulationSettings)
+
+    def believed(self, told: Mapping[str, float]) -> Self:
+        """See `PneumaticPlantSettings.believed`; besides, ``ring_friction``, ``wire_friction``."""
+        like = PneumaticPlantSettings.believed(self, told)
+        nominal, scale = CONTACTS[self.seals], like.friction_scale
+        return replace(
+            like,
+            ring_friction_scale=told["ring_friction"] / (nominal.ring * scale),
+            wire_friction_scale=told["wire_friction"] / (nominal.wire * scale),
+            wire=replace(like.wire, stiffness=told["wire_stiffness"]),
+        )
+
+    def _nominal_friction(self, pressure: float, area: float) -> float:
+        """Return what is told as Coulomb friction, N: of two seals; the ball's is told apart."""
+        seals = SEALS[self.seals]
+        return 2.0 * (seals.coulomb + seals.pressure * pressure)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ class OnTheBus(AcceptanceStep):
     """Everybody on the buses is asked who he is."""
 
     name = "bus"
-    does = "Every node number of every CAN bus is asked; nothing is configured or energised."
+    does = "Every node number of every bus is asked; nothing is configured or energised."
     expects = "Each device of the profile answers once, and nobody else does."
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
-        answers = survey_rig(site.make_rig())
+        answers = survey_rig(site.make_rig(site.profile))
         for answer in answers:
             if answer.differences:
                 who = answer.name or "foreign node"
@@ -33,7 +33,7 @@ class SettingsReadBack(AcceptanceStep):
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
-        rig = site.make_rig()
+        rig = site.make_rig(site.profile)
         with rig:
             identities = {name: dict(item.identity()) for name, item in rig.devices.items()}
             written = {name: dict(item.written()) for name, item in rig.devices.items()}

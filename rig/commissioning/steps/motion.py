@@ -1,19 +1,75 @@
 """The first motion, under the limits of a rig that was never commissioned."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from rig.assembly import check_profile, make_controller, plan_motion
+from rig.assembly import Rig, check_profile, make_controller, plan_motion
 from rig.commissioning.derating import derated
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
-from rig.config import Experiment, ReferenceEntry
+from rig.config import Experiment, Profile, ReferenceEntry, format_quantity
 from rig.experiment.plan import Plan
 from rig.experiment.run import run_experiment
+from rig.experiment.watcher import Watcher
+from rig.hal.motion import Motion
 from rig.run_facts import RunStatus
 from rig.runtime.log import read_log
 from rig.runtime.phases import Phase
+
+_TUNED = "; if the rig swung, its gains are too high for it: `rig tune` looks for others"
+"""What a fault of the first motion may have come from, beside the rig."""
+
+
+class Moved(NamedTuple):
+    """The way that a first motion goes.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Of the log, where the motion is seen.
+    travel, unit : float, str
+        How far they go, and its SI unit.
+    all : bool
+        Each of them goes that far; else the one that goes furthest.
+    """
+
+    columns: Sequence[str]
+    travel: float
+    unit: str
+    all: bool = False
+
+
+class Planned(NamedTuple):
+    """A motion with whoever follows it.
+
+    Parameters
+    ----------
+    reference : ReferenceEntry
+        Name and settings of what is followed.
+    law : str
+        Its name in the profile.
+    controller, motion : Controller, Motion
+        As the loop takes them.
+    """
+
+    reference: ReferenceEntry
+    law: str
+    controller: Any
+    motion: Motion[object]
+
+
+class _Prepares(Watcher):
+    """Does what there is to do once the rig of a run has been built."""
+
+    def __init__(self, prepare: Callable[[Rig], None]) -> None:
+        self._prepare = prepare
+
+    def built(self, rig: Rig) -> None:
+        """See `Watcher.built`."""
+        self._prepare(rig)
 
 
 class FirstMotion(AcceptanceStep):
@@ -21,57 +77,86 @@ class FirstMotion(AcceptanceStep):
 
     Parameters
     ----------
-    kind, reference : str, object
-        Name and settings of the reference.
-    columns : sequence of str
-        Of the log, where the motion is seen.
-    travel, unit : float, str
-        How far the one of them goes that goes furthest, and its SI unit.
+    moved : Moved
+        How far it goes.
+    plan : callable
+        ``plan(profile)`` returns how, as `Planned`.
+    prepare : callable, optional
+        ``prepare(site, rig)`` is done before the rig is connected.
     """
 
     name = "first-motion"
     expects = "It goes as far as it is sent, and comes to rest."
 
     def __init__(
-        self, kind: str, reference: object, columns: Sequence[str], travel: float, unit: str
+        self,
+        moved: Moved,
+        plan: Callable[[Profile], Planned],
+        prepare: Callable[[Site, Rig], None] = lambda site, rig: None,
     ) -> None:
-        self.does = f"The rig is energised and moves by {travel:g} {unit} under control."
-        self._reference = ReferenceEntry(kind, reference)
-        self._columns = columns
-        self._unit = unit
-        self._travel = travel
+        way = format_quantity(moved.travel, moved.unit)
+        each = "each axis of it " if moved.all else ""
+        self.does = f"The rig is energised and {each}moves by {way} under control."
+        self._moved = moved
+        self._plan_motion = plan
+        self._prepare = prepare
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
-        rig = site.make_rig()
+        rig = site.make_rig(site.profile)
         rig.close()
         result = run_experiment(
             self._plan(site), rig.backend, site.out, on=site.on, report=False,
-            heed_calibrations=False,
+            heed_calibrations=False, watcher=_Prepares(partial(self._prepare, site)),
         )  # fmt: skip
         if result.status is not RunStatus.OK:
-            raise Defect("first motion", f"{result.status}: {result.message}")
+            raise Defect("first motion", f"{result.status}: {result.message}{_TUNED}")
         log = read_log(result.path / "log.mcap")
         runs = log.column("phase") == Phase.RUN
-        went = max(float(np.ptp(log.column(name)[runs])) for name in self._columns)
-        moved = MeasuredValue("moved by", went, self._unit, 0.5 * self._travel, 2.0 * self._travel)
-        require_within("first motion", moved, "it does not go as far as it was sent")
-        return StepResult((moved,), {"run": str(result.path)})
+        columns, travel, unit, each = self._moved
+        went = {name: float(np.ptp(log.column(name)[runs])) for name in columns}
+        judged = went if each else {"": max(went.values())}
+        measured = []
+        for name, way in judged.items():
+            what = " ".join(("moved by", name.removeprefix("reading."))).strip()
+            moved = MeasuredValue(what, way, unit, 0.5 * travel, 2.0 * travel)
+            why = f"it does not go as far as it was sent{_TUNED}"
+            measured.append(require_within("first motion", moved, why))
+        return StepResult(tuple(measured), {"run": str(result.path)})
 
     def _plan(self, site: Site) -> Plan:
-        profile = derated(site.profile)
+        profile = derated(site.profile, is_first=True)
         check_profile(profile)
-        law = next(iter(profile.controllers))
-        controller = make_controller(profile, law)
-        motion = plan_motion(profile, self._reference.settings, controller)
+        planned = self._plan_motion(profile)
         experiment = Experiment(
             name="commission-first-motion",
             description="the first motion of the acceptance test",
             rig=profile.name,
-            controller=law,
-            reference=self._reference,
+            controller=planned.law,
+            reference=planned.reference,
             approach=5.0,
             metrics={},
             figures=(),
         )
-        return Plan(experiment, profile, controller, motion)
+        return Plan(experiment, profile, planned.controller, planned.motion)
+
+
+def by_law(kind: str, reference: object, wanted: str = "") -> Callable[[Profile], Planned]:
+    """Return what has a law of the profile follow a reference.
+
+    Parameters
+    ----------
+    kind, reference : str, object
+        Name and settings of the reference.
+    wanted : str, optional
+        The law that bears the most before it is tuned; default, and of a profile without it: the
+        profile's first one.
+    """
+
+    def plan(profile: Profile) -> Planned:
+        law = wanted if wanted in profile.controllers else next(iter(profile.controllers))
+        controller = make_controller(profile, law)
+        motion = plan_motion(profile, reference, controller)
+        return Planned(ReferenceEntry(kind, reference), law, controller, motion)
+
+    return plan

@@ -5,7 +5,7 @@ from functools import partial
 
 from rig.assembly import Rig
 from rig.commissioning.operator import Task
-from rig.commissioning.site import Site, patience, world_of
+from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, MeasuredValue, StepResult, require
 from rig.hal.world import BreakableWorld
 
@@ -38,14 +38,14 @@ class EmergencyStopContact(AcceptanceStep):
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
-        rig = site.make_rig()
+        rig = site.make_rig(site.profile)
         device = stop_device(rig)
         if device is None:
             return StepResult(said="the profile names no contact of an emergency stop")
         times = []
         with rig.watching_stop() as is_pressed:
             require(
-                self._wait(rig, is_pressed, False),
+                self._wait(site, rig, is_pressed, False),
                 "emergency stop",
                 "it reads pressed while it is not: the contact is normally open, or its wire is "
                 "off, or stop_active_low is wrong",
@@ -61,14 +61,16 @@ class EmergencyStopContact(AcceptanceStep):
                 ("wire-on", "Put the wire of the emergency stop back.", "stop_wire_off", 0.0, False,
                  "its wire is back and it still reads pressed"),
             ):  # fmt: skip
-                site.operator.do(stop_task(device, key, text, fault, value), world_of(rig))
+                site.operator.do(stop_task(device, key, text, fault, value), site.world_of(rig))
                 before = rig.clock.now()
-                require(self._wait(rig, is_pressed, pressed), "emergency stop", defect)
+                require(self._wait(site, rig, is_pressed, pressed), "emergency stop", defect)
                 times.append(MeasuredValue(f"{key} seen after", rig.clock.now() - before, "s"))
         return StepResult(tuple(times))
 
-    def _wait(self, rig: Rig, is_pressed: Callable[[], bool | None], wanted: bool) -> bool:
-        end = rig.clock.now() + patience(rig)
+    def _wait(
+        self, site: Site, rig: Rig, is_pressed: Callable[[], bool | None], wanted: bool
+    ) -> bool:
+        end = rig.clock.now() + site.patience(rig)
         while is_pressed() is not wanted:
             if rig.clock.now() >= end:
                 return False

@@ -27,6 +27,7 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
     done = plan.outcome == "done"
     optimum = _optimum(geometry, path)
     facts = {
+        **_shares(plan, geometry),
         "time_end": Fact(plan.duration, "s", "duration of the motion"),
         "time_optimum": Fact(optimum, "s", "least time under the joints' rate limits alone"),
         "time_over_optimum": Fact(
@@ -68,6 +69,18 @@ def facts_of_plan(plan: ArmPlan, geometry: ArmGeometry, path: object) -> dict[st
         facts[f"closest_{name}"] = Fact(closest, unit, f"least index of the {name}")
         facts[f"crosses_{name}"] = Fact(float(crosses), "", f"1 if it crosses the {name}'s")
     return facts
+
+
+def _shares(plan: ArmPlan, geometry: ArmGeometry) -> dict[str, Fact]:
+    """Return what is asked of the joints in shares of their limits: alike for every arm."""
+    rates = plan.peak_rates / np.array(geometry.rate_limits)
+    hardest = plan.peak_accelerations / np.array(geometry.acceleration_limits)
+    return {
+        "peak_rate_share": Fact(float(rates.max()), "", "greatest rate over its limit"),
+        "peak_acceleration_share": Fact(
+            float(hardest.max()), "", "greatest acceleration over its limit"
+        ),
+    }
 
 
 def return_error(start: np.ndarray, end: np.ndarray) -> float:

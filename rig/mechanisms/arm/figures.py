@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rig.mechanisms.arm.boundary import meridian
 from rig.report.data import RunData
 from rig.report.figure import FigureKind, draw_line, finish_time_axis
 from rig.report.style import (
@@ -164,10 +165,12 @@ def draw_arm(run: RunData) -> "Figure | None":
 
 def _draw_boundary(axes: "Axes", base: float, geometry: dict[str, float]) -> None:
     """Draw how far the wrist can get, as far as the picture reaches."""
-    from matplotlib.patches import Circle
+    from matplotlib.patches import Polygon
 
     reach = geometry["a2"] + float(np.hypot(geometry["a3"], geometry["elbow_offset"]))
-    edge = Circle((0.0, base), reach, fill=False, ec=GREY, lw=0.7, ls=(0, (2, 2)))
+    a1 = abs(geometry.get("a1", 0.0))  # runs of an older program do not say
+    outline = meridian(reach, a1, geometry["shoulder_offset"], 256) + np.array((0.0, base))
+    edge = Polygon(outline, fill=False, ec=GREY, lw=0.7, ls=(0, (2, 2)))
     axes.add_artist(edge)  # as an artist, not a patch: it does not set the scale
     axes.plot([], [], color=GREY, lw=0.7, ls=(0, (2, 2)), label="reach of the wrist")
 

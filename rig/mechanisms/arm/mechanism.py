@@ -1,6 +1,7 @@
 """A U-R-S arm of six joints on servo drives."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, get_args
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
@@ -10,9 +11,11 @@ from controllers.arm.kinematics import (
     hand_twist,
     singularity_indices,
 )
+from controllers.arm.law import AnyArmLaw
 from controllers.arm.online.commands import ArmTwists
 from controllers.arm.trajectories import ArmPathSettings
 from controllers.arm.types import ArmCommand, ArmReference, ArmState
+from controllers.slowed_law import SlowedLaw
 from rig.hal import Device
 from rig.hal.columns import Column
 from rig.hal.motion import Motion
@@ -102,6 +105,36 @@ class Arm(PlannedAxes[ArmSettings, ArmState, ArmReference, ArmCommand]):
         if not isinstance(reference, get_args(ArmPathSettings)):
             raise ValueError("the reference is not one for an arm")
         return PlannedArmMotion(controller.prepare(reference), settings.geometry, reference)
+
+    @classmethod
+    def derated(cls, settings: ArmSettings, effort: float, speed: float) -> ArmSettings:
+        """Return the settings with a share of the joints' rates; see `Mechanism.derated`.
+
+        Torque is limited by the drives.
+        """
+        its = settings.geometry
+        q1, q2, q3, q4, q5, q6 = (speed * rate for rate in its.rate_limits)
+        return replace(settings, geometry=replace(its, rate_limits=(q1, q2, q3, q4, q5, q6)))
+
+    @classmethod
+    def slowed(
+        cls,
+        settings: ArmSettings,
+        reference: object,
+        controller: AnyArmLaw,
+        period: float,
+        share: float,
+    ) -> tuple[object, Motion[ArmReference]] | None:
+        """Have the law work the motion out for as many more cycles; see `Mechanism.slowed`."""
+        if isinstance(reference, ArmTwists):
+            raise ValueError("twists are followed as they come, and no more slowly")
+        if not isinstance(reference, get_args(ArmPathSettings)):
+            return None
+        law = controller.at_period(share * period)
+        plan = law.prepare(reference).stretched(share)
+        return SlowedLaw(law, share, ArmCommand), PlannedArmMotion(
+            plan, settings.geometry, reference
+        )
 
     @classmethod
     def targets(cls, settings: ArmSettings, controller: object) -> AxisTargets[ArmReference]:

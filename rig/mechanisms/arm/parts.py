@@ -8,6 +8,7 @@ _HERE = "rig.mechanisms.arm"
 PARTS = MechanismParts(
     mechanism="arm",
     settings=f"{_HERE}.settings:ArmSettings",
+    commissioning=f"{_HERE}.commissioning:steps",
     view=f"{_HERE}.mechanism:Arm",
     scene=f"{_HERE}.scene:ArmScene",
     controllers={
@@ -42,5 +43,6 @@ PARTS = MechanismParts(
         f"{_HERE}.twist_comparison:TWIST_COMPARISON",
         f"{_HERE}.comparison:ARM_COMPARISON",
     ),
+    drawings={"urdf": f"{_HERE}.drawing.profile:of_urdf", "dh": f"{_HERE}.drawing.profile:of_dh"},
     procedures=(f"{_HERE}.calibration.zeros:ArmZeros", f"{_HERE}.calibration.links:ArmLinks"),
 )

@@ -1,12 +1,14 @@
 """What a screen shows of the arm: its links, the hand's path, and the pose that is wanted."""
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from controllers.arm.geometry import AXIS_NAMES
+from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.kinematics import dimensions_of, forward, link_points
 from rig.hal.scene import Pane, Scene, Shape
+from rig.mechanisms.arm.boundary import meridian
 from rig.mechanisms.arm.settings import ArmSettings
 from rig.mechanisms.outlines import circle, fixed, track
 
@@ -22,7 +24,7 @@ _TOOL = 0.06
 class ArmScene(Scene):
     """Links and hand, the wanted pose as a ghost, and the edge of the workspace.
 
-    On that sphere the elbow is straight: the singular region of the elbow lies along it. That of
+    On that edge the elbow is straight: the singular region of the elbow lies along it. That of
     the shoulder is the vertical through its foot.
     """
 
@@ -30,7 +32,8 @@ class ArmScene(Scene):
         its = settings.geometry
         self._arm = dimensions_of(its)
         self._reach, self._height = its.reach, its.base_height
-        self.size = 0.62 * (its.reach + its.d6)
+        self._edges = _edges(its)
+        self.size = 0.7 * (its.reach + its.d6)
         self.centre = (0.3 * its.reach, 0.0, its.base_height + 0.3 * its.reach)
         self.shapes = (
             Shape("ground", "loop", "ground", _ROUND, 1.0),
@@ -82,7 +85,7 @@ class ArmScene(Scene):
             for axis in axes.transpose(1, 0, 2)
         ]
         shoulder = np.array([0.0, 0.0, self._height])
-        edge = [fixed(circle(self._reach, _ROUND, k) + shoulder, rows) for k in range(3)]
+        edge = [fixed(points, rows) for points in self._edges]
         return [
             fixed(circle(0.25 * self._reach, _ROUND), rows),
             *edge,
@@ -94,3 +97,17 @@ class ArmScene(Scene):
             track(*(column(f"plan.path_{axis}") for axis in "xyz")),
             track(*(column(f"reading.hand_{axis}") for axis in "xyz")),
         ]
+
+
+def _edges(geometry: ArmGeometry) -> "tuple[Points, ...]":
+    """Return three outlines of the wrist's reach: two upright, one level."""
+    reach, a1, offset = geometry.reach, abs(geometry.a1), geometry.shoulder_offset
+    away, height = meridian(reach, a1, offset, _ROUND).T
+    height = height + geometry.base_height
+    level = circle(math.hypot(reach + a1, offset), _ROUND)
+    none = np.zeros(_ROUND)
+    return (
+        np.column_stack((none, away, height)),
+        np.column_stack((away, none, height)),
+        level + np.array((0.0, 0.0, geometry.base_height)),
+    )

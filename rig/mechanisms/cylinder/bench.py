@@ -14,18 +14,22 @@ from controllers.compiled import KernelMemory, let_kernels_call
 from controllers.cylinder.law import Output
 from controllers.cylinder.margins import margins_around
 from controllers.cylinder.numeric_law import AnyNumericLaw, NumericPairLaw
-from controllers.cylinder.types import PairModel
+from controllers.cylinder.types import PairModel, PairReference
 from rig.hal import ConfigurationError
-from rig.hal.bench import Lend, Trial, TuningBench
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.bench import Lend, Trial, TuningBench, Unknown
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
-from rig.mechanisms.cylinder.programme import Programme, lasting_error
 from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
+from rig.mechanisms.pneumatic.programme import Programme, lasting_error
 from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
+from rig.mechanisms.pneumatic.valves.lending import through_loops
+from rig.mechanisms.pneumatic.valves.regulating import pressure_loops
+from rig.mechanisms.pneumatic.valves.settings import SpoolModel
+from rig.mechanisms.pneumatic.valves.unknowns import VALVE_UNKNOWNS
 
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -34,8 +38,11 @@ Step = Callable[..., Output]
 
 _SETTLING: Final = 1.0
 """At base pressure before control begins, s."""
+_SPOOL_LAG: Final = 1.4
+"""Twice the damping ratio of a spool, 0.7: over its bandwidth, by so much it is later."""
 _LOST: Final = 1.5
 """Farther out than this share of the permitted positions, a pair is lost."""
+_HOME: Final = PairReference(0.0, 0.0, 0.0)
 
 
 _Settled = tuple[LentPlant, object, Array, Array]
@@ -45,7 +52,7 @@ class PairBench(TuningBench):
     """Closed loops of one pair; see `TuningBench`."""
 
     unit = "m"
-    unknowns = UNKNOWNS
+    unknowns: Sequence[Unknown] = UNKNOWNS
 
     def __init__(
         self,
@@ -59,7 +66,11 @@ class PairBench(TuningBench):
             raise ConfigurationError(f"{law.__name__} has nothing that could be tuned")
         self._settings, self._law, self._period, self._lend = settings, law, period, lend
         self._model = AntagonisticPair.model_of(settings)
-        self._programme = Programme.of(motions or _usual(settings), period)
+        if settings.valves is not None:
+            self.unknowns = VALVE_UNKNOWNS
+        self._programme = Programme.of(
+            motions or _usual(settings), period, _HOME, AntagonisticPair.approach, tuple
+        )
         if lend(self.told(), 0).channels != len(CHANNELS):
             raise ConfigurationError("the profile's plant is no pair of cylinders")
         self._limits = _limits(settings, period)
@@ -68,7 +79,9 @@ class PairBench(TuningBench):
 
     def told(self) -> dict[str, float]:
         """Return the numbers of the model that laws are told, SI."""
-        return asdict(self._model)
+        spool = self._spool()
+        more = {} if spool is None else {f"spool_{name}": x for name, x in asdict(spool).items()}
+        return {**asdict(self._model), **more}
 
     def trial(self, chosen: object, true: Mapping[str, float], seed: int) -> Trial:
         """Run a law on a plant; see `TuningBench.trial`."""
@@ -80,7 +93,8 @@ class PairBench(TuningBench):
         alarm = round(self._settings.alarms.oscillation.lost / self._period)
         strayed = lasting_error(errors, alarm) / self._settings.limits.following
         reversals = max(reversals_of(trace[:, k]) for k in (1, 2))
-        return Trial(of.rms(errors), of.hunting(errors), reversals / self.duration, strayed, 1.0)
+        one = errors[:, None]
+        return Trial(of.rms(one), of.hunting(one), reversals / self.duration, strayed, 1.0)
 
     def run(self, chosen: object, true: Mapping[str, float], seed: int) -> tuple[Array, int]:
         """Return position (m) and both setpoints (Pa) of each cycle, and how many it lasted."""
@@ -100,24 +114,40 @@ class PairBench(TuningBench):
     ) -> Sequence[ClosedLoop]:
         """Return the margins around each plant; see `TuningBench.margins`."""
         law = self._law(chosen, self._model, self._period)
-        models = [replace(self._model, **_numbers(plant)) for plant in plants]
+        models = [self._model_of(plant) for plant in plants]
         return [ClosedLoop(*margin) for margin in margins_around(law, models)]
+
+    def _spool(self) -> SpoolModel | None:
+        valves = self._settings.valves
+        return None if valves is None else valves.spool
+
+    def _model_of(self, plant: Mapping[str, float]) -> PairModel:
+        """Return a plant as a linear model has it: what a spool is later is dead time to it."""
+        numbers = {name: plant[name] for name in PairModel.__dataclass_fields__}
+        spool = self._spool()
+        if spool is not None:
+            late = plant["spool_dead_time"] - spool.dead_time
+            late += _SPOOL_LAG * (1.0 / plant["spool_bandwidth"] - 1.0 / spool.bandwidth)
+            numbers["regulator_dead_time"] = max(numbers["regulator_dead_time"] + late, 0.0)
+        return replace(self._model, **numbers)
 
     def _settle(self, true: Mapping[str, float], seed: int) -> _Settled:
         """Return a plant at rest at base pressure, what its devices show, and what is true."""
         key = (seed, *sorted(true.items()))
         if key not in self._settled:
             lent = self._lend(true, seed)
-            seen, truth = np.zeros(4), np.zeros(1)
+            home = self._settings.home
+            if self._settings.valves is not None:
+                loops = pressure_loops(self._settings, CHANNELS, self._period)
+                for inner in loops:
+                    inner.reset(0.0, home)
+                lent = through_loops(lent, loops)
+            seen, truth = np.array([home, home, 0.0, 0.0]), np.zeros(1)
             base = np.full(2, self._settings.base_pressure)
             for _ in range(round(_SETTLING / self._period)):
                 lent.exchange(lent.memory, base, seen, truth)
             self._settled[key] = lent, lent.memory, seen, truth
         return self._settled[key]
-
-
-def _numbers(plant: Mapping[str, float]) -> dict[str, float]:
-    return {name: plant[name] for name in PairModel.__dataclass_fields__}
 
 
 def _usual(settings: CylinderSettings) -> tuple[PairMotion, ...]:

@@ -17,9 +17,10 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.columns import Column
 from rig.hal.hindsight import Suspect
-from rig.hal.mechanism import ClosedLoop, Expected, Margin
+from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.cylinder.references import PairMotion
@@ -31,9 +32,15 @@ from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating_kind
 
 if TYPE_CHECKING:
     from rig.hal.hindsight import Logged
+
+_BETWEEN = 7
+"""Of so many cycles of a reference one is looked at between them, too …"""
+_SHARE = 0.382
+"""… after this share of the period, which divides none."""
 
 _new = tuple.__new__  # makes a named tuple in half the time that its class takes
 
@@ -103,7 +110,7 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
         self._position = self._now = 0.0
         self._tracking = TrackingWatch(("the pair",), limits.following, settings.alarms.oscillation)
         self._watch = PairWatch(
-            settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
+            self.settings, regulators.name, (encoder_agonist.name, encoder_antagonist.name)
         )
 
     @classmethod
@@ -128,10 +135,11 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     ) -> "AntagonisticPair":
         """Pick the devices that the settings name; see `Mechanism.assemble`."""
         with DevicePicker("cylinder", devices) as pick:
-            regulators = pick("regulators", settings.regulators, PressureRegulator)
+            feed = pick("regulators", settings.regulators, regulating_kind(settings))
             agonist = pick("encoder_agonist", settings.encoder_agonist, LinearEncoder)
             antagonist = pick("encoder_antagonist", settings.encoder_antagonist, LinearEncoder)
             stop = pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
+        regulators = as_regulators(feed, (agonist, antagonist), settings, period)
         return cls(
             settings,
             regulators=regulators,
@@ -158,18 +166,26 @@ class AntagonisticPair(PneumaticMechanism[CylinderSettings, PairState, PairRefer
     def plan(
         cls, settings: CylinderSettings, reference: object, controller: Any, period: float
     ) -> Motion[PairReference]:
-        """Return the reference itself, if it stays within the permitted positions."""
+        """Return the reference itself, if it keeps the permitted positions and the speed."""
         if not isinstance(reference, PairMotion):
             raise ValueError("the reference is not one for a pair of cylinders")
         motion = reference
         lower, upper = settings.limits.position
+        fastest = settings.limits.speed
         for tick in range(int(motion.duration / period) + 1):
             t = tick * period
-            position = motion.at(t).position
+            position, velocity, _ = motion.at(t)
             if not lower <= position <= upper:
                 raise ValueError(
                     f"after {t:.3g} s the reference is at {position * 1e3:.4g} mm, outside "
                     f"limits.position, {lower * 1e3:.4g} … {upper * 1e3:.4g} mm"
+                )
+            if tick % _BETWEEN == 0:  # a sine of the loop's rate seems to stand in every cycle
+                velocity = max(velocity, motion.at(t + _SHARE * period).velocity, key=abs)
+            if abs(velocity) > fastest:
+                raise ValueError(
+                    f"after {t:.3g} s the reference moves at {velocity:.3g} m/s, faster than "
+                    f"limits.speed, {fastest:g} m/s"
                 )
         return motion
 

@@ -5,6 +5,7 @@ from rig.mechanisms.pneumatic.reported import REPORTED
 
 _LAWS = "controllers.cylinder"
 _HERE = "rig.mechanisms.cylinder"
+_PAIR = "antagonistic_pair:AntagonisticPairPlant"
 
 PARTS = MechanismParts(
     mechanism="cylinder",
@@ -27,15 +28,20 @@ PARTS = MechanismParts(
     },
     plants={
         name: PlantModel(
-            f"drivers.sim.plants.settings:{settings}",
-            "drivers.sim.plants.antagonistic_pair:AntagonisticPairPlant",
+            f"drivers.sim.plants.{settings}",
+            f"drivers.sim.plants.{plant}",
             "drivers.sim.hazards:pair_hazards",
             is_restorable=True,
             lends_kernel=True,
         )
-        for name, settings in (
-            ("antagonistic-pair", "PlantSettings"),
-            ("antagonistic-pair-real", "RealPairSettings"),
+        for name, settings, plant in (
+            ("antagonistic-pair", "settings:PlantSettings", _PAIR),
+            ("antagonistic-pair-real", "settings:RealPairSettings", _PAIR),
+            (
+                "valve-pair",
+                "valve_settings:ValvePairSettings",
+                "valve_pair:ValvePairPlant",
+            ),
         )
     },
     measures=(f"{_HERE}.measures:PAIR_MEASURES", "rig.mechanisms.pneumatic.cost:PAIR_COSTS"),
@@ -45,6 +51,7 @@ PARTS = MechanismParts(
     procedures=(
         f"{_HERE}.calibration.procedures:regulators",
         f"{_HERE}.calibration.procedures:encoders",
+        f"{_HERE}.calibration.procedures:valves",
         f"{_HERE}.calibration.procedures:wires",
         f"{_HERE}.calibration.procedures:response",
         f"{_HERE}.calibration.friction:PairFriction",

@@ -7,6 +7,7 @@ from annotated_types import Gt, Unit
 
 from rig.hal.rising import Rising
 from rig.hal.rules import Rules
+from rig.mechanisms.pneumatic.alarms.bounds import check_pressure_alarm
 from rig.mechanisms.pneumatic.alarms.settings import (
     FrozenAlarm,
     OscillationAlarm,
@@ -134,6 +135,7 @@ class CylinderSettings(PneumaticSettings):
                 ("alarms.oscillation.amplitude", self.alarms.oscillation.amplitude),
             ):
                 rule.of(check_can_trip, name, limit, self.stroke, "m", "is the stroke")
+            rule.of(check_pressure_alarm, self.alarms.pressure, self)
 
     @property
     def most_disagreement(self) -> float:

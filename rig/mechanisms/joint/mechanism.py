@@ -29,8 +29,9 @@ from rig.hal import (
     SafetyError,
     StaleReading,
 )
+from rig.hal.closed_loop import ClosedLoop
 from rig.hal.hindsight import Suspect
-from rig.hal.mechanism import ClosedLoop, Expected, Margin
+from rig.hal.mechanism import Expected, Margin
 from rig.hal.motion import Motion, Note
 from rig.hal.picking import DevicePicker
 from rig.mechanisms.joint.camera_check import check_camera
@@ -44,6 +45,7 @@ from rig.mechanisms.pneumatic.alarms.tracking import TrackingWatch
 from rig.mechanisms.pneumatic.devices import check_asked_pressures
 from rig.mechanisms.pneumatic.loop import loop_of
 from rig.mechanisms.pneumatic.mechanism import PneumaticMechanism
+from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating_kind
 
 if TYPE_CHECKING:
     from rig.hal.hindsight import Logged
@@ -97,7 +99,7 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
         self._camera = camera
         self._limits = settings.limits
         self._watch = JointWatch(
-            settings,
+            self.settings,
             regulators.name,
             [encoder.name for encoder in encoders],
             None if camera is None else camera.name,
@@ -142,10 +144,11 @@ class SphericalJoint(PneumaticMechanism[JointSettings, JointState, JointReferenc
     ) -> "SphericalJoint":
         """Pick the devices that the settings name; see `Mechanism.assemble`."""
         with DevicePicker("joint", devices) as pick:
-            regulators = pick("regulators", settings.regulators, PressureRegulator)
+            feed = pick("regulators", settings.regulators, regulating_kind(settings))
             encoders = tuple(pick("encoders", name, LinearEncoder) for name in settings.encoders)
             camera = pick.if_named("camera", settings.camera, MarkerCamera)
             stop = pick.if_named("emergency_stop", settings.emergency_stop, EmergencyStopInput)
+        regulators = as_regulators(feed, encoders, settings, period)
         return cls(
             settings, regulators=regulators, encoders=encoders, camera=camera,
             emergency_stop=stop, period=period,

@@ -1,5 +1,6 @@
 """What an experiment asks of the spherical joint, as a motion that is possible and permitted."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 
@@ -124,18 +125,25 @@ class JointMotion(PosedMotion):
         return self._poses[min(self._place, len(self._poses) - 1)]
 
     def plan(self, settings: JointSettings, check: FeasibilityCheck) -> None:
-        """Look at every pose.
+        """Look at every pose, and how fast it is passed.
 
         Raises
         ------
         ValueError
-            One is not possible or not permitted.
+            One is not possible or not permitted, or a rod would be too fast.
         """
         reach = JointReach(settings)
         poses = []
+        # Whichever way the axis turns, a wire that lies within 45° of it follows.
+        leverage = settings.geometry.ball_radius / math.sqrt(2.0)
         for number in range(int(self.duration / _PLAN_STEP) + 1):
             t = number * _PLAN_STEP
-            axis = self.at(t).axis
+            axis, velocity, *_ = self.at(t)
+            if (speed := leverage * math.hypot(*velocity)) > settings.limits.speed:
+                raise ValueError(
+                    f"after {t:.2f} s: a rod moves at {speed:.3g} m/s or faster, limits.speed is "
+                    f"{settings.limits.speed:g} m/s"
+                )
             try:
                 refuse(check.check_pose(axis))
             except ValueError as error:

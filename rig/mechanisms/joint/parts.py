@@ -12,6 +12,7 @@ PARTS = MechanismParts(
     settings=f"{_HERE}.settings:JointSettings",
     view=f"{_HERE}.mechanism:SphericalJoint",
     scene=f"{_HERE}.scene:JointScene",
+    bench=f"{_HERE}.bench:JointBench",
     commissioning=f"{_HERE}.commissioning:steps",
     controllers={
         "pid": f"{_LAWS}:JointPid",
@@ -31,6 +32,7 @@ PARTS = MechanismParts(
             f"{_PLANTS}.spherical_joint:SphericalJointPlant",
             "drivers.sim.hazards:joint_hazards",
             is_restorable=True,
+            lends_kernel=True,
         )
         for name, settings in (
             ("spherical-joint", "SphericalJointPlantSettings"),

@@ -11,6 +11,7 @@ from rig.hal.rising import Rising
 from rig.hal.rules import Rules
 from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
 from rig.mechanisms.joint.tolerances import JointTolerances
+from rig.mechanisms.pneumatic.alarms.bounds import check_pressure_alarm
 from rig.mechanisms.pneumatic.settings import (
     PneumaticLimits,
     PneumaticSettings,
@@ -121,6 +122,7 @@ class JointSettings(PneumaticSettings):
                 ("limits.disagreement", self.limits.disagreement),
             ):
                 rule.of(check_can_trip, name, limit, self.stroke, "m", "is the stroke")
+            rule.of(check_pressure_alarm, self.alarms.pressure, self)
 
     @property
     def greatest_pressure(self) -> float:

@@ -96,7 +96,15 @@ def _following_error(window: Window) -> "Array":
     return error.ravel()
 
 
+def _tilt(window: Window) -> "Array":
+    """Return how far the waist is tilted against the ground, rad."""
+    roll, pitch = window.column("truth.waist_roll"), window.column("truth.waist_pitch")
+    tilt: Array = np.arccos(np.clip(np.cos(roll) * np.cos(pitch), -1.0, 1.0))
+    return tilt
+
+
 LEGS_MEASURES: dict[str, Measure] = {
+    "tilt_max": Measure(greatest(_tilt), "rad", "greatest tilt of the waist against the ground"),
     "fell": Measure(greatest(column("truth.fell")), "", "1 if the robot fell"),
     "advance_measured": Measure(advance_measured, "m", "how far the waist went ahead"),
     "feet_astray_end": Measure(

@@ -1,19 +1,25 @@
 """Two walking legs on servo drives."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 
+from controllers.gait.corrections import Corrections
+from controllers.gait.footsteps import LegsMotion
 from controllers.gait.geometry import AXIS_NAMES, LegGeometry
+from controllers.gait.law import AnyGaitLaw, GaitLaw
 from controllers.gait.motions import GaitRequest
 from controllers.gait.plan import GaitPlan
 from controllers.gait.types import GaitModel, LegsCommand, LegsReference, LegsState
+from controllers.slowed_law import SlowedLaw
 from rig.hal import Device, Vector
 from rig.hal.columns import Column
-from rig.hal.motion import Motion, Segment
+from rig.hal.motion import Motion, Note, Segment
 from rig.mechanisms.legs.facts import plan_facts
 from rig.mechanisms.legs.halt import Halt
+from rig.mechanisms.legs.sensors import COLUMNS, BalanceSensors
 from rig.mechanisms.legs.settings import LegsSettings
 from rig.mechanisms.servo.axes import AxisLimits, Kinds, servo_columns
 from rig.mechanisms.servo.planned import PlannedAxes, PlannedMotion
@@ -36,8 +42,12 @@ class PlannedGait(PlannedMotion[LegsReference]):
         fine: GaitPlan,
         distance: float = 0.0,
         flat: GaitPlan | None = None,
+        corrections: Corrections | None = None,
     ) -> None:
         self.plan = plan
+        self._corrections = corrections
+        self._doubt = ""
+        self.watches = corrections is not None and corrections.feels
         columns = [
             plan.waist,
             plan.feet.reshape(len(plan.t), 6),
@@ -67,9 +77,38 @@ class PlannedGait(PlannedMotion[LegsReference]):
             *(Segment(*segment) for segment in self.plan.segments),
         )
 
+    def see(self, t: float, state: object, here: object) -> Sequence[Note]:
+        """Say once that balance is not corrected any more, and why."""
+        doubt = "" if self._corrections is None else self._corrections.doubt
+        if doubt == self._doubt:
+            return ()
+        self._doubt = doubt
+        return (Note("balance", f"balance is no longer corrected: {doubt}"),) if doubt else ()
+
     def at(self, t: float) -> LegsReference:
         """Return what the legs should do at `t`."""
         return self.plan.at(t)
+
+
+def _planned(
+    settings: LegsSettings, asked: GaitRequest, law: AnyGaitLaw, period: float, share: float
+) -> PlannedGait:
+    """Return the plan of a law for `share` of the loop's period, with that share of its speed."""
+    reference = cast("LegsMotion", asked)
+
+    def stretched(plan: GaitPlan) -> GaitPlan:
+        return plan if share == 1.0 else plan.stretched(share, settings.balance)
+
+    fine = stretched(law.at_period(share * min(_FINE, period)).prepare(reference))
+    flat = None
+    if reference.bob is not None:
+        flat = stretched(
+            law.at_period(share * period).prepare(cast("LegsMotion", reference.without_bob()))
+        )
+    distance = reference.advance(settings.geometry)
+    plan = stretched(law.prepare(reference))
+    corrections = law.corrections if isinstance(law, GaitLaw) else None
+    return PlannedGait(plan, fine, distance, flat, corrections)
 
 
 class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
@@ -79,7 +118,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     section = "legs"
     kinds = Kinds(LegsState, LegsReference, LegsCommand)
 
-    columns = (
+    columns: Sequence[Column] = (
         *servo_columns(AXIS_NAMES),
         *(Column(f"reference.waist_{axis}", "m", "planned waist") for axis in "xyz"),
         *(
@@ -108,6 +147,11 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         super().__init__(settings, devices, period)
         self.motion: PlannedGait | None = None
         self._halt: Halt | None = None
+        self._added: Vector | None = None
+        self._corrects = settings.stabiliser is not None or settings.sag is not None
+        self._sensors = BalanceSensors.pick(settings, devices)
+        if self._sensors is not None:
+            self.columns = (*type(self).columns, *COLUMNS)
 
     @classmethod
     def axis_limits(cls, settings: LegsSettings) -> AxisLimits:
@@ -133,30 +177,73 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
     @classmethod
     def model_of(cls, settings: LegsSettings) -> GaitModel:
         """Return what the laws are told of the legs."""
-        return GaitModel(settings.geometry, settings.balance)
+        return GaitModel(settings.geometry, settings.balance, settings.stabiliser, settings.sag)
 
     @classmethod
     def plan(
-        cls, settings: LegsSettings, reference: object, controller: Any, period: float
+        cls, settings: LegsSettings, reference: object, controller: AnyGaitLaw, period: float
     ) -> PlannedGait:
         """Have the law work out the whole motion; see `Mechanism.plan`."""
         if not isinstance(reference, GaitRequest):
             raise ValueError("the reference is not one for legs")
-        fine = controller.at_period(min(_FINE, period)).prepare(reference)
-        flat = None
-        if reference.bob is not None:
-            flat = controller.at_period(period).prepare(reference.without_bob())
-        distance = reference.advance(settings.geometry)
-        return PlannedGait(controller.prepare(reference), fine, distance, flat)
+        return _planned(settings, reference, controller, period, 1.0)
+
+    @classmethod
+    def derated(cls, settings: LegsSettings, effort: float, speed: float) -> LegsSettings:
+        """Return the settings with a share of the joints' rate; see `Mechanism.derated`.
+
+        Torque is limited by the drives.
+        """
+        its = settings.geometry
+        return replace(settings, geometry=replace(its, max_rate=speed * its.max_rate))
+
+    @classmethod
+    def slowed(
+        cls,
+        settings: LegsSettings,
+        reference: object,
+        controller: AnyGaitLaw,
+        period: float,
+        share: float,
+    ) -> tuple[object, PlannedGait] | None:
+        """Have the law work the motion out for as many more cycles; see `Mechanism.slowed`."""
+        if not isinstance(reference, GaitRequest):
+            return None
+        law = controller.at_period(share * period)
+        return SlowedLaw(law, share, LegsCommand), _planned(settings, reference, law, period, share)
 
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedGait) else None
 
+    def read(self, now: float) -> LegsState:
+        """Assemble the state of joints and sensors; see `Mechanism.read`."""
+        state = super().read(now)
+        if self._sensors is None:
+            return state
+        sensing = self._sensors.read(now)
+        self._age = max(self._age, self._sensors.age)
+        return state._replace(sensing=sensing)
+
+    def recall(self, logged: Mapping[str, float]) -> LegsState:
+        """Assemble the same from the log; see `Mechanism.recall`."""
+        state = super().recall(logged)
+        return (
+            state if self._sensors is None else state._replace(sensing=self._sensors.recall(logged))
+        )
+
+    def check_command(self, reference: LegsReference, command: LegsCommand) -> None:
+        """See `ServoAxes.check_command`; notes what a law has added to the plan, for a stop."""
+        super().check_command(reference, command)
+        if reference.follow and self._corrects:
+            planned = reference.positions
+            self._added = tuple([a - b for a, b in zip(command.positions, planned, strict=True)])
+
     def start_limiting(self, state: LegsState) -> None:
         """See `ServoAxes.start_limiting`."""
         super().start_limiting(state)
         self._halt = None
+        self._added = None
 
     def resting_command(self, state: LegsState) -> LegsCommand:
         """See `ServoAxes.resting_command`; in mid-walk both legs come to rest on their path."""
@@ -165,13 +252,19 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             return rest
         self._braking = False
         self._halt = Halt(self.motion.plan, self._followed - 1, self.limits.acceleration)
-        self._stop = self._kinds.command(self._halt.end, self._still)
+        self._stop = self._kinds.command(self._with_added(self._halt.end), self._still)
         return self._stop
+
+    def _with_added(self, positions: Vector) -> Vector:
+        """Return positions of the plan with the corrections that a stop keeps as they are."""
+        if self._added is None:
+            return positions
+        return tuple([a + b for a, b in zip(positions, self._added, strict=True)])
 
     def limit(self, command: LegsCommand) -> LegsCommand:
         """See `ServoAxes.limit`."""
         if self._halt is not None:
-            command = LegsCommand(self._halt.advance(), self._still)
+            command = LegsCommand(self._with_added(self._halt.advance()), self._still)
         return super().limit(command)
 
     def pose_held(self) -> str | None:
@@ -203,7 +296,7 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
             return None
         if self._followed < len(self.motion.plan.t) - 2:
             return None
-        return self.motion.at(self.motion.duration).positions
+        return self._with_added(self.motion.at(self.motion.duration).positions)
 
     def row(
         self, state: LegsState, reference: LegsReference, command: LegsCommand, applied: LegsCommand
@@ -212,4 +305,6 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         planned = self.motion.sample(self._followed) if self.motion is not None else (0.0,) * 26
         if reference.follow:
             self._followed += 1
-        return (*self.joint_row(state, reference, command, applied), *planned)
+        joints = self.joint_row(state, reference, command, applied)
+        felt = () if self._sensors is None else self._sensors.row((planned[3:6], planned[6:9]))
+        return (*joints, *planned, *felt)

@@ -8,6 +8,7 @@ _HERE = "rig.mechanisms.legs"
 PARTS = MechanismParts(
     mechanism="legs",
     settings=f"{_HERE}.settings:LegsSettings",
+    commissioning=f"{_HERE}.commissioning:steps",
     view=f"{_HERE}.mechanism:Legs",
     scene=f"{_HERE}.scene:LegsScene",
     controllers={

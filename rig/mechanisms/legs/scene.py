@@ -31,16 +31,16 @@ class LegsScene(Scene):
     def __init__(self, settings: LegsSettings) -> None:
         its = self._its = settings.geometry
         height = its.reach + its.ankle_height
-        self.size = 0.66 * height
-        self.centre = (0.0, 0.0, 0.5 * height)
+        self.size = 0.74 * height
+        self.centre = (0.0, 0.0, 0.46 * height)
         self.shapes = (
             Shape("support polygon", "loop", "limit", _CORNERS, 2.5),
             Shape("soles", "loop", "ground", 4, 2.0),
             Shape("soles", "loop", "ground", 4, 2.0),
             Shape(f"{LEGS[0]} leg", "line", "body", 6, 11.0),
             Shape(f"{LEGS[1]} leg", "line", "part", 6, 11.0),
-            Shape("joints", "dot", "reading", 6, 13.0),
-            Shape("centre of mass", "dot", "reading", 1, 11.0, trail=_TRAIL),
+            Shape("joints", "dot", "part", 6, 13.0),
+            Shape("centre of mass, on the ground", "dot", "reading", 1, 13.0, trail=_TRAIL),
             Shape("zero-moment point", "dot", "reference", 1, 8.0, trail=_TRAIL),
             Shape("waist", "dot", "body", 1, 9.0),
         )  # fmt: skip

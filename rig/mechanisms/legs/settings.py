@@ -6,8 +6,10 @@ from typing import Annotated
 
 from annotated_types import Gt, Interval, Le, MinLen, Unit
 
+from controllers.gait.correction_settings import SagSettings, StabiliserSettings
 from controllers.gait.geometry import Angle, LegGeometry
 from controllers.gait.types import BalanceSettings
+from rig.hal.rules import Rules
 from rig.mechanisms.servo.settings import ServoSettings
 
 SixAngles = tuple[Angle, Angle, Angle, Angle, Angle, Angle]
@@ -60,8 +62,31 @@ class LegsSettings(ServoSettings):
         The device that reads the emergency-stop contact.
     jig : JigSettings
         What holds the legs in a calibration.
+    load_cells : tuple of str
+        Devices that together have the eight load cells of the soles, four to each:
+        ``right_front_left``, ``right_front_right``, ``right_back_left`` and so on.
+    cell_inset : float
+        Of the cells from the sole's edges, m.
+    inertial : str, optional
+        The device that measures how the waist leans and turns.
+    stabiliser : StabiliserSettings, optional
+        How what these feel corrects the planned posture; None: they are only logged.
+    sag : SagSettings, optional
+        How the servos' sag is compensated; None: not at all. It needs no sensor.
     """
 
     geometry: LegGeometry = field(default_factory=LegGeometry)
     balance: BalanceSettings = field(default_factory=BalanceSettings)
     jig: JigSettings = field(default_factory=JigSettings)
+    load_cells: tuple[str, ...] = ()
+    cell_inset: Annotated[float, Unit("m"), Interval(ge=0.0, le=0.02)] = 0.005
+    inertial: str | None = None
+    stabiliser: StabiliserSettings | None = None
+    sag: SagSettings | None = None
+
+    def __post_init__(self) -> None:
+        with Rules() as rule:
+            if bool(self.load_cells) != (self.inertial is not None):
+                rule.broken("load_cells and inertial: balance needs both; give both or none.")
+            if self.stabiliser is not None and self.inertial is None:
+                rule.broken("stabiliser: it needs load_cells and inertial, and there are none.")

@@ -1,7 +1,7 @@
 """What a linear model says of the loop around a pair of cylinders."""
 
 from controllers.cylinder.law import AnyPairLaw
-from rig.hal.mechanism import ClosedLoop
+from rig.hal.closed_loop import ClosedLoop
 
 
 def loop_of(law: AnyPairLaw) -> ClosedLoop:

@@ -21,6 +21,10 @@ from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
+_GUESSED = 0.33
+"""Spread of a regulator's bandwidth that nobody has measured: the least factor of `UNKNOWNS`, 0.67.
+E: it falls with the chamber's volume, which no catalogue knows."""
+
 Chosen = TypeVar("Chosen", bound=PneumaticSettings)
 
 
@@ -64,7 +68,7 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         check_pneumatics(
             self.whose, self.channels, limits.pressure, settings.stroke, regulators, encoders
         )
-        self.settings = settings
+        self.settings = settings = _scaled(settings, regulators)
         self._regulators = regulators
         self._stop_contact = StopContact(emergency_stop, limits.reading_age)
         self._limiter = VectorLimiter(
@@ -78,12 +82,22 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
         return settings.limits
 
     @classmethod
-    def derated(cls, settings: Chosen, effort: float) -> Chosen:
-        """Return the settings with a share of the greatest pressure; see `Mechanism.derated`."""
+    def derated(cls, settings: Chosen, effort: float, speed: float) -> Chosen:
+        """Return the settings with a share of the greatest pressure; see `Mechanism.derated`.
+
+        Whoever follows slower references is slower.
+        """
         limits = settings.limits
         low, high = limits.pressure
         pressure = low, max(effort * high, settings.base_pressure)
-        return replace(settings, limits=replace(limits, pressure=pressure))
+        # The regulators are the same ones, with the same hysteresis, and nobody has measured how
+        # quick they are: calibrations come after the acceptance test.
+        response = settings.regulator_response
+        response = replace(
+            response, full_scale=settings.full_scale, spread=max(response.spread, _GUESSED)
+        )
+        limits = replace(limits, pressure=pressure)
+        return replace(settings, limits=limits, regulator_response=response)
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:
@@ -115,3 +129,12 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
             "pressure range": self._limiter.range_hits,
             "pressure rate": self._limiter.rate_hits,
         }
+
+
+def _scaled(settings: Chosen, regulators: PressureRegulator) -> Chosen:
+    """Return settings whose regulators' full scale is said: by the profile, else by the device."""
+    response = settings.regulator_response
+    if response.full_scale is not None:
+        return settings
+    low, high = regulators.pressure_range
+    return replace(settings, regulator_response=replace(response, full_scale=high - low))

@@ -9,6 +9,7 @@ from annotated_types import Ge, Gt, Interval, Le, Lt, Unit
 
 from rig.hal.rising import Rising
 from rig.hal.rules import Rules
+from rig.mechanisms.pneumatic.valves.settings import ValvesSettings
 
 Pressure = Annotated[float, Unit("Pa"), Ge(0)]
 
@@ -52,6 +53,9 @@ class RegulatorModel:
     monitor_time : float
         Time constant of the monitors' filter, s: the part of `dead_time` for which the air does
         not wait. By the regulators' data sheet; 0: it waits for all.
+    full_scale : float, optional
+        The range of which hysteresis and linearity are shares, Pa; limits of the pressure change
+        nothing of it. None: what the regulators can set.
     """
 
     bandwidth: Annotated[float, Unit("rad/s"), Interval(ge=0.1, le=1e4)] = 40.0
@@ -59,6 +63,7 @@ class RegulatorModel:
     dead_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 5e-3
     spread: Annotated[float, Ge(0), Lt(1)] = 0.15
     monitor_time: Annotated[float, Unit("s"), Ge(0), Le(0.1)] = 0.0
+    full_scale: Annotated[float, Unit("Pa"), Gt(0)] | None = None
 
     def __post_init__(self) -> None:
         if self.monitor_time > self.dead_time:
@@ -95,7 +100,7 @@ class PneumaticLimits:
     pressure_rate: Annotated[float, Unit("Pa/s"), Gt(0)]
     reading_age: Annotated[float, Unit("s"), Interval(ge=1e-4, le=1.0)]
     following: Annotated[float, Unit("m"), Gt(0)] = 3e-3
-    stop_energy: Annotated[float, Unit("J"), Gt(0)] | None = None
+    stop_energy: Annotated[float, Unit("J"), Gt(0), Le(1e4)] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,6 +132,9 @@ class PneumaticSettings:
         1 cm³ and 1 m of 2.5 mm.
     emergency_stop : str, optional
         The device that reads the emergency-stop contact.
+    valves : ValvesSettings, optional
+        That the device `regulators` is proportional valves with chamber sensors, and the inner
+        loop that makes regulators of them; `regulator_response` is the response that it keeps to.
     """
 
     regulators: str
@@ -140,8 +148,9 @@ class PneumaticSettings:
     limits: PneumaticLimits
     regulator_response: RegulatorModel = field(default_factory=RegulatorModel)
     wire_stiffness: Annotated[float, Unit("N/m"), Gt(0)] = 80e3
-    dead_volume: Annotated[float, Unit("m^3"), Ge(0)] = 5.9e-6
+    dead_volume: Annotated[float, Unit("m^3"), Ge(0), Le(1e-2)] = 5.9e-6
     emergency_stop: str | None = None
+    valves: ValvesSettings | None = None
 
     def __post_init__(self) -> None:
         with Rules() as rule:
@@ -176,6 +185,12 @@ class PneumaticSettings:
     def greatest_pressure(self) -> float:
         """The greatest pressure that a chamber is given, Pa gauge."""
         return self.limits.pressure[1]
+
+    @property
+    def full_scale(self) -> float:
+        """The range of which a regulator's errors are shares, Pa: not less than the limits'."""
+        low, high = self.limits.pressure
+        return max(self.regulator_response.full_scale or 0.0, high - low)
 
     def chambers(self, extensions: Mapping[str, float]) -> dict[str, float]:
         """Return what measures need to know of the chambers, SI.

@@ -20,4 +20,12 @@ UNKNOWNS: Final = (
         guessed=(-3e-3, 3e-3), measured=(-1e-3, 1e-3), measured_by="regulator_response",
     ),
 )  # fmt: skip
-"""Each with its bounds before and after it was measured."""
+"""Of a pair, each with its bounds before and after it was measured."""
+
+_OF_BALL = ("ring_friction", "wire_friction")
+
+JOINT_UNKNOWNS: Final = (
+    UNKNOWNS[0]._replace(numbers=(*UNKNOWNS[0].numbers, *_OF_BALL)),
+    *UNKNOWNS[1:],
+)
+"""Of a joint: what is on the ball wears and dries as seals do."""

@@ -1,6 +1,6 @@
 // The web socket: JSON for what is said, packed numbers for what was measured.
 
-const KINDS = { 1: "rows", 2: "frames", 3: "beside" };
+const KINDS = { 1: "rows", 2: "frames", 3: "beside", 4: "camera" };
 const HEAD = 24;
 
 export class Link {
@@ -58,6 +58,6 @@ export class Link {
     const origin = head.getFloat64(16, true);
     const values = new Float32Array(data, HEAD, count * (width + 1));
     const block = { id: head.getUint32(4, true), count, width, stride: width + 1, origin, values };
-    this.hear[KINDS[kind]]?.(block);
+    this.hear[KINDS[kind]]?.(block, data);
   }
 }

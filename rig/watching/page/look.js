@@ -41,9 +41,9 @@ export function prepare(canvas) {
 }
 
 // Every picture says by itself whether it is of a simulation.
-export function watermark(context, width, height, text, size) {
+export function watermark(context, width, height, text, size, strength = 0.09) {
   context.save();
-  context.globalAlpha = 0.09;
+  context.globalAlpha = strength;
   context.fillStyle = color("kind");
   context.font = `800 ${size}px system-ui, sans-serif`;
   context.textAlign = "center";

@@ -1,9 +1,13 @@
 // The page as a whole: what is shown of which moment, and who is told of it.
 
-import { Favourites } from "./favourites.js";
+import { Cameras } from "./camera.js";
+import { listen } from "./controls.js";
+import { tellCycle, tellMargins } from "./facts.js";
 import { Gains } from "./gains.js";
+import { layout } from "./layouts.js";
 import { Link } from "./link.js";
 import { forget } from "./look.js";
+import { Picker } from "./picker.js";
 import { Scene } from "./scene.js";
 import { Pane } from "./scope.js";
 import { Table } from "./table.js";
@@ -34,11 +38,13 @@ class Board {
     this.status = null;
     this.statusAt = performance.now();
     this.scene = new Scene(element("scene"), element("legend"));
+    this.cameras = new Cameras(this, element("cameras"));
+    this.picker = new Picker(this);
     this.framesOf = null; // the time that frames were asked for
     const [token, ...rest] = location.hash.slice(1).split("&");
     this.asked = new URLSearchParams(rest.join("&"));
     this.token = token;
-    this.listen();
+    listen(this);
     if (!token) return;
     this.link = new Link(token, {
       hello: (message) => this.hello(message),
@@ -49,6 +55,7 @@ class Board {
       rows: (block) => this.rows(block),
       frames: (block) => this.frames(block),
       beside: (block) => this.layBeside(block),
+      camera: (block, data) => this.cameras.take(block, data),
       lost: (code) => this.lost(code),
     });
     this.gains = new Gains(this.link);
@@ -72,12 +79,25 @@ class Board {
     element("subtitle").textContent =
       `${message.rig} · ${message.law} · ${message.backend}${seed} · ${message.run}${beside}`;
     this.scene.mark = this.mark;
-    if (message.scene.shapes) this.scene.describe(message.scene);
+    this.cameras.describe(message.cameras);
     element("stage").hidden = this.columns.length > 0 && !message.scene.shapes?.length;
     element("scene-note").textContent = message.scene.trouble ?? "";
     this.gains.describe(message.gains, message.steers, !message.simulated);
     for (const event of this.events) if (event.kind === "tuning") this.gains.heard(event);
-    if (this.columns.length) this.lay(this.layout());
+    this.show(message);
+  }
+
+  // What somebody has arranged stays when the server says the same once more.
+  show(message) {
+    const told = JSON.stringify([message.columns, message.scene]);
+    if (told === this.laid) {
+      this.subscribe();
+      return;
+    }
+    this.laid = told;
+    if (message.scene.shapes) this.scene.describe(message.scene);
+    if (this.isLive) this.recall();
+    if (this.columns.length) this.lay(layout(this));
   }
 
   tell(message) {
@@ -89,8 +109,8 @@ class Board {
     element("time").textContent = message.count ? seconds(message.t) : "–";
     this.start(message);
     if (message.trouble) element("scene-note").textContent = message.trouble;
-    this.tellCycle(message);
-    this.tellMargins(message);
+    tellCycle(message, this.described?.simulated);
+    tellMargins(message, this.columns);
     element("live").hidden = !message.live;
     this.gains.show(message.live);
     element("slider").max = message.t || 1;
@@ -177,6 +197,8 @@ class Board {
   frames(block) {
     if (block.id === 0) {
       if (this.isLive) this.scene.take(block, true);
+    } else if (block.id === this.recalling) {
+      if (this.isLive) this.scene.take(block, true);
     } else if (block.id === this.framing) {
       this.scene.take(block, false);
     }
@@ -200,37 +222,6 @@ class Board {
     return `rig-layout:${this.described.rig}`;
   }
 
-  layout() {
-    const names = new Map(this.columns.map((column, k) => [column[0], k]));
-    try {
-      const kept = JSON.parse(localStorage.getItem(this.key));
-      if (Array.isArray(kept)) {
-        return kept.map((pane) => ({
-          title: String(pane.title),
-          xy: pane.xy === true,
-          columns: pane.names.filter((name) => names.has(name)).map((name) => names.get(name)),
-        }));
-      }
-    } catch { /* whatever was kept is of another version: the rig's own panes will do */ }
-    const brought = (this.described.scene.panes ?? []).filter((pane) => pane.columns.length);
-    if (brought.length) return brought.slice(0, innerWidth < 900 ? 3 : 4);
-    return this.guess(names);
-  }
-
-  // Of a mechanism that says nothing: readings that have a reference, or the first readings.
-  guess(names) {
-    const found = [];
-    for (const [name, k] of names) {
-      const wanted = names.get(name.replace(/^reading\./, "reference."));
-      if (name.startsWith("reading.") && wanted !== undefined) {
-        found.push({ title: name.slice(8), columns: [k, wanted] });
-      }
-    }
-    const first = [...names].filter(([name]) => name.startsWith("reading."));
-    const rest = first.map(([name, k]) => ({ title: name.slice(8), columns: [k] }));
-    return (found.length ? found : rest).slice(0, 4);
-  }
-
   lay(panes) {
     this.panes = panes.map((pane) => new Pane(this, pane));
     element("panes").replaceChildren(...this.panes.map((pane) => pane.element));
@@ -252,48 +243,6 @@ class Board {
     this.subscribe();
   }
 
-  pick(pane) {
-    const list = element("found");
-    const favourites = new Favourites(this.described.rig);
-    const show = () => {
-      const wanted = element("search").value.toLowerCase();
-      const found = this.columns.map((column, k) => [column, k])
-        .filter(([column]) => `${column[0]} ${column[2]}`.toLowerCase().includes(wanted));
-      const ordered = [true, false].flatMap((first) => (
-        found.filter(([column]) => favourites.has(column[0]) === first)
-      ));
-      list.replaceChildren(...ordered.map(([column, k]) => {
-        const entry = this.choice(pane, column, k);
-        entry.append(favourites.star(column[0], show));
-        return entry;
-      }));
-    };
-    element("picker-title").textContent = `Channels of ${pane.title}`;
-    element("search").oninput = show;
-    element("search").value = "";
-    show();
-    element("picker").show(); // not modal: a modal one would lie over the stop
-  }
-
-  choice(pane, column, k) {
-    const entry = document.createElement("li");
-    const label = document.createElement("label");
-    const box = document.createElement("input");
-    box.type = "checkbox";
-    box.checked = pane.columns.includes(k);
-    box.name = column[0];
-    box.addEventListener("change", () => {
-      pane.columns = box.checked ? [...pane.columns, k] : pane.columns.filter((one) => one !== k);
-      pane.list();
-      this.subscribe();
-    });
-    const text = document.createElement("small");
-    text.textContent = `${column[2]}${column[1] ? ` [${column[1]}]` : ""}`;
-    label.append(box, column[0], text);
-    entry.append(label);
-    return entry;
-  }
-
   // Which moment is shown ------------------------------------------------------------
 
   follow() {
@@ -302,10 +251,18 @@ class Board {
     this.still = null;
     this.framesOf = null;
     this.scene.frames = [];
+    this.recall();
     this.head = this.status?.t ?? 0;
     if (this.panes.length) this.subscribe();
     element("live").classList.add("on");
     this.tellWidth();
+  }
+
+  // What has a way of its own on the scene has come it before the page was opened.
+  recall() {
+    const [to, back] = [this.status?.t ?? 0, this.scene.longest];
+    if (!this.columns.length || !to || !back) return;
+    this.recalling = this.link.ask({ type: "frames", from: to - back, to, most: 300 });
   }
 
   // The choice of windows says how wide the one that is shown is, whatever has made it so.
@@ -390,8 +347,10 @@ class Board {
     const held = this.framesOf;
     const covers = held && this.head - back >= held[0] - 1e-9 - (held[0] <= 0 ? back : 0)
       && (this.head + 3 <= held[1] || held[1] >= this.status.t);
-    if (covers) return;
-    this.framesOf = [from, to];
+    // A log that still grows, or is still being read, may have had less when it was asked for.
+    if (covers || (held && performance.now() - this.framedAt < 500)) return;
+    this.framedAt = performance.now();
+    this.framesOf = [from, Math.min(to, this.status.t)];
     this.framing = this.link.ask({ type: "frames", from, to, most: 600 });
   }
 
@@ -408,6 +367,7 @@ class Board {
     if (!this.isLive) this.askFrames();
     else if (now - (this.besideAt ?? 0) > 1000) this.askBeside(this.head - this.span, this.head + 2);
     this.scene.draw(this.head);
+    this.cameras.draw(now);
     for (const pane of this.panes) pane.draw();
     this.tellMoment();
   }
@@ -431,7 +391,8 @@ class Board {
 
   tellAge(now) {
     if (!this.status) return;
-    const age = (this.age ?? 0) + (this.status.live ? (now - this.statusAt) / 1000 : 0);
+    const since = Math.max(now - this.statusAt, 0) / 1000; // a frame's time may be before it
+    const age = (this.age ?? 0) + (this.status.live ? since : 0);
     element("age").textContent = this.status.live ? `${age.toFixed(1)} s old` : "complete";
     element("age").className = age > OLD ? "old" : "";
   }
@@ -442,35 +403,6 @@ class Board {
     }
     element("moment").textContent = seconds(this.head);
     element("play").textContent = this.isPlaying || this.isLive ? "❚❚" : "▶";
-  }
-
-  tellCycle(status) {
-    const ms = (value) => `${number(value * 1e3, 3)} ms`;
-    const facts = {
-      rate: `${number(status.rate, 4)} Hz`, cycles: String(status.count),
-      missed: String(status.missed), "late (p99)": ms(status.late), "least slack": ms(status.slack),
-    };
-    element("cycle").replaceChildren(...Object.entries(facts).flatMap(([name, value]) => {
-      const [term, told] = [document.createElement("dt"), document.createElement("dd")];
-      [term.textContent, told.textContent] = [name, value];
-      return [term, told];
-    }));
-  }
-
-  tellMargins(status) {
-    if (!status.margins.length) return;
-    element("margins-title").textContent = status.live ? "Nearest limits" : "Nearest limits of the run";
-    element("margins").replaceChildren(...status.margins.map(([k, share]) => {
-      const row = document.createElement("div");
-      const [name, left] = [document.createElement("span"), document.createElement("span")];
-      name.textContent = this.columns[k]?.[0] ?? "";
-      left.textContent = `${Math.round(100 * share)} % left`;
-      const meter = document.createElement("meter");
-      Object.assign(meter, { min: 0, max: 1, low: 0.75, high: 0.9, optimum: 0 });
-      meter.value = 1 - Math.max(share, 0);
-      row.append(name, left, meter);
-      return row;
-    }));
   }
 
   markEvents() {
@@ -485,88 +417,6 @@ class Board {
       }));
   }
 
-  // What a person does ---------------------------------------------------------------
-
-  save(pane) {
-    const [from, to] = this.window();
-    const table = this.table();
-    const head = ["t [s]", ...pane.columns.map((k) => `${this.columns[k][0]} [${this.columns[k][1]}]`)];
-    const lines = [head.map((name) => `"${name.replaceAll('"', '""')}"`).join(",")];
-    for (let row = table.rowAt(from); row < table.rowAt(to); row += 1) {
-      const values = pane.columns.map((k) => table.values[table.place.get(k)][row]);
-      lines.push([table.t[row], ...values].join(","));
-    }
-    const address = URL.createObjectURL(new Blob([`${lines.join("\n")}\n`], { type: "text/csv" }));
-    const anchor = document.createElement("a");
-    anchor.href = address;
-    anchor.download = `${this.described.run}-${pane.title}.csv`;
-    anchor.click();
-    setTimeout(() => URL.revokeObjectURL(address), 1000);
-  }
-
-  step(forwards) {
-    const times = this.events.map((event) => event.t).filter((t) => t !== null).sort((a, b) => a - b);
-    const next = forwards ? times.find((t) => t > this.head + 1e-6)
-      : times.findLast((t) => t < this.head - 1e-6);
-    if (next !== undefined) this.jump(next);
-  }
-
-  listen() {
-    element("live").addEventListener("click", () => this.follow());
-    element("play").addEventListener("click", () => {
-      if (this.isLive) {
-        this.hold(...this.window());
-        return;
-      }
-      this.isPlaying = !this.isPlaying;
-      if (this.isPlaying && this.head >= this.status.t) this.head = Math.max(this.still[0], 0);
-    });
-    element("slider").addEventListener("input", () => {
-      if (this.isLive) this.hold(0, this.status.t);
-      this.head = Number(element("slider").value);
-      const [from, to] = this.still;
-      if (this.head < from || this.head > to) {
-        this.hold(this.head - 0.5 * (to - from), this.head + 0.5 * (to - from));
-      }
-    });
-    element("window").addEventListener("change", () => {
-      const span = Number(element("window").value);
-      if (this.isLive && span) this.span = span;
-      else if (!span) this.hold(0, this.status.t);
-      else this.hold(this.head - 0.7 * span, this.head + 0.3 * span);
-    });
-    element("earlier").addEventListener("click", () => this.step(false));
-    element("later").addEventListener("click", () => this.step(true));
-    element("add").addEventListener("click", () => {
-      const pane = new Pane(this, { title: `pane ${this.panes.length + 1}`, columns: [] });
-      this.panes.push(pane);
-      element("panes").append(pane.element);
-      this.pick(pane);
-    });
-    element("save").addEventListener("click", () => {
-      const kept = this.panes.map((pane) => ({
-        title: pane.title, xy: pane.isXY, names: pane.columns.map((k) => this.columns[k][0]),
-      }));
-      localStorage.setItem(this.key, JSON.stringify(kept));
-    });
-    element("reset").addEventListener("click", () => {
-      localStorage.removeItem(this.key);
-      this.lay(this.layout());
-    });
-    element("link").addEventListener("click", () => {
-      const [from, to] = this.window();
-      const moment = `&t=${this.head.toFixed(4)}&w=${(to - from).toFixed(4)}`;
-      // Whoever is sent a link may look, also if this page may steer.
-      navigator.clipboard?.writeText(`${location.origin}/#${this.described.look}${moment}`);
-      history.replaceState(null, "", `#${this.token}${moment}`);
-    });
-    document.addEventListener("keydown", (event) => {
-      if (event.key === " " && event.target === document.body) {
-        event.preventDefault();
-        element("play").click();
-      }
-    });
-  }
 }
 
 const board = new Board();

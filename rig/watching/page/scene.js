@@ -4,6 +4,7 @@ import { color, prepare, tone, watermark } from "./look.js";
 
 const NEAR = 3.2; // distance of the camera over the size of the scene
 const KEPT = 6000;
+const APART = 0.5; // s
 
 export class Scene {
   constructor(canvas, legend) {
@@ -110,11 +111,18 @@ export class Scene {
     return this.frames.length ? low : -1;
   }
 
+  // Whether there is what belongs to a moment, and the way of what leaves one.
+  holds(t) {
+    const [first, last] = [this.frames[0]?.t, this.frames.at(-1)?.t];
+    return first <= Math.max(t - this.longest, 0) + APART && last >= t;
+  }
+
   draw(t) {
     const { context, width, height } = prepare(this.canvas);
     watermark(context, width, height, this.mark, Math.min(width / 7, 86));
     const number = this.frameAt(t);
-    if (number < 0) return;
+    // What belongs to another moment is not shown: what belongs to this one is still on its way.
+    if (number < 0 || Math.abs(this.frames[number].t - t) > APART) return;
     const points = this.frames[number].points;
     const eye = this.eye(points, width, height);
     this.drawGround(context, eye, points);
@@ -147,7 +155,7 @@ export class Scene {
       const near = far / Math.max(depth, 0.1 * far);
       return { x: width / 2 + side * scale * near, y: height / 2 - up * scale * near, depth, near };
     };
-    return { put, scale, centre: [cx, cy, cz] };
+    return { put, scale, size: this.size, centre: [cx, cy, cz] };
   }
 
   drawGround(context, eye, points) {
@@ -178,10 +186,10 @@ export class Scene {
       }
     }
     context.stroke();
-    const corner = eye.put(x0 + reach, y0 - reach, this.floor);
     context.fillStyle = color("quiet");
     context.font = "11px system-ui, sans-serif";
-    context.fillText(`grid ${step >= 1 ? `${step} m` : `${Math.round(step * 1e3)} mm`}`, Math.min(Math.max(corner.x + 4, 8), context.canvas.clientWidth - 84), Math.min(corner.y, context.canvas.clientHeight - 8));
+    const told = step >= 1 ? `${step} m` : `${Math.round(step * 1e3)} mm`;
+    context.fillText(`grid ${told}`, 12, this.canvas.clientHeight - 10);
   }
 
   colorOf(shape, points) {
@@ -257,7 +265,8 @@ function face(placed, ink) {
 function dot(shape, place, ink, eye) {
   const radius = shape.radius ? shape.radius * eye.scale * place.near : 0.5 * shape.width * place.near;
   return {
-    depth: place.depth,
+    // A ball is where its centre is; a mark lies before the line that it is on.
+    depth: shape.radius ? place.depth : place.depth - 0.05 * eye.size,
     paint(context) {
       context.beginPath();
       context.arc(place.x, place.y, radius, 0, 2 * Math.PI);

@@ -1,7 +1,9 @@
 // One pane of the scope: traces of one quantity over time, or one over another.
 
 import { color, prepare, watermark } from "./look.js";
+import { save } from "./save.js";
 import { Trigger } from "./trigger.js";
+import { drawXY } from "./xy.js";
 import { number, shown, tick, ticks } from "./units.js";
 
 const LEFT = 50;
@@ -22,10 +24,14 @@ function brief(columns) {
   while (different && bare.every(([, , words]) => words.length > same + 1 && words[same] === first[same])) {
     same += 1;
   }
-  return new Map(bare.map(([k, name, words]) => {
+  const told = bare.map(([k, name, words]) => {
     const group = PLANNED.exec(name);
     const text = words.slice(same).join(" ");
-    return [k, group ? `${text}${SHORT[group[1]]}` : text];
+    return [k, name, group ? `${text}${SHORT[group[1]]}` : text];
+  });
+  return new Map(told.map(([k, name, text]) => {
+    const isTwice = told.some(([other, , like]) => other !== k && like === text);
+    return [k, isTwice ? `${text}, ${name.replace(/\..*/, "")}` : text];
   }));
 }
 
@@ -51,10 +57,10 @@ export class Pane {
     this.traces.className = "traces";
     const tools = document.createElement("div");
     tools.className = "tools";
-    this.tool(tools, "channels", "choose channels", () => this.board.pick(this));
+    this.tool(tools, "channels", "choose channels", () => this.board.picker.open(this));
     this.holder = this.tool(tools, "hold", "hold the page still at a level", () => this.turnTrigger());
     this.tool(tools, "xy", "first channel across, second up", () => { this.isXY = !this.isXY; });
-    this.tool(tools, "csv", "save what is shown", () => this.board.save(this));
+    this.tool(tools, "csv", "save what is shown", () => save(this.board, this));
     this.tool(tools, "×", "close this pane", () => this.board.close(this));
     header.append(title, this.traces, tools);
     const plot = document.createElement("div");
@@ -159,9 +165,9 @@ export class Pane {
       return entry;
     }));
     const units = new Set(this.columns.map((k) => shown(this.board.columns[k])[1]));
-    const [unit] = units.size === 1 ? units : [""];
+    [this.unit] = units.size === 1 ? units : [""];
     const told = document.createElement("small");
-    told.textContent = unit;
+    told.textContent = this.unit;
     this.heading.replaceChildren(this.title, " ", told);
   }
 
@@ -175,7 +181,7 @@ export class Pane {
     if (area.w < 20 || area.h < 20) return;
     watermark(context, width, height, this.board.mark, Math.min(34, height / 3));
     const table = this.board.table();
-    if (this.isXY) this.drawXY(context, table, area);
+    if (this.isXY) drawXY(this, context, table, area);
     else this.drawTime(context, table, area);
     this.tellValues(table);
   }
@@ -187,7 +193,7 @@ export class Pane {
       const column = table.values[table.place.get(k)];
       const [scale, unit] = shown(this.board.columns[k]);
       const value = column && row >= 0 ? column[row] : NaN;
-      element.textContent = `${number(value * scale)} ${unit}`;
+      element.textContent = this.unit ? number(value * scale) : `${number(value * scale)} ${unit}`;
       element.dataset.value = value;
       element.dataset.t = row >= 0 ? table.t[row] : "";
     }
@@ -376,43 +382,5 @@ export class Pane {
     flush();
     context.stroke();
     context.setLineDash([]);
-  }
-
-  drawXY(context, table, area) {
-    const [from, to] = this.board.window();
-    const first = table.rowAt(from);
-    const last = table.rowAt(to);
-    const pairs = [];
-    for (let k = 0; k + 1 < this.columns.length; k += 2) {
-      pairs.push([this.columns[k], this.columns[k + 1]]);
-    }
-    const spread = [Infinity, -Infinity, Infinity, -Infinity];
-    const read = (k) => [table.values[table.place.get(k)], shown(this.board.columns[k])[0]];
-    for (const [a, b] of pairs) {
-      const [[u, us], [v, vs]] = [read(a), read(b)];
-      if (!u || !v) return;
-      for (let row = first; row < last; row += 1) {
-        spread[0] = Math.min(spread[0], u[row] * us);
-        spread[1] = Math.max(spread[1], u[row] * us);
-        spread[2] = Math.min(spread[2], v[row] * vs);
-        spread[3] = Math.max(spread[3], v[row] * vs);
-      }
-    }
-    if (!(spread[1] >= spread[0])) return;
-    const [mx, my] = [0.5 * (spread[0] + spread[1]), 0.5 * (spread[2] + spread[3])];
-    const perPixel = 1.12 * Math.max((spread[1] - spread[0]) / area.w, (spread[3] - spread[2]) / area.h, 1e-9);
-    const across = [mx - 0.5 * perPixel * area.w, mx + 0.5 * perPixel * area.w];
-    const up = [my - 0.5 * perPixel * area.h, my + 0.5 * perPixel * area.h];
-    const x = (value) => area.x + (value - across[0]) / perPixel;
-    const y = (value) => area.y + (up[1] - value) / perPixel;
-    this.frame(context, area, across, up, x, y, shown(this.board.columns[pairs[0][0]])[1]);
-    for (const [a, b] of pairs) {
-      const [[u, us], [v, vs]] = [read(a), read(b)];
-      context.strokeStyle = color(this.inks.get(a));
-      context.lineWidth = 1.6;
-      context.beginPath();
-      for (let row = first; row < last; row += 1) context.lineTo(x(u[row] * us), y(v[row] * vs));
-      context.stroke();
-    }
   }
 }

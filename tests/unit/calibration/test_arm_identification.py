@@ -14,7 +14,7 @@ from rig.mechanisms.arm.calibration.poses import is_clear, near_poses, wide_pose
 from rig.mechanisms.arm.settings import HandMetrology
 
 ZEROS = np.array((0.02, -0.015, 0.03, -0.01, 0.025, 0.012))
-LENGTHS = np.array((1e-3, -2e-3, 0.5e-3, 1.5e-3, -1e-3, 0.7e-3))
+LENGTHS = np.array((1e-3, -2e-3, 0.5e-3, 1.5e-3, -1e-3, 0.7e-3, -0.4e-3))
 START = (0.1, 0.5, 1.2, 0.2, -0.6, 0.3)
 
 
@@ -24,7 +24,7 @@ def made(metrology, *, marker=(0.04, 0.0, 0.03), noise=50e-6, count=None, turned
     parameters = parameters_of(geometry, metrology)
     true = np.array([parameter.value for parameter in parameters])
     true[:6] += ZEROS
-    true[6:12] += LENGTHS
+    true[6:13] += LENGTHS
     if metrology.frame == "free":
         true[-6:] = (0.4, -0.2, 2.0, 1.0, -3.0, 0.5)
     posture = np.array(START) + np.array([pose for _, pose in near_poses()])[:count]
@@ -38,7 +38,11 @@ class TestModel:
     @pytest.mark.parametrize("wrist_sign", [1, -1])
     def test_is_the_kinematics_of_the_laws(self, wrist_sign):
         geometry = ArmGeometry(
-            base_height=0.1, elbow_offset=0.03, shoulder_offset=-0.02, wrist_sign=wrist_sign
+            base_height=0.1,
+            elbow_offset=0.03,
+            shoulder_offset=-0.02,
+            a1=0.05,
+            wrist_sign=wrist_sign,
         )
         values = np.array([p.value for p in parameters_of(geometry, HandMetrology())])
         joints = np.random.default_rng(1).uniform(-2.0, 2.0, (20, 6))
@@ -54,9 +58,9 @@ class TestFit:
         metrology = HandMetrology(marker_accuracy=0.0)
         parameters, joints, hand = made(metrology)
         fit = fit_hand(parameters, joints, hand, 1.0, metrology.accuracy)
-        error = fit.values[:12] - np.concatenate((ZEROS, [p.value for p in parameters[6:12]]))
+        error = fit.values[:13] - np.concatenate((ZEROS, [p.value for p in parameters[6:13]]))
         error[6:] -= LENGTHS
-        assert np.all(np.abs(error) < 3.5 * np.sqrt(np.diag(fit.covariance)[:12]))
+        assert np.all(np.abs(error) < 3.5 * np.sqrt(np.diag(fit.covariance)[:13]))
         assert np.sqrt(np.mean(fit.residuals**2)) == pytest.approx(50e-6, rel=0.2)
 
     def test_the_marker_s_tolerance_is_in_the_tool_s_length(self):
@@ -140,7 +144,7 @@ class TestWidePoses:
             rng = np.random.default_rng(2)
             hand = hand + 50e-6 * rng.standard_normal(hand.shape)
             fit = fit_hand(parameters, joints, hand, 1.0, 50e-6)
-            stds.append(np.sqrt(np.diag(fit.covariance)[6:12]))
+            stds.append(np.sqrt(np.diag(fit.covariance)[6:13]))
         assert np.all(stds[0] < 0.7 * stds[1])
 
     def test_limits_that_leave_no_room_are_said(self):

@@ -145,7 +145,8 @@ def test_what_does_not_hold_is_told_with_what_would_mend_it(configs):
     assert states(configs) == []
     (wrong,) = states(configs, "devices.encoder-agonist.serial=8")
     assert "is of serial number 7, the profile's device has 8" in wrong
-    assert "rig calibrate cylinder encoders --replace --on hardware" in wrong
+    rig = configs / "rigs" / "cylinder.yaml"
+    assert f"rig calibrate {rig} encoders --replace --on hardware" in wrong
     (old,) = states(configs, today=date(2028, 1, 1))
     assert "expired on 2027-11-21" in old
 

@@ -102,7 +102,8 @@ def test_all_refusals_at_once():
 
 
 def test_deep_nesting_neither_recurses_nor_hangs():
-    assert "levels deep" in errors_of("[" * 200_000)[-1][2]
+    told = errors_of("[" * 200_000)[-1][2]
+    assert "levels deep" in told or "maximum nesting depth" in told  # libyaml's own, where newer
     assert errors_of("- " * 100_000)
     assert "levels deep" in errors_of("{a: " * 50_000)[-1][2]
 

@@ -39,6 +39,8 @@ def draw(seed):
     )
     share = np.random.default_rng([seed, 1]).choice([0.0, 0.3, 0.9])
     model = replace(model, regulator_monitor_time=share * model.regulator_dead_time)
+    pulled = np.random.default_rng([seed, 2])
+    model = replace(model, stiffness=float(pulled.choice([0.0, pulled.uniform(-600.0, 600.0)])))
     kind = drawn.integers(3)
     if seed >= TWISTED:
         settings = SuperTwistingSettings(
@@ -101,31 +103,31 @@ def growth(law, model, extra):
     if monitor:
         flow[4, [0, 4]] = 1.0 / monitor, -1.0 / monitor
     flow[1, :2] = -w * w, -2.0 * z * w
-    flow[3, 0], flow[3, 3] = model.area / model.mass, -model.viscous / model.mass
+    flow[3, [0, 2, 3]] = model.area, -model.stiffness, -model.viscous
+    flow[3] /= model.mass
     step = np.linalg.solve(np.eye(5) - 0.5 * FINE * flow, np.eye(5) + 0.5 * FINE * flow)
     force = np.array([0.0, w * w, 0.0, 0.0, 0.0])
     push = np.linalg.solve(np.eye(5) - 0.5 * FINE * flow, FINE * force)
-    state = np.array([still, 0.0, 0.0, SPEED, still])
+    state = np.zeros(5)  # off the steady motion, whose pressures and place are added for the law
     each = round(PERIOD / FINE)
     whole, part = divmod(round((model.regulator_dead_time - monitor + extra) / FINE), each)
     # A cycle begins with the setpoint before for `part` steps.
     pieces = [several(step, push, count) for count in (part, each - part)]
-    queue = deque([still] * (whole + 2), maxlen=whole + 2)
+    queue = deque([0.0] * (whole + 2), maxlen=whole + 2)
     law.reset(PairState(0.0, 0.0, model.base_pressure + still / 2, model.base_pressure - still / 2))
     errors, seen = [], state.copy()
     cycles = 3000
     for k in range(cycles):
-        half = 0.5 * seen[4 if monitor else 0]
-        read = PairState(
-            k * PERIOD, float(seen[2]), model.base_pressure + half, model.base_pressure - half
-        )
+        half = 0.5 * (still + seen[4 if monitor else 0])
+        place = float(seen[2]) + SPEED * max(k - 1, 0) * PERIOD
+        read = PairState(k * PERIOD, place, model.base_pressure + half, model.base_pressure - half)
         seen = state.copy()
         first, second = law.update(read, PairReference(SPEED * k * PERIOD, SPEED, 0.0))
-        setpoint = first - second + (10.0 if k == 1000 else 0.0)
+        setpoint = first - second - still + (10.0 if k == 1000 else 0.0)
         queue.append(setpoint)
         for (steps, pushes), acts in zip(pieces, (queue[0], queue[1]), strict=True):
             state = steps @ state + pushes * acts
-        errors.append(state[2] - SPEED * (k + 1) * PERIOD)
+        errors.append(state[2])
         if abs(errors[-1]) > 0.05:
             return math.inf
     # Swings alone: what an integral still has to settle is no oscillation.

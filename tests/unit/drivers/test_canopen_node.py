@@ -335,6 +335,18 @@ def test_a_value_is_written_read_back_and_read(bench, type, value, data):
     assert bench.node.read(0x2100, 3, type) == value
 
 
+def test_what_was_read_back_is_kept_until_it_connects_again(bench):
+    bench.objects.objects[0x2100, 3] = bytes(2)
+    bench.connected().node.write(0x2100, 3, "u16", 7.9)
+    assert bench.node.written["0x2100:03"] == 7
+    bench.objects.objects[0x2100, 4] = bytes(2)
+    bench.objects.stubborn[0x2100, 4] = u16(0x0105)
+    bench.node.write(0x2100, 4, "u16", 0x0205, mask=0x00FF)
+    assert bench.node.written["0x2100:04"] == 0x0105
+    bench.connected()
+    assert not {"0x2100:03", "0x2100:04"} & bench.node.written.keys()
+
+
 def test_a_whole_number_is_written_of_any_number(bench):
     bench.objects.objects[0x2100, 3] = bytes(2)
     bench.connected().node.write(0x2100, 3, "u16", 7.9)

@@ -168,3 +168,13 @@ def test_a_drives_own_names_come_before_those_of_any_device():
     assert describe_error(0x8699) == "positioning"
     assert describe_error(0x8130) == "the master's heartbeat or node guarding failed"
     assert describe_error(0x4000) == "temperature"
+
+
+def test_setpoints_were_not_taken_by_three_codes_only():
+    """CiA 301: wrong length (0x8210), too long (0x8220), and not in time (0x8250)."""
+    about = [
+        code
+        for code in range(0x10000)
+        if decode_emergency(code.to_bytes(2, "little") + bytes(6)).is_about_setpoints
+    ]
+    assert about == [0x8210, 0x8220, 0x8250]

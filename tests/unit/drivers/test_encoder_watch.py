@@ -40,3 +40,19 @@ def test_a_motor_that_runs_from_under_a_resting_position_is_found(drawn):
     said = looks(lambda t: 0.3, lambda t: wander)
     assert said
     assert all("encoder wanders" in sentence for sentence in said)
+
+
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_a_joint_that_rattles_between_two_samples_is_not_called_mirrored(drawn):
+    generator = np.random.default_rng(int(1e6 * drawn[0]))
+    speeds = generator.uniform(1.0, 6.0, 400) * (-1.0) ** np.arange(400)  # there and back
+    angles = 0.01 * generator.uniform(-1.0, 1.0, 400)
+    said = looks(lambda t: angles[round(t / PERIOD)], lambda t: speeds[round(t / PERIOD)], 1.9)
+    assert not {sentence for sentence in said if "mirrored" in sentence}
+
+
+@pytest.mark.parametrize("drawn", DRAWN)
+def test_a_position_that_goes_against_a_steady_motor_is_called_mirrored(drawn):
+    size, rate = 0.05 + drawn[0], 1.0 + 4.0 * drawn[1]
+    said = looks(lambda t: -size * math.sin(rate * t), lambda t: size * rate * math.cos(rate * t))
+    assert any("mirrored" in sentence for sentence in said)

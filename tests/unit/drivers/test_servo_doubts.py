@@ -42,6 +42,9 @@ class FakeDrive:
     def stop(self):
         pass
 
+    def watch_stop(self):
+        pass
+
     def check(self, now):
         pass
 

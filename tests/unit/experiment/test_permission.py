@@ -18,6 +18,7 @@ class Profile(NamedTuple):
 
     calibrations: dict
     name: str = "joint"
+    argument: str = "joint"
     devices: dict = {}  # noqa: RUF012 - never written
 
 

@@ -81,7 +81,7 @@ def joint_settings(limits=None, **changes):
         "limits": limits or joint_limits(),
         "wire_stiffness": STIFF,
         # The deviation and its time alone: the other bounds have tests of their own.
-        "alarms": JointAlarmSettings(pressure=PressureAlarm(40e3, 0.05, offset=1e12, slow=1e12)),
+        "alarms": JointAlarmSettings(pressure=PressureAlarm(40e3, 0.05, offset=250e3, slow=1e12)),
     }
     return JointSettings(**(settings | changes))
 

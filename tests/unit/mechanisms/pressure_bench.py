@@ -24,7 +24,10 @@ class Bench:
 
     def __init__(self, response=None, starts=(START,) * 4, **alarm):
         self.watch = PressureWatch(
-            PressureBounds(**(ATTENTIVE | alarm)), response or RegulatorModel(), CHANNELS, "valves"
+            PressureBounds(**(ATTENTIVE | alarm)),
+            response or RegulatorModel(dead_time=0.0),
+            CHANNELS,
+            "valves",
         )
         self.now = 0.0
         self.starts = starts

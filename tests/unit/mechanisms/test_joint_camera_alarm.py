@@ -145,7 +145,7 @@ def test_before_the_marker_has_moved_by_three_limits_nothing_has_moved():
         (lambda x, y, z: (-x, -y, z), "the image is upside down"),
         (lambda x, y, z: (-y, x, z), "the image is turned by a quarter"),
         (lambda x, y, z: (y, -x, z), "the image is turned by a quarter"),
-        (lambda x, y, z: (y, x, z), "another marker is followed, the camera was moved, or"),
+        (lambda x, y, z: (y, x, z), "another marker is followed, the camera was moved, an"),
     ],
 )
 def test_once_it_has_moved_a_wrong_image_is_told_by_its_place(camera, what):

@@ -20,6 +20,8 @@ from pneumatic_fakes import (
 from controllers.spherical_joint.poses import axis_from_tilt
 from controllers.spherical_joint.types import JointCommand
 from rig.hal.mechanism import Margin
+from rig.mechanisms.joint.alarms.settings import JointAlarmSettings
+from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 
 
 def test_resting_keeps_the_sum_of_the_pressures_and_the_ring():
@@ -38,8 +40,11 @@ def test_resting_keeps_the_sum_of_the_pressures_and_the_ring():
 
 
 def test_resting_and_energised_stay_within_what_is_permitted():
+    alarms = JointAlarmSettings(pressure=PressureAlarm(40e3, 0.05, offset=100e3, slow=1e12))
     for base, permitted in ((BASE, (LOWEST, 1.02 * BASE)), (BASE, (0.98 * BASE, HIGHEST))):
-        bench = JointBench(joint_settings(joint_limits(pressure=permitted), base_pressure=base))
+        bench = JointBench(
+            joint_settings(joint_limits(pressure=permitted), base_pressure=base, alarms=alarms)
+        )
         bench.lean(0.5)
         state = bench.cycles(4)
         command = bench.joint.energised_command(state)

@@ -8,6 +8,7 @@ import pytest
 from joint_fakes import CHANNELS, joint_settings
 
 from rig.hal import SafetyError
+from rig.mechanisms.joint.mechanism import SphericalJoint
 from rig.mechanisms.pneumatic.alarms.bounds import (
     derive_bounds,
     expect_bounds,
@@ -16,6 +17,7 @@ from rig.mechanisms.pneumatic.alarms.bounds import (
 from rig.mechanisms.pneumatic.alarms.pressures import PressureWatch
 from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
 from rig.mechanisms.pneumatic.settings import RegulatorModel
+from rig.mechanisms.pneumatic.unknowns import UNKNOWNS
 
 STEP = 1e-3
 REST = 1.0
@@ -179,3 +181,21 @@ def test_a_profile_may_say_otherwise():
     said = derive_bounds(PressureAlarm(1e3, 2.0, 3e3, 4.0), settings)
     assert said[:4] == (1e3, 2.0, 3e3, 4.0)
     assert [item.value for item in expect_bounds(said)] == list(said)
+
+
+def test_half_of_the_pressure_leaves_a_regulator_its_hysteresis():
+    """Its errors are shares of its own range, whatever the limits are."""
+    settings, rng = drawn(8)
+    whole = derive_bounds(PressureAlarm(), settings)
+    halved = SphericalJoint.derated(settings, rng.uniform(0.4, 0.9), 0.25)
+    assert halved.limits.pressure[1] < settings.limits.pressure[1]
+    half = derive_bounds(PressureAlarm(), halved)
+    assert half.loop == pytest.approx(whole.loop)
+    assert half.offset == pytest.approx(whole.offset)
+
+
+def test_a_regulator_that_nobody_measured_may_be_as_slow_as_its_gains_are_tried_with():
+    settings, _ = drawn(9)
+    spread = SphericalJoint.derated(settings, 0.5, 0.25).regulator_response.spread
+    guessed = next(u.guessed for u in UNKNOWNS if u.name == "bandwidth")
+    assert spread == pytest.approx(1.0 - min(guessed))

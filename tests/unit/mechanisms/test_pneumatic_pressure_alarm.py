@@ -135,7 +135,7 @@ def follow(response, model, deviation, duration=0.3):
 
 @pytest.mark.parametrize("model", [(40.0, 0.7), (40.0, 1.3), (60.0, 0.9)])
 def test_a_healthy_regulator_is_of_second_order(model):
-    response = RegulatorModel(*model)
+    response = RegulatorModel(*model, dead_time=0.0)
     follow(response, model, 2.5e3)
     rate, damping = model
     for other in ((1.15 * rate, damping), (0.85 * rate, damping), (rate, 1.2 * damping)):
@@ -288,3 +288,68 @@ def test_what_is_far_off_in_the_mean_is_stuck_or_slow(channel, off, words):
     bench.pass_by(SETTLED)
     with pytest.raises(SafetyError, match=f"regulator of {channel} is {words}.*, or it is slow"):
         bench.pass_by(4000, **{channel: off})
+
+
+# Dead time ----------------------------------------------------------------------------------------
+
+
+def late_by(dead, seed, told):
+    """Let all setpoints swing, and pressures answer after a dead time; return deviations and lags.
+
+    The watch is told another one, or the same.
+    """
+    rng = np.random.default_rng(seed)
+    bench = Bench(RegulatorModel(dead_time=told), deviation=NEVER, offset=NEVER, slow=NEVER)
+    rate = pressure = 0.0
+    queue = [0.0] * round(dead / STEP)
+    frequency, size = rng.uniform(0.5, 4.0), rng.uniform(30e3, 90e3)
+    found = []
+    for cycle in range(1000):
+        sent = size * math.sin(2.0 * math.pi * frequency * cycle * STEP)
+        bench.watch.send((START + sent,) * 4)
+        queue.append(sent)
+        acting = queue.pop(0)
+        rate = (rate + STEP * 1600.0 * (acting - pressure)) / (1.0 + STEP * 80.0)
+        pressure += STEP * rate
+        bench.pass_by(1, **dict.fromkeys(CHANNELS, pressure))
+        channel = bench.watch._channels[2]
+        found.append((channel.off, channel.slow - channel.expected))
+    return np.array(found[300:])
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("cycles", [0, 1, 16])
+def test_a_healthy_regulator_answers_after_its_dead_time(cycles, seed):
+    dead = cycles * STEP
+    off, lag = late_by(dead, seed, dead).T
+    assert np.abs(off).max() < 1e-6
+    assert np.abs(lag).max() > 1e3
+    if cycles:
+        assert np.abs(late_by(dead, seed, dead - STEP)[:, 0]).max() > 50.0
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("cycles", [0, 5, 15])
+def test_one_that_answers_sooner_is_healthy_too(cycles, seed):
+    """What is told may be a guess, or the worst channel's; only where it turns round it shows."""
+    off, lag = late_by(cycles * STEP, seed, 16 * STEP).T
+    assert np.abs(off).max() < 0.1 * np.abs(lag).max()
+    assert np.mean(np.abs(off) > 1e-6) < 0.2
+
+
+@pytest.mark.parametrize("more", [4e-3, 10e-3])
+@pytest.mark.parametrize("seed", range(2))
+def test_a_regulator_that_is_late_is_not_called_slow(seed, more):
+    """It is by as much in step with a slow one as it is late: less than a healthy one may be."""
+    off, lag = late_by(16 * STEP + more, seed, 16 * STEP).T
+    assert (off @ lag) / (lag @ lag) < 0.5
+
+
+def test_setpoints_from_before_a_pause_are_forgotten():
+    bench = Bench(RegulatorModel(dead_time=8 * STEP), deviation=NEVER, slow=NEVER, offset=NEVER)
+    bench.watch.send((START + 100e3,) * 4)
+    bench.pass_by(4)
+    bench.now -= STEP
+    bench.watch.send((START,) * 4)
+    bench.pass_by(200)
+    assert bench.watch._channels[0].expected == START

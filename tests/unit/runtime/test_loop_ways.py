@@ -106,6 +106,14 @@ def test_progress_is_told_with_the_phase_and_the_worst_margin():
     assert len(told) == len(bench.recorder.rows) // 2
 
 
+def test_progress_is_told_with_the_clock_of_the_log_beside_that_of_the_reference():
+    bench, told = Bench(), []
+    bench.run(progress=told.append)
+    logged = [(t, row[3]) for _, t, row in bench.recorder.rows]
+    assert {(entry.elapsed, entry.t) for entry in told} <= set(logged)
+    assert [entry.elapsed - entry.t for entry in told] != [0.0] * len(told)
+
+
 class Telling(FakeDevice):
     """Has values of its own for the log."""
 

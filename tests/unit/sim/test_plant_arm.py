@@ -27,6 +27,7 @@ class Dimensions:
     wrist_sign: int = 1
     elbow_offset: float = 0.0
     shoulder_offset: float = 0.0
+    a1: float = 0.0
     position_min: tuple = (-3.1, -3.1, -2.8, -6.2, -2.5, -6.2)
     position_max: tuple = (3.1, 3.1, 2.8, 6.2, 2.5, 6.2)
     marker: tuple = (0.04, 0.0, 0.03)
@@ -67,7 +68,7 @@ def forward_kinematics(q, g):
     hand = fore @ rotation_z(q[3]) @ rotation_y(g.wrist_sign * q[4]) @ rotation_z(q[5])
     position = (
         np.array([0.0, 0.0, g.base_height])
-        + base @ [0.0, g.shoulder_offset, 0.0]
+        + base @ [g.a1, g.shoulder_offset, 0.0]
         + upper @ [0.0, 0.0, g.a2]
         + fore @ [g.elbow_offset, 0.0, g.a3]
         + hand @ [0.0, 0.0, g.d6]

@@ -22,7 +22,7 @@ def plant_of(rig):
 @pytest.mark.parametrize("rig", ["arm", "legs"])
 def test_a_drive_has_torque_when_it_was_told_so(rig, seed):
     plant = plant_of(rig)
-    axes = plant.channel_names
+    axes = plant.channel_names[: {"arm": 6, "legs": 12}[rig]]  # behind them are sensors
     assert plant.powered() == dict.fromkeys(axes, False)
     chance = random.Random(f"{rig} {seed}")
     for _ in range(3):

@@ -2,7 +2,9 @@
 
 import random
 from collections import Counter
+from functools import reduce
 from itertools import combinations
+from operator import getitem
 from typing import get_type_hints
 
 import numpy as np
@@ -14,10 +16,16 @@ from controllers.cylinder.pid import Pid
 from controllers.cylinder.pid_friction import PidFriction
 from controllers.cylinder.super_twisting import SuperTwisting
 from controllers.cylinder.types import PairModel
+from controllers.spherical_joint.laws import (
+    JointCascade,
+    JointPid,
+    JointPidFriction,
+    JointSuperTwisting,
+)
 from rig.hal.bench import Trial, Unknown
-from rig.hal.mechanism import ClosedLoop
-from rig.mechanisms.cylinder.programme import lasting_error
+from rig.hal.closed_loop import ClosedLoop
 from rig.mechanisms.pneumatic.cost import reversals_of
+from rig.mechanisms.pneumatic.programme import lasting_error
 from rig.tuning.ensemble import Ensemble
 from rig.tuning.gains import gains_at, nested, place_of, values_of, with_gains
 from rig.tuning.score import LOST, UNSTABLE, score
@@ -33,11 +41,12 @@ UNKNOWNS = (
 
 
 LAWS = (Cascade, Pid, PidFriction, SuperTwisting)
+JOINT_LAWS = (JointPid, JointPidFriction, JointCascade, JointSuperTwisting)
 
 
-@pytest.mark.parametrize("number", range(20))
+@pytest.mark.parametrize("number", range(28))
 def test_gains_that_were_put_into_settings_come_out_again(number):
-    law = LAWS[number % 4]
+    law = (*LAWS, *JOINT_LAWS)[number % 8]
     rng = np.random.default_rng([77, number])
     place = rng.uniform(0.0, 1.0, len(law.tunables)).tolist()
     gains = gains_at(law.tunables, place)
@@ -48,8 +57,7 @@ def test_gains_that_were_put_into_settings_come_out_again(number):
         assert tunable.low * 0.999 <= gains[tunable.key] <= tunable.high * 1.001
     again = nested(gains)
     for key, gain in gains.items():
-        name, _, below = key.partition(".")
-        assert (again[name][below] if below else again[name]) == gain
+        assert reduce(getitem, key.split("."), again) == gain
 
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)

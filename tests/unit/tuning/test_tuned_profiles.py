@@ -113,4 +113,5 @@ def test_hardware_refuses_gains_that_rest_on_a_simulated_calibration(configs, ba
     assert yaml.safe_load(path.read_text())["provenance"]["backend"] == backend
     (state,) = calibration_states(load(configs), date(2026, 11, 2), on_hardware=True)
     assert (state.problems == ()) == fit
-    assert "rig tune cylinder --controller cascade" in state.remedy
+    rig = configs / "rigs" / "cylinder.yaml"
+    assert f"rig tune {rig} --controller cascade" in state.remedy

@@ -7,6 +7,7 @@ from rig.hal import Column
 from rig.run_folder import RunFolder, RunStatus
 from rig.runtime.recorder import LogRecorder
 from rig.watching.followed_run import FollowedRun
+from rig.watching.studio import Studio
 
 ROWS, SPIKES, PERIOD = 400_000, 1000, 1e-3
 COLUMNS = np.array([0])
@@ -117,4 +118,50 @@ def test_events_are_read_once_and_torn_ones_later(tmp_path):
     run.look_again()
     assert [event["message"] for event in run.events] == ["first", "second", "third"]
     folder.finish(RunStatus.OK, 0)
+    run.close()
+
+
+@pytest.mark.parametrize("approach", [0.0, 0.25, 3.0])
+def test_two_runs_are_laid_over_each_other_by_their_motions(tmp_path, approach):
+    """However long each rig has taken to get to where the motion begins."""
+    runs = []
+    for name, before in (("rig", approach), ("rehearsal", 1.0)):
+        folder = RunFolder.create(tmp_path, name, "sim", inputs={})
+        columns = [
+            Column("phase", "", "phase"),
+            Column("reference.time", "s", "time"),
+            Column("reading.x", "m", "x"),
+        ]
+        with LogRecorder(folder.log_path, columns) as recorder:
+            for k in range(6000):
+                t = k * PERIOD
+                row = (float(t >= before - 1e-9), t - before, np.sin(t - before))
+                recorder.write(k, t, row)
+        folder.finish(RunStatus.OK, 0)
+        runs.append(FollowedRun(folder.path))
+    run, beside = runs
+    studio = Studio(run, beside=beside)
+    assert run.motion_began() is None  # nothing was read yet
+    assert studio.shift == 0.0
+    for one in runs:
+        while one.advance():
+            pass
+    assert run.motion_began() == pytest.approx(approach, abs=1e-9)
+    assert studio.shift == pytest.approx(approach - 1.0, abs=1e-9)
+    t, values = beside.window(1500, 1501, np.array([2]), 10)
+    row = run.row_at(float(t[0]) + studio.shift - 1e-9)
+    assert run.window(row, row + 1, np.array([2]), 10)[1] == pytest.approx(values, abs=2e-3)
+    for one in runs:
+        one.close()
+
+
+def test_a_run_that_was_stopped_on_its_way_has_no_motion(tmp_path):
+    folder = RunFolder.create(tmp_path, "stopped", "sim", inputs={})
+    with LogRecorder(folder.log_path, [Column("phase", "", "phase")]) as recorder:
+        for k in range(100):
+            recorder.write(k, k * PERIOD, (0.0 if k < 50 else 2.0,))
+    folder.finish(RunStatus.ABORTED, 130)
+    run = FollowedRun(folder.path)
+    run.advance()
+    assert run.motion_began() is None
     run.close()

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
-from controllers.arm.kinematics import dimensions_of, forward
+from controllers.arm.kinematics import dimensions_of, forward, wrist_centre
 from controllers.gait import kinematics as gait
 from controllers.gait.geometry import AXIS_NAMES as LEG_AXES
 from controllers.gait.geometry import LEGS, LegGeometry
 from controllers.gait.types import BalanceSettings
 from controllers.spherical_joint.geometry import SphericalJointGeometry
 from controllers.spherical_joint.wires import InverseKinematics
+from rig.mechanisms.arm.boundary import meridian
 from rig.mechanisms.arm.scene import ArmScene
 from rig.mechanisms.joint.scene import JointScene
 from rig.mechanisms.legs.scene import LegsScene
@@ -128,3 +129,18 @@ def test_the_legs_stand_where_the_robot_stands(seed):
         corners = {tuple(np.round(corner, 9)) for corner in soles[leg][row]}
         assert {corner[2] for corner in corners} == {0.0}
         assert {tuple(np.round(corner, 9)) for corner in support[row]} == corners
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_stretched_arm_ends_on_the_outline_of_its_reach(seed):
+    chance = np.random.default_rng(seed)
+    geometry = ArmGeometry(
+        a1=chance.uniform(0.0, 0.2), elbow_offset=-0.03, shoulder_offset=chance.uniform(-0.2, 0.2)
+    )
+    outline = meridian(geometry.reach, geometry.a1, geometry.shoulder_offset, 4000)
+    for lean in chance.uniform(0.0, math.pi, 20):
+        q = (chance.uniform(-3.0, 3.0), lean, -geometry.elbow_angle, 0.0, 0.0, 0.0)
+        x, y, z = wrist_centre(dimensions_of(geometry), q)
+        for side in (1.0, -1.0):
+            apart = np.linalg.norm(outline - (side * math.hypot(x, y), z), axis=1)
+            assert apart.min() < 1e-3

@@ -39,7 +39,7 @@ _DIFFERENCE: Final = 1e-3
 Directions = tuple[float, ...]
 
 _NEAREST: Final = 8
-_FARTHEST: Final = np.array((1.5,) * 6 + (0.1,) * 6)
+_FARTHEST: Final = np.array((1.5,) * 6 + (0.1,) * 7)
 """No zero (rad) and no length (m) is as wrong as that."""
 _EVALUATIONS: Final = 25
 """A fit takes five to ten; what does not come near by then does not come near."""
@@ -52,9 +52,9 @@ class HandFit(NamedTuple):
 
     Parameters
     ----------
-    values : ndarray, shape (21,)
+    values : ndarray, shape (22,)
         Of the parameters, rad and m.
-    covariance : ndarray, shape (21, 21)
+    covariance : ndarray, shape (22, 22)
         0 where a parameter was held.
     seen : tuple of bool
         Which parameters were found.

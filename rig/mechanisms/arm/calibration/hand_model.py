@@ -9,7 +9,7 @@ from rig.calibration.arrays import Array
 from rig.mechanisms.arm.settings import HandMetrology
 
 JOINTS: Final = ("q1", "q2", "q3", "q4", "q5", "q6")
-LENGTHS: Final = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset")
+LENGTHS: Final = ("a2", "a3", "d6", "base_height", "elbow_offset", "shoulder_offset", "a1")
 MARKER: Final = ("marker x", "marker y", "marker z")
 FRAME: Final = ("frame roll", "frame pitch", "frame yaw", "frame x", "frame y", "frame z")
 
@@ -76,7 +76,7 @@ def marker_positions(values: Array, readings: Array, wrist_sign: float) -> Array
 
     Parameters
     ----------
-    values : ndarray, shape (21,)
+    values : ndarray, shape (22,)
         Of `parameters_of`, in its order.
     readings : ndarray, shape (n, 6)
         Joints as their drives have them, directions corrected, rad.
@@ -88,16 +88,16 @@ def marker_positions(values: Array, readings: Array, wrist_sign: float) -> Array
     ndarray, shape (n, 3)
     """
     q = readings + values[:6]
-    a2, a3, d6, height, elbow, shoulder = values[6:12]
-    x, y, z = values[12:15]
+    a2, a3, d6, height, elbow, shoulder, a1 = values[6:13]
+    x, y, z = values[13:16]
     zeros = np.zeros(len(q))
     # From the marker inwards: tool, wrist, forearm, upper arm, base.
     p = _turn_z(q[:, 5], (zeros + x, zeros + y, zeros + d6 + z))
     p = _turn_z(q[:, 3], _turn_y(wrist_sign * q[:, 4], p))
     p = _turn_y(q[:, 2], (p[0] + elbow, p[1], p[2] + a3))
     p = _turn_y(q[:, 1], (p[0], p[1], p[2] + a2))
-    p = _turn_z(q[:, 0], (p[0], p[1] + shoulder, p[2] + height))
-    return np.column_stack(p) @ _rotation(values[15:18]).T + values[18:21]
+    p = _turn_z(q[:, 0], (p[0] + a1, p[1] + shoulder, p[2] + height))
+    return np.column_stack(p) @ _rotation(values[16:19]).T + values[19:22]
 
 
 def align(seen: Array, modelled: Array) -> tuple[Array, Array]:

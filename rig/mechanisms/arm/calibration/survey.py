@@ -154,7 +154,7 @@ def panels_of(profile: Profile, fit: HandFit, joints: Array, hand: Array) -> lis
     settings = profile.mechanism_settings
     start = fit.values.copy()
     parameters = parameters_of(settings.geometry, settings.metrology)
-    start[:15] = [parameter.value for parameter in parameters[:15]]
+    start[:16] = [parameter.value for parameter in parameters[:16]]
     before = marker_positions(start, joints, float(settings.geometry.wrist_sign))
     number = np.arange(1.0, len(joints) + 1.0)
     return [

@@ -12,6 +12,8 @@ from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.calibration.pneumatics import Limit, Pneumatics
 from rig.mechanisms.pneumatic.calibration.smoothing import PairSignals
 
+_STRETCHED = 1.25
+"""Times the wires' stretch by the greatest pressure, rods may disagree: stiffness is a guess."""
 _SOFT = 0.3
 """Share of the profile's stiffness that a pair is moved from place to place with."""
 
@@ -57,13 +59,17 @@ class PairPneumatics(Pneumatics[PairReference, PairCommand]):
         yield "pair_force", limits.pair_force, "N"
 
     def with_wider_limits(self, pair: float = 0.0) -> tuple[Profile, tuple[str, ...]]:
-        """See `Pneumatics.with_wider_limits`; a pair that glides by itself follows nothing."""
+        """See `Pneumatics.with_wider_limits`; a pair that glides by itself follows nothing.
+
+        Procedures go to pressures that no experiment needs, where a large bore stretches the
+        wires by more than the rods may disagree otherwise.
+        """
         limits = self.settings.limits
         low, high = limits.position
+        stretch = self.settings.area * limits.pressure[1] / self.settings.wire_stiffness
+        mismatch = max(limits.mismatch, _STRETCHED * stretch) + pair
         return self.with_unknown_response(
-            *with_wider_limits(
-                self.profile, {"mismatch": limits.mismatch + pair, "following": high - low}
-            )
+            *with_wider_limits(self.profile, {"mismatch": mismatch, "following": high - low})
         )
 
     def with_blind_monitors(self, give: float) -> tuple[Profile, tuple[str, ...]]:

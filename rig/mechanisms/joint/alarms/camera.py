@@ -149,7 +149,10 @@ class MarkerWatch:
         ):
             if math.dist(encoders, seen) < self._limit:
                 return what
-        return "another marker is followed, the camera was moved, or an anchor has slipped"
+        return (
+            "another marker is followed, the camera was moved, an anchor has slipped, or the ring "
+            "is pushed"
+        )
 
     def _swapped(self, encoders: Vector, camera: Vector) -> str | None:
         """Return which opposite encoders would explain it that nothing agrees from the start."""

@@ -7,6 +7,7 @@ import numpy as np
 from rig.mechanisms.legs.figures.base import COLORS, LEGS, is_walk, mark_phases
 from rig.mechanisms.legs.figures.footsteps import FOOTSTEP_FIGURES
 from rig.mechanisms.legs.figures.stance import STANCE_FIGURES
+from rig.mechanisms.legs.figures.sway import SWAY_FIGURES
 from rig.report.data import RunData
 from rig.report.figure import TIME_LABEL, FigureKind, draw_line, finish_time_axis, panels
 from rig.report.style import INK, PAGE, new_figure, place_legend
@@ -127,5 +128,6 @@ LEGS_FIGURES = {
     "knees": FigureKind(draw_knees, "Rates and angles of both knees; swings are shaded."),
     "joints": FigureKind(draw_joints, "Servo errors of the pitch joints, and the knees' torques."),
     **STANCE_FIGURES,
+    **SWAY_FIGURES,
     **FOOTSTEP_FIGURES,
 }

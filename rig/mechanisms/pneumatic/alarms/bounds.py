@@ -4,7 +4,7 @@ from typing import Final, NamedTuple
 
 from rig.hal.mechanism import Expected
 from rig.mechanisms.pneumatic.alarms.settings import PressureAlarm
-from rig.mechanisms.pneumatic.settings import PneumaticSettings, RegulatorModel
+from rig.mechanisms.pneumatic.settings import PneumaticSettings, RegulatorModel, check_can_trip
 
 STATIC: Final = 0.022
 """Share of the pressure range by which a regulator at rest is off: linearity 1 %, hysteresis and
@@ -43,11 +43,28 @@ class PressureBounds(NamedTuple):
     loop: float
 
 
+def check_pressure_alarm(alarm: PressureAlarm, settings: PneumaticSettings) -> None:
+    """Refuse bounds that no pressure could be off by: a chamber has at most what may be set.
+
+    Raises
+    ------
+    ValueError
+        An alarm could never trip.
+    """
+    most, why = settings.limits.pressure[1], "may be set"
+    if alarm.deviation is not None:
+        check_can_trip("alarms.pressure.deviation", alarm.deviation, most, "Pa", why)
+    name = "alarms.pressure.offset"
+    if alarm.offset is None:
+        name += f", {100 * STATIC:g} % of regulator_response.full_scale"
+    check_can_trip(name, _chosen(alarm.offset, STATIC * settings.full_scale), most, "Pa", why)
+
+
 def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> PressureBounds:
     """Return the bounds in force; `PressureAlarm` says how they follow."""
     response = settings.regulator_response
-    low, high = settings.limits.pressure
-    static = STATIC * (high - low)
+    low = settings.limits.pressure[0]
+    static = STATIC * settings.full_scale
     base = settings.base_pressure
     step = max(settings.greatest_pressure - base, base - low)
     slowest = response.spread / (1.0 - response.spread)
@@ -57,7 +74,7 @@ def derive_bounds(alarm: PressureAlarm, settings: PneumaticSettings) -> Pressure
         _chosen(alarm.time, _SETTLING / response.bandwidth),
         _chosen(alarm.offset, static),
         _chosen(alarm.slow, slowest + late),
-        LOOP * (high - low),
+        LOOP * settings.full_scale,
     )
 
 

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 
 from rig.hal import SafetyError
 from rig.mechanisms.pneumatic.alarms.bounds import PressureBounds
+from rig.mechanisms.pneumatic.alarms.dead_time import DeadTimeLine
+from rig.mechanisms.pneumatic.alarms.ways import PressureWays
 from rig.mechanisms.pneumatic.settings import RegulatorModel
 
 _ALIKE = 0.5
@@ -23,6 +25,10 @@ _SLOW = 1.0
 _LEAST_LAG = 2.0
 """A slow regulator would be off by so many times the hysteresis, rms, or the motion cannot show
 that it is slow."""
+_MOVES = 0.5
+"""A pressure that goes more than this share of a healthy one's way follows its setpoints …"""
+_STAYS = 0.25
+"""… and one that goes less than this is held."""
 _LIKE_SLOW = 0.6
 """Share of a deviation's power that is in step with a slow regulator's: else it is not slow."""
 
@@ -30,20 +36,45 @@ _LIKE_SLOW = 0.6
 class _Channel:
     """A healthy regulator's pressure for the setpoints that were sent, and when it was met.
 
-    Beside it a regulator with half of the bandwidth, and how alike the two deviations are.
+    Of two: one answers after the dead time, the other, prompt, at once; what is between them is
+    well. Beside them a regulator with half of the bandwidth, and how alike the deviations are.
     """
 
     __slots__ = (
         "expected", "held", "jump", "lag_mean", "lag_power", "likeness", "mean", "off", "power",
-        "quick_at", "rate", "slow", "slow_rate", "usual", "well_at",
+        "prompt", "prompt_rate", "quick_at", "rate", "slow", "slow_rate", "usual", "well_at",
     )  # fmt: skip
 
     def __init__(self, pressure: float, now: float) -> None:
-        self.expected = self.slow = self.held = pressure
-        self.rate = self.slow_rate = 0.0
+        self.expected = self.prompt = self.slow = self.held = pressure
+        self.rate = self.prompt_rate = self.slow_rate = 0.0
         self.off = self.mean = self.usual = self.jump = 0.0
         self.lag_mean = self.lag_power = self.likeness = self.power = 0.0
         self.well_at = self.quick_at = now
+
+    def answer(self, acting: float, latest: float, step: float, pull: float, drag: float) -> None:
+        """Let the healthy and the slow regulators go on by a step, s.
+
+        Parameters
+        ----------
+        acting, latest : float
+            The setpoint of a dead time ago, and the one of now, Pa.
+        pull, drag : float
+            Of the healthy ones, times the step: stiffness (1/s) and damping (1).
+        """
+        brake = 1.0 / (1.0 + drag)
+        self.rate = (self.rate + pull * (acting - self.expected)) * brake
+        self.expected += step * self.rate
+        self.prompt_rate = (self.prompt_rate + pull * (latest - self.prompt)) * brake
+        self.prompt += step * self.prompt_rate
+        brake = 1.0 / (1.0 + 0.5 * drag)
+        self.slow_rate = (self.slow_rate + 0.25 * pull * (acting - self.slow)) * brake
+        self.slow += step * self.slow_rate
+
+    def take(self, pressure: float) -> None:
+        """Note how far a pressure is off the healthy ones, Pa: 0 between them."""
+        late, prompt = self.expected, self.prompt
+        self.off = max(pressure - max(late, prompt), 0.0) + min(pressure - min(late, prompt), 0.0)
 
     def compare(self, lag: float, share: float, bounds: PressureBounds) -> bool:
         """Return whether this one is slow: compared over time with a slow one's deviation, Pa."""
@@ -85,6 +116,9 @@ class _Channel:
 class PressureWatch:
     """Compares the chambers' pressures with what healthy regulators would make of the setpoints.
 
+    These answer after the dead time that the profile says, or sooner: what it says is the worst
+    channel's, or a guess.
+
     What it cannot see: a regulator that is stuck or slow while its setpoint stands still, for it
     does what it should; a leak that the regulator makes up for; and a monitor that was off
     before the run by less than the permitted deviation, which is the calibration's to find.
@@ -94,7 +128,7 @@ class PressureWatch:
     bounds : PressureBounds
         How far and how long.
     response : RegulatorModel
-        Of a healthy regulator: second order.
+        Of a healthy regulator: second order after a dead time.
     channels : sequence of str
         For messages.
     device : str
@@ -119,6 +153,8 @@ class PressureWatch:
         self._then: float
         self._pressures: Sequence[float]
         self._setpoints: Sequence[float] = ()
+        self._line = DeadTimeLine(response.dead_time)
+        self._ways = PressureWays(self._mean_time)
 
     def send(self, setpoints: Sequence[float]) -> None:
         """Take the setpoints of this cycle, Pa gauge."""
@@ -135,53 +171,52 @@ class PressureWatch:
         self._pressures = pressures
         setpoints = self._setpoints
         if not self._channels or not setpoints or now <= self._then:
-            self._channels = tuple([_Channel(pressure, now) for pressure in pressures])
-            self._began = self._then = now
+            self._begin(now)
             return
+        acting = self._line.pass_on(setpoints, now)
         step = now - self._then
         self._then = now
         bounds = self._bounds
-        deviation, alike = bounds.deviation, _ALIKE * bounds.deviation
-        pull, brake = step * self._stiffness, 1.0 / (1.0 + step * self._drag)
-        slow_pull, slow_brake = 0.25 * pull, 1.0 / (1.0 + 0.5 * step * self._drag)
+        deviation, most = bounds.deviation, bounds.offset
+        alike = _ALIKE * deviation
+        pull, drag = step * self._stiffness, step * self._drag
         mean = step / (self._mean_time + step)
         usual = step / (min(now - self._began + self._mean_time, _USUAL) + step)
         share = step / (_SLOW + step)
-        most = bounds.offset
         long_off = strange = False
         for k, channel in enumerate(self._channels):
-            expected, slow, pressure, before = (
-                channel.expected, channel.slow, pressures[k], channel.off,
-            )  # fmt: skip
-            channel.rate = rate = (channel.rate + pull * (setpoints[k] - expected)) * brake
-            channel.expected = expected = expected + step * rate
-            rate = (channel.slow_rate + slow_pull * (setpoints[k] - slow)) * slow_brake
-            channel.slow_rate = rate
-            channel.slow = slow = slow + step * rate
-            channel.off = off = pressure - expected
+            pressure, before = pressures[k], channel.off
+            channel.answer(acting[k], setpoints[k], step, pull, drag)
+            channel.take(pressure)
+            off, lag = channel.off, channel.slow - channel.expected
             if -alike <= off <= alike:
                 channel.held = pressure
             if -deviation <= off <= deviation:
                 channel.well_at = now
             elif now - channel.well_at > bounds.time:
                 long_off = True
-            if -most < off - channel.usual < most:
-                channel.jump = 0.0
-            else:
-                channel.jump = max(channel.jump, abs(off - before))
+            jump = max(channel.jump, abs(off - before))
+            channel.jump = 0.0 if -most < off - channel.usual < most else jump
             channel.mean += mean * (off - channel.mean)
             channel.usual += usual * (off - channel.usual)
-            channel.lag_mean += mean * (abs(slow - expected) - channel.lag_mean)
-            if not channel.compare(slow - expected, share, bounds):
+            channel.lag_mean += mean * (abs(lag) - channel.lag_mean)
+            if not channel.compare(lag, share, bounds):
                 channel.quick_at = now
             if now - channel.quick_at > self._mean_time or not (
                 abs(channel.mean - channel.usual) <= channel.most_mean(bounds)
             ):
                 strange = True
+        self._ways.note(now, pressures, [channel.expected for channel in self._channels])
         if long_off:
             self._raise_off(now)
         if strange:
             self._raise_strange()
+
+    def _begin(self, now: float) -> None:
+        self._channels = tuple([_Channel(pressure, now) for pressure in self._pressures])
+        self._began = self._then = now
+        self._line.clear()
+        self._ways.clear()
 
     def _raise_off(self, now: float) -> None:
         bounds = self._bounds
@@ -219,6 +254,15 @@ class PressureWatch:
             return (
                 f"the supply pressure is lost: {', '.join(self._names[i] for i in low)} fall short"
             )
+        share = self._ways.share_gone(k, _LEAST_LAG * self._bounds.loop)
+        if share < _STAYS:
+            return f"{self._explain()}, or it is slow"
+        if channel.slowness(self._bounds) > channel.most_slow(self._bounds):
+            return f"the regulator of {name} is slow, or answers late"
+        if abs(channel.off) > self._bounds.deviation:
+            return f"{self._explain()}, or it is slow"
+        if share > _MOVES and channel.mean - channel.usual > _ALIKE * bound:
+            return f"the regulator of {name} fills faster than it empties, or its monitor is off"
         if abs(channel.off) > _ALIKE * self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
         return f"the regulator or the monitor of {name} is off, or its chamber leaks"

@@ -12,7 +12,7 @@ class PressureAlarm:
 
     The monitor is compared with the setpoints as they pass through `regulator_response`. What is
     not given follows from the profile, with w its bandwidth, z its damping, D its dead time, e its
-    spread, and R the range of ``limits.pressure``; `rig check` shows the numbers.
+    spread, and R the full scale of the regulators; `rig check` shows the numbers.
 
     Parameters
     ----------

@@ -161,6 +161,7 @@ class Leak(PneumaticProcedure):
 
 def _check_locks(pneumatics: AnyPneumatics) -> None:
     device = pneumatics.regulators
+    pneumatics.need_regulators("its air cannot be locked in: a spool in the middle leaks")
     channels = pneumatics.profile.devices[device].settings.channels
     open_ended = [name for name in pneumatics.channels if channels[name].lock_bit is None]
     if open_ended:

@@ -9,7 +9,7 @@ from controllers.cylinder.types import PairReference
 from rig.calibration.arrays import Array
 from rig.calibration.procedure import Excitation, Procedure
 from rig.calibration.profile_changes import profile_with
-from rig.calibration.recording import Recording, Stretch
+from rig.calibration.recording import Recording, RigLacks, Stretch
 from rig.calibration.sequence import ScriptedMotion
 from rig.config import Profile, format_quantity
 from rig.hal.motion import Motion
@@ -104,6 +104,17 @@ class Pneumatics(ABC, Generic[Reference, Command]):
         give : float
             How far a wire may seem to move meanwhile, m.
         """
+
+    def need_regulators(self, why: str) -> None:
+        """Refuse a rig on proportional valves.
+
+        Raises
+        ------
+        RigLacks
+            It is one; says why that does not do.
+        """
+        if self.profile.mechanism_settings.valves is not None:
+            raise RigLacks(f"{self.regulators} has proportional valves; {why}")
 
     # Motion -----------------------------------------------------------------------------
 

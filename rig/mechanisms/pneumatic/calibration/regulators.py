@@ -59,6 +59,7 @@ class Regulators(PneumaticProcedure):
         names: list[str] = []
         levels: list[float] = []
         pneumatics = self._of(profile)
+        pneumatics.need_regulators("an opening is no set-point of a pressure: calibrate valves")
         for sweep in range(SWEEPS):
             steps = list(_sweep(pneumatics, sweep))
             if all(name in done for name, _, _ in steps):

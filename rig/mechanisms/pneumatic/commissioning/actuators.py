@@ -3,7 +3,7 @@
 from typing import Final
 
 from rig.calibration.instruments import parse_reading
-from rig.commissioning.site import Site, world_of
+from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.hal import Vector
 from rig.mechanisms.pneumatic.commissioning.chambers import (
@@ -65,7 +65,7 @@ def _fill(site: Site, number: int, pressure: float) -> _Filled:
             f"Which gauge shows most ({', '.join(channels)}), and how much? e.g. agonist 8 kPa",
             channels,
         )
-        site.operator.do(task, world_of(chambers.rig))
+        site.operator.do(task, site.world_of(chambers.rig))
     return _Filled(rises, site.operator.answer(task))
 
 

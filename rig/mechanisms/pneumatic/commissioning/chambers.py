@@ -103,7 +103,7 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
     supply : bool
         Open the supply; else it has never been open since the rig was connected.
     """
-    rig = site.make_rig()
+    rig = site.make_rig(site.profile)
     with rig:
         regulators = regulators_of(rig)
         rig.arm()

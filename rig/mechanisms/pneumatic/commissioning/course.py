@@ -6,9 +6,10 @@ from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.identity import OnTheBus, SettingsReadBack
 from rig.commissioning.steps.load import Load
 from rig.commissioning.steps.motion import FirstMotion
+from rig.commissioning.steps.reactions import CablePulled, MasterDies, StopReaction
 from rig.commissioning.steps.stop import EmergencyStopContact
 from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, ResponseTimes
-from rig.mechanisms.pneumatic.commissioning.reactions import CablePulled, MasterDies, StopReaction
+from rig.mechanisms.pneumatic.commissioning.reactions import REACTING
 from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
 from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
 
@@ -26,9 +27,9 @@ def pneumatic_course(motion: FirstMotion | None = None) -> Sequence[AcceptanceSt
         SettingsReadBack(),
         EmergencyStopContact(),
         SupplyAndDump(),
-        StopReaction(),
-        MasterDies(),
-        CablePulled(),
+        StopReaction(REACTING),
+        MasterDies(REACTING),
+        CablePulled(REACTING),
         EncodersByHand(),
         RegulatorsAlone(),
         ResponseTimes(),

@@ -7,7 +7,7 @@ from rig.assembly import REGISTRY, Rig
 from rig.calibration.instruments import parse_reading
 from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
-from rig.commissioning.site import Site, world_of
+from rig.commissioning.site import Site
 from rig.commissioning.step import (
     AcceptanceStep,
     MeasuredValue,
@@ -50,17 +50,17 @@ class EncodersByHand(AcceptanceStep):
         self, site: Site, task: Task, names: tuple[str, ...]
     ) -> tuple[dict[str, float], dict[str, float]]:
         """Return what encoders show before and after something is done by hand, m."""
-        rig = site.make_rig()
+        rig = site.make_rig(site.profile)
         with rig:
             rig.arm(torque=False)
             bench = StepBench(rig)
             bench.run(0.05)
             before = _positions(rig, names)
-            site.operator.do(task, world_of(rig))
-            if rig.backend.is_simulated:
-                bench.run(0.05)
+            site.operator.do(task, site.world_of(rig))
+            if site.world_of(rig) is None:
+                bench.run(site.patience(rig), partial(_has_settled, rig, names, before))
             else:
-                bench.run(60.0, partial(_has_settled, rig, names, before))
+                bench.run(0.05)
             return before, _positions(rig, names)
 
 

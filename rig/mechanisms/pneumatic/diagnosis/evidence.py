@@ -103,8 +103,7 @@ class LastSecond(NamedTuple):
 
     @property
     def _range(self) -> float:
-        low, high = self.settings.limits.pressure
-        return high - low
+        return self.settings.full_scale
 
 
 def gather(

@@ -21,6 +21,12 @@ GEOMETRIES = {
     "offsets": ArmGeometry(
         a2=0.35, a3=0.3, elbow_offset=0.05, shoulder_offset=0.08, base_height=0.3, wrist_sign=-1
     ),
+    "shoulder ahead": ArmGeometry(
+        a1=0.09, a2=0.42, a3=0.36, d6=0.08, elbow_offset=-0.03, base_height=0.4
+    ),
+    "all offsets": ArmGeometry(
+        a1=-0.05, a2=0.35, a3=0.3, elbow_offset=0.05, shoulder_offset=0.08, base_height=0.3
+    ),
     "short forearm": ArmGeometry(a2=0.5, a3=0.2, d6=0.0, base_height=0.1),
 }
 

@@ -32,7 +32,7 @@ def hand_of(geometry, q):
     fore = upper @ turn("y", q3)
     tool = fore @ turn("z", q4) @ turn("y", geometry.wrist_sign * q5) @ turn("z", q6)
     x, y, z = np.eye(3)
-    at = geometry.base_height * z + turn("z", q1) @ (geometry.shoulder_offset * y)
+    at = geometry.base_height * z + turn("z", q1) @ (geometry.a1 * x + geometry.shoulder_offset * y)
     at = at + upper @ (geometry.a2 * z) + fore @ (geometry.a3 * z + geometry.elbow_offset * x)
     return at + tool @ (geometry.d6 * z), tool
 
@@ -49,6 +49,19 @@ def draw_geometry(rng):
     else:
         a2, a3, d6, height = rng.uniform((0.25, 0.25, 0.0, 0.0), (0.5, 0.5, 0.2, 0.4)).tolist()
         geometry = ArmGeometry(a2=a2, a3=a3, d6=d6, base_height=height)
+    return dataclasses.replace(geometry, **WIDE) if rng.random() < 0.7 else geometry
+
+
+def draw_offset_geometry(rng):
+    """Return an arm whose shoulder, elbow or both are offset."""
+    kind = rng.integers(4)
+    sizes = rng.uniform((0.25, 0.25, 0.0, 0.0, -0.08), (0.6, 0.6, 0.2, 0.5, 0.08)).tolist()
+    lengths = dict(zip(("a2", "a3", "d6", "base_height", "elbow_offset"), sizes, strict=True))
+    if kind in (0, 2):
+        lengths["a1"] = float(rng.uniform(-0.02, 0.18))
+    if kind in (1, 2):
+        lengths["shoulder_offset"] = float(rng.uniform(-0.18, 0.18))
+    geometry = ArmGeometry(**lengths)
     return dataclasses.replace(geometry, **WIDE) if rng.random() < 0.7 else geometry
 
 
@@ -146,10 +159,13 @@ def _off(geometry, path, points, first):
     if isinstance(path, Circle):
         # Three of its points would do; the centre and the plane follow from its definition.
         q1, q2, q3, q4, q5, q6 = path.touch
+        bent = math.atan2(geometry.elbow_offset, geometry.a3)
+        fore = math.hypot(geometry.elbow_offset, geometry.a3)
         if path.through == "elbow":
-            touch = (q1, q2, 0.0, q4, q5, q6)
+            touch = (q1, q2, -bent, q4, q5, q6)
         else:
-            lean = math.atan2(geometry.a3 * math.sin(q3), geometry.a2 + geometry.a3 * math.cos(q3))
+            x, z = (fore * part for part in (math.sin(q3 + bent), math.cos(q3 + bent)))
+            lean = math.atan2(x, geometry.a2 + z)
             touch = (q1, -lean, q3, q4, q5, q6)
         hand, _ = hand_of(geometry, touch)
         wrist, _ = hand_of(dataclasses.replace(geometry, d6=0.0), touch)

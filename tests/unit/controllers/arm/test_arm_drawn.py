@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn_cases import draw_geometry, draw_path, faults_of
+from drawn_cases import draw_geometry, draw_offset_geometry, draw_path, faults_of
 
 from controllers.arm.esc import Esc, EscPaper, EscPaperSettings, EscSettings
 from controllers.arm.look_ahead import LookAhead, LookAheadSettings
@@ -19,13 +19,13 @@ LAWS = {
 each_law = pytest.mark.parametrize("law", LAWS)
 
 
-def judge(law, seeds):
+def judge(law, seeds, draw=draw_geometry):
     """Return what was planned, refused and wrong, by seed."""
     kind, settings, rates, accelerations = LAWS[law]
     planned, refused, wrong = [], [], {}
     for seed in seeds:
         rng = np.random.default_rng((2, seed))
-        geometry = draw_geometry(rng)
+        geometry = draw(rng)
         path = draw_path(rng, geometry)
         try:
             plan = kind(settings, geometry, PERIOD).prepare(path)
@@ -59,3 +59,21 @@ def test_a_thousand_drawn_paths(law, block):
     planned, _, wrong = judge(law, range(1000 + 100 * block, 1100 + 100 * block))
     assert not wrong
     assert len(planned) > 20
+
+
+@pytest.mark.slow
+@each_law
+def test_a_few_paths_of_offset_arms(law):
+    planned, _, wrong = judge(law, range(12), draw_offset_geometry)
+    assert not wrong
+    assert planned
+
+
+@pytest.mark.lengthy
+@each_law
+@pytest.mark.parametrize("block", range(4))
+def test_two_hundred_paths_of_offset_arms(law, block):
+    seeds = range(2000 + 50 * block, 2050 + 50 * block)
+    planned, _, wrong = judge(law, seeds, draw_offset_geometry)
+    assert not wrong
+    assert len(planned) > 10

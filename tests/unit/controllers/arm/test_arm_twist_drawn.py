@@ -96,7 +96,17 @@ def test_a_few_drawn_twists(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", range(6))
-@pytest.mark.parametrize("name", ["paper", "other wrist", "equal links", "offsets"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "paper",
+        "other wrist",
+        "equal links",
+        "offsets",
+        pytest.param("shoulder ahead", marks=pytest.mark.lengthy),
+        pytest.param("all offsets", marks=pytest.mark.lengthy),
+    ],
+)
 def test_three_hundred_drawn_twists(name, block):
     wrong = {seed: judge(name, seed)[1] for seed in range(1000 + 50 * block, 1050 + 50 * block)}
     assert not {seed: what for seed, what in wrong.items() if what}

@@ -12,7 +12,7 @@ def hand_of(geometry, q):
     at = np.array([0.0, 0.0, geometry.base_height])
     turn = Turn.identity()
     links = (
-        ("z", q[0], (0.0, geometry.shoulder_offset, 0.0)),
+        ("z", q[0], (geometry.a1, geometry.shoulder_offset, 0.0)),
         ("y", q[1], (0.0, 0.0, geometry.a2)),
         ("y", q[2], (geometry.elbow_offset, 0.0, geometry.a3)),
         ("z", q[3], (0.0, 0.0, 0.0)),
@@ -77,7 +77,7 @@ def drawn_case(rng, geometry, number):
         radius = math.hypot(
             geometry.a2 + geometry.forearm * math.cos(elbow), geometry.forearm * math.sin(elbow)
         )
-        q[1] = math.asin(miss / radius) - lean
+        q[1] = math.asin((miss - geometry.a1) / radius) - lean
     way = rng.normal(size=3)
     twist = np.concatenate((way / np.linalg.norm(way) * rng.uniform(0.02, 0.3), np.zeros(3)))
     if rng.random() < 0.6:

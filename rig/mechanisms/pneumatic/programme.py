@@ -1,16 +1,15 @@
 """The motions of a trial one after the other, and what of them is judged."""
 
-from collections.abc import Sequence
-from typing import Final, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from controllers.cylinder.types import PairReference
-from controllers.minimum_jerk import minimum_jerk
-from rig.mechanisms.cylinder.references import PairMotion
+from rig.hal.motion import Motion
 
 Array = NDArray[np.float64]
+Followed = TypeVar("Followed")
 
 _APPROACH: Final = 1.0
 """Between two motions, s."""
@@ -21,8 +20,8 @@ class Programme(NamedTuple):
 
     Parameters
     ----------
-    references : ndarray, shape (n, 3)
-        Position (m), velocity and acceleration.
+    references : ndarray, shape (n, 3 d)
+        Position, velocity and acceleration, of d numbers each, SI.
     stretches : tuple
         Name, first cycle and the one after the last.
     """
@@ -31,29 +30,39 @@ class Programme(NamedTuple):
     stretches: tuple[tuple[str, int, int], ...]
 
     @classmethod
-    def of(cls, motions: Sequence[PairMotion], period: float) -> "Programme":
+    def of(
+        cls,
+        motions: Sequence[Motion[Followed]],
+        period: float,
+        home: Followed,
+        approach: Callable[[Followed, Followed, float, float], Followed],
+        row: Callable[[Followed], Sequence[float]],
+    ) -> "Programme":
         """Return the programme of some motions, each approached from where the last one ended.
 
         Parameters
         ----------
-        motions : sequence of PairMotion
+        motions : sequence of Motion
             From rest to rest.
         period : float
             s.
+        home : object
+            The reference from which the first one is approached.
+        approach : callable
+            Of the mechanism: the reference after some seconds of a way between two.
+        row : callable
+            Returns the numbers of a reference.
         """
-        here = PairReference(0.0, 0.0, 0.0)
-        rows: list[PairReference] = []
+        here = home
+        rows: list[Sequence[float]] = []
         stretches: list[tuple[str, int, int]] = []
         for motion in motions:
             start = motion.at(0.0)
             cycles = round(_APPROACH / period)
-            rows += [
-                PairReference(*minimum_jerk(here.position, start.position, _APPROACH, k * period))
-                for k in range(cycles)
-            ]
+            rows += [row(approach(here, start, _APPROACH, k * period)) for k in range(cycles)]
             first = len(rows)
             cycles = round(motion.duration / period)
-            rows += [motion.at(k * period) for k in range(cycles)]
+            rows += [row(motion.at(k * period)) for k in range(cycles)]
             stretches += [
                 (name, first + round(begin / period), first + round(end / period))
                 for name, begin, end in motion.segments
@@ -63,22 +72,29 @@ class Programme(NamedTuple):
 
     def rests(self, first: int, end: int) -> bool:
         """Return whether the reference rests over some cycles."""
-        return not np.any(self.references[first:end, 1:])
+        places = self.references.shape[1] // 3
+        return not np.any(self.references[first:end, places:])
 
     def rms(self, errors: Array) -> dict[str, float]:
-        """Return the rms error of each stretch that moves, and of all holds together."""
+        """Return the rms error of each stretch that moves, and of all holds together.
+
+        Parameters
+        ----------
+        errors : ndarray, shape (n, d)
+            Of each cycle.
+        """
         squares: dict[str, list[Array]] = {}
         for name, first, end in self.stretches:
             key = "hold" if self.rests(first, end) else name
-            squares.setdefault(key, []).append(errors[first:end] ** 2)
+            squares.setdefault(key, []).append(np.sum(errors[first:end] ** 2, axis=1))
         return {
             name: float(np.sqrt(np.mean(np.concatenate(parts)))) for name, parts in squares.items()
         }
 
     def hunting(self, errors: Array) -> float:
-        """Return the greatest peak-to-peak motion in the second half of a hold, m."""
+        """Return the greatest peak-to-peak motion along an axis in the second half of a hold."""
         holds = [errors[(a + b) // 2 : b] for _, a, b in self.stretches if self.rests(a, b)]
-        return max((float(np.ptp(hold)) for hold in holds), default=0.0)
+        return max((float(np.max(np.ptp(hold, axis=0))) for hold in holds), default=0.0)
 
 
 def lasting_error(errors: Array, cycles: int) -> float:

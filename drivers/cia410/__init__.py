@@ -1,0 +1,1 @@
+"""Inclinometers with gyroscopes after CiA 410."""

@@ -1,0 +1,1 @@
+"""Load cells on the analogue inputs of CiA 401 modules."""

@@ -1,0 +1,50 @@
+"""How far pressures have gone of late, beside those of healthy regulators."""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+
+
+class PressureWays:
+    """The last stretch of pressures, as they were shown and as they should have been.
+
+    Parameters
+    ----------
+    length : float
+        How much of the past it holds, s.
+    """
+
+    def __init__(self, length: float) -> None:
+        self._length = length
+        self._past: deque[tuple[float, Sequence[float], Sequence[float]]] = deque()
+
+    def clear(self) -> None:
+        """Forget the past."""
+        self._past.clear()
+
+    def note(self, now: float, shown: Sequence[float], healthy: Sequence[float]) -> None:
+        """Take the pressures of a cycle, Pa."""
+        past = self._past
+        past.append((now, shown, healthy))
+        while now - past[0][0] > self._length:
+            past.popleft()
+
+    def share_gone(self, k: int, least: float) -> float:
+        """Return how far one pressure has gone, over a healthy one's way; 0: it was held.
+
+        Both rms about their means, so that neither an offset nor a delay changes it.
+
+        Parameters
+        ----------
+        k : int
+            Which pressure.
+        least : float
+            So far must a healthy one have gone, Pa; nan if it did not.
+        """
+        healthy = _rms([row[k] for _, _, row in self._past])
+        return _rms([row[k] for _, row, _ in self._past]) / healthy if healthy > least else math.nan
+
+
+def _rms(values: list[float]) -> float:
+    middle = sum(values) / len(values)
+    return math.sqrt(sum((value - middle) ** 2 for value in values) / len(values))

@@ -1,0 +1,1 @@
+"""Chambers that proportional valves feed: what makes regulators of valves, sensors and rods."""

@@ -1,0 +1,1 @@
+"""Steps of the acceptance test that all mechanisms on servo axes share."""
