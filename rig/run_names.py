@@ -4,6 +4,7 @@ import difflib
 from pathlib import Path
 
 from rig.hal.errors import ConfigurationError
+from rig.hal.files import is_folder
 
 RUNS = Path("runs")
 """Where run folders live unless ``--out`` says otherwise."""
@@ -60,7 +61,7 @@ def find_run(source: str, runs: Path = RUNS) -> Path:
             raise ConfigurationError(f"there is no run in {runs} yet; `rig run` makes one")
         return found[0]
     for path in (Path(source), runs / source):
-        if path.is_dir():
+        if is_folder(path):
             return path
 
     names = [path.name for path in list_runs(runs)]

@@ -64,8 +64,9 @@ def _explain(word: str, runs: Path) -> Sequence[tuple[str, str]]:
     from rig.explaining.ended_run import explain_run
     from rig.explaining.faults import topic_of
     from rig.hal import ConfigurationError
+    from rig.hal.files import is_folder
 
-    if word == LATEST or (runs / word).is_dir() or Path(word).is_dir():
+    if word == LATEST or is_folder(runs / word) or is_folder(Path(word)):
         return explain_run(find_run(word, runs))
     known = _known(word)
     if known:

@@ -139,11 +139,12 @@ def _show_recorded(profile: Profile, source: str, runs: Path, viewer: _Viewer) -
 def _find_frames(source: str, runs: Path) -> Path:
     from rig.assembly.frame_reading import frames_of_run
     from rig.hal import ConfigurationError
+    from rig.hal.files import is_file, is_folder
 
     path = Path(source)
-    if path.is_file():
+    if is_file(path):
         return path
-    if path.suffix and not path.is_dir() and not (runs / source).is_dir():
+    if path.suffix and not is_folder(path) and not is_folder(runs / source):
         raise ConfigurationError(f"there is no file {source}")
     try:
         folder = find_run(source, runs)

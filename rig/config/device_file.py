@@ -7,7 +7,7 @@ from typing import Final
 from rig.config.diagnostics import Problems
 from rig.config.located import Node
 from rig.hal import ConfigurationError, DeviceFile, DriverSettings
-from rig.hal.files import read_regular
+from rig.hal.files import is_file, read_regular
 
 KEY: Final = "eds"
 """The key of a device's entry that names the file."""
@@ -50,7 +50,7 @@ class DeviceDescription:
             return None
         # Relative to the file that says it; an option is relative to where the user is.
         written_in = Path(node.mark.source.name)
-        folder = written_in.parent if written_in.is_file() else Path()
+        folder = written_in.parent if is_file(written_in) else Path()
         path = folder / node.value
         try:
             content = settings.read_description(path)

@@ -12,6 +12,7 @@ from rig.config.quantities import UnitError, parse_any_quantity
 from rig.config.setting import Setting
 from rig.config.yaml_loader import MAX_DEPTH, parse, read_source
 from rig.hal import ConfigurationError
+from rig.hal.files import is_file
 
 _OWN: Final = ("extends", "name", "description")
 """What a file says of itself and does not inherit."""
@@ -105,7 +106,7 @@ def _base(
     try:
         if is_path(name):
             base = directory / name
-        elif (beside := directory / f"{name}.yaml").is_file():
+        elif is_file(beside := directory / f"{name}.yaml"):
             base = beside
         else:
             base = find_file(name, folder, search)

@@ -8,6 +8,7 @@ from typing import Final, Literal
 
 from rig.config.diagnostics import nearest
 from rig.hal import ConfigurationError
+from rig.hal.files import is_file, is_folder
 
 Folder = Literal["rigs", "experiments"]
 
@@ -40,7 +41,7 @@ def find_configs(given: Path | None = None) -> tuple[Path, ...]:
         What the user named is no folder.
     """
     if given is not None:
-        if not given.is_dir():
+        if not is_folder(given):
             raise ConfigurationError(f"{given} is not a folder with configurations")
         return (given,)
     candidates = (Path("configs"), Path(__file__).resolve().parents[2] / "configs")
@@ -89,7 +90,7 @@ def find_file(source: str | Path, folder: Folder, search: Sequence[Path]) -> Pat
     if source in files:
         return files[source]
     beside = Path(f"{source}.yaml")
-    if beside.is_file():
+    if is_file(beside):
         raise ConfigurationError(
             f"no {_SINGULAR[folder]} is called {source!r}; did you mean the file {beside}?"
         )

@@ -88,10 +88,10 @@ def read_source(path: Path) -> Source:
     ProfileError
         It holds a character that has no place in YAML; with its location.
     """
+    content = read_regular(path, MAX_BYTES)
     if path.is_symlink() and Path(os.path.realpath(path)).suffix != path.suffix:
         # Errors quote lines of what is read: a link must not have them quote what is no such file.
         raise ConfigurationError(f"cannot read {path}: it is a link to a file of another kind")
-    content = read_regular(path, MAX_BYTES)
     try:
         return Source(str(path), content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:

@@ -35,6 +35,22 @@ def open_regular(path: Path) -> BinaryIO:
         raise ConfigurationError(f"cannot read {str(path)!r}: {error}") from error
 
 
+def is_file(path: Path) -> bool:
+    """Return whether there is a regular file; no where none can be, as with a name too long."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether there is a folder; no where none can be, as with a name too long."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 def users_folder(variable: str, *below: str) -> Path:
     """Return a folder in which this user keeps something.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import BinaryIO, Final, TypedDict, cast
 
 from rig.hal import ConfigurationError, RigError
-from rig.hal.files import open_regular
+from rig.hal.files import is_folder, open_regular
 from rig.spare_room import SpareRoom, append_line
 from rig.sweeping.errors import SweepStopped
 from rig.sweeping.finding import PointFinding
@@ -65,7 +65,7 @@ class Journal:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._places: dict[bytes, int] = {}
-        self._made = [path for path in (folder, *folder.parents) if not path.exists()]
+        self._made = [path for path in (folder, *folder.parents) if not is_folder(path)]
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._lock = _take_lock(folder / _LOCK, folder)

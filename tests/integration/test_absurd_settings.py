@@ -63,6 +63,13 @@ HARMLESS = [
     (r"cylinder\.valves\.(supply\.critical_ratio|loop\.(lag|preview)|nominal\.\w+)",
      _NOTHING | {"-v"}, "another valve, which calibration finds; the pressures' alarms watch it"),
     (r".*\.(pressure|position|tension|position_min|position_max)\.\d", _NOTHING, "less room"),
+    (r"legs\.cell_inset", _NOTHING, "load cells at the sole's very edge"),
+    (r"devices\..*\.cells\.\w+\.(raw|force)\.\d", _NOTHING | {"-v"},
+     "another scale: a foot that weighs what the legs do not is disbelieved"),
+    (r"devices\..*\.(roll_zero|pitch_zero)", _NOTHING | {"-v"}, "another zero"),
+    (r"legs\.stabiliser\.(recovery|shift)", _NOTHING, "a stabiliser that moves nothing"),
+    (r"legs\.stabiliser\.response", _NOTHING, "no averaging: the shift and its rate are bounded"),
+    (r"legs\.sag\.fade", _NOTHING, "brought in within a cycle, at no more than the joints' rate"),
 ]  # fmt: skip
 
 

@@ -139,3 +139,23 @@ def test_no_segmentation_fault_in_a_process_of_its_own(configs):
         capture_output=True, timeout=60, check=False,
     )  # fmt: skip
     assert done.returncode == 0
+
+
+LONG = "x" * 5000
+NAMED = [
+    ["run", LONG], ["run", f"{LONG}.yaml"], ["run", "cylinder-sine", "--out", LONG],
+    ["run", "cylinder-sine", "--rig", LONG], ["check", LONG], ["explain", LONG], ["replay", LONG],
+    ["report", LONG], ["export", LONG], ["compare", LONG, LONG], ["rerun", LONG], ["watch", LONG],
+    ["monitor", "cylinder", "--frames", LONG], ["tune", LONG], ["calibrate", LONG],
+    ["sweep", "--seeds", "0:2", LONG], ["faults", "run", LONG], ["faults", "list", LONG],
+    ["stop", LONG], ["doctor", LONG], ["new", "rig", LONG],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("words", NAMED, ids=lambda words: " ".join(word[:9] for word in words))
+def test_a_name_longer_than_any_file_may_have_is_no_bug(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert invoke(words) in (1, 2)
+    said = capsys.readouterr().err
+    assert "rror: " in said
+    assert "Traceback" not in said

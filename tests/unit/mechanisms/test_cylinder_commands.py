@@ -185,6 +185,37 @@ def test_a_reference_may_reach_the_permitted_positions_and_not_pass_them(sign):
     plan(Held(sign * REACH * 1.05, at_tick=5))  # when it has ended
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("after", [0.0, 0.382])  # at a tick of the loop, and between two
+def test_a_reference_may_reach_the_permitted_speed_and_not_pass_it(sign, after):
+    settings = pair_settings()
+
+    class Passing(Held):
+        def __init__(self, speed):
+            super().__init__(0.0)
+            self.speed = sign * speed
+
+        def at(self, t):
+            return PairReference(0.0, self.speed if t >= after * PERIOD else 0.0, 0.0)
+
+    within = Passing(settings.limits.speed)
+    assert AntagonisticPair.plan(settings, within, None, PERIOD) is within
+    with pytest.raises(ValueError, match=r"after \d\S* s .* moves at -?\d.* m/s, faster"):
+        AntagonisticPair.plan(settings, Passing(1.0001 * settings.limits.speed), None, PERIOD)
+
+
+def test_a_speed_between_two_ticks_is_told_at_every_seventh():
+    settings = pair_settings()
+
+    class Between(Held):
+        def at(self, t):
+            aside = 0.3 * PERIOD < t < 0.7 * PERIOD
+            return PairReference(0.0, 2.0 * settings.limits.speed if aside else 0.0, 0.0)
+
+    with pytest.raises(ValueError, match=r"after 0 s .* faster than limits\.speed"):
+        AntagonisticPair.plan(settings, Between(0.0), None, PERIOD)
+
+
 def test_what_is_no_reference_for_a_pair_is_refused():
     class Other:
         duration, segments = 1.0, ()
