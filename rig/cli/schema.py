@@ -11,11 +11,11 @@ from rig.cli.tables import print_json, visible
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(["profile", "experiment"]))
+@click.argument("kind", type=click.Choice(["profile", "experiment", "sweep"]))
 @click.argument("rig", required=False, shell_complete=complete_rig)
 @configs_option
 def schema(kind: str, rig: str | None, configs: Path | None) -> int:
-    """Print the JSON Schema of a profile or an experiment.
+    """Print the JSON Schema of a profile, an experiment or a sweep.
 
     What packages of others offer is in it if RIG's profile names it: code of theirs runs for no
     other.
@@ -37,6 +37,10 @@ def schema(kind: str, rig: str | None, configs: Path | None) -> int:
             load_profile(rig, REGISTRY, (), find_configs(configs))
         except ProfileError as error:  # it is being written
             click.echo(visible(f"{rig} is not valid yet: {error}"), err=True)
-    made = profile_schema(REGISTRY) if kind == "profile" else experiment_schema(REGISTRY)
-    print_json(made)
+    if kind == "sweep":
+        from rig.sweeping.sweep_keys import sweep_schema
+
+        print_json(sweep_schema())
+    else:
+        print_json((profile_schema if kind == "profile" else experiment_schema)(REGISTRY))
     return 0

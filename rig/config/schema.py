@@ -13,7 +13,7 @@ from rig.config.named_settings import Kind, Registry, controller_names
 from rig.config.profile import DEFAULT_PROTOCOL, DeviceHead, ProfileHead
 from rig.config.settings import NUMBER_AND_UNIT, Entries, annotation, closed_mapping, entries_of
 
-_DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
 _PARTIAL: Final = "Partial"
 _LAW: Final = ("controller", "law")
 """What an experiment may call its controller."""
@@ -175,7 +175,7 @@ def _finished(title: str, entries: Entries, whole: Schema, rules: list[Schema]) 
     definitions |= {name + _PARTIAL: _without_required(item) for name, item in definitions.items()}
     definitions |= {title: full, title + _PARTIAL: partial}
     return {
-        "$schema": _DIALECT,
+        "$schema": DIALECT,
         "title": title,
         "if": {"required": ["extends"]},
         "then": {"$ref": f"#/$defs/{title}{_PARTIAL}"},

@@ -28,7 +28,7 @@ from typing import (
 )
 
 import pydantic
-from annotated_types import Unit
+from annotated_types import Ge, Unit
 from pydantic import AfterValidator, BeforeValidator, Strict, TypeAdapter, ValidationError
 from pydantic.config import JsonDict
 from pydantic_core import PydanticCustomError
@@ -48,10 +48,11 @@ T = TypeVar("T")
 Entries: TypeAlias = Mapping[str, object]
 """The keys of a mapping with their pydantic annotations."""
 
-NUMBER_AND_UNIT = (
-    r"^\s*[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"
-    r"\s*(1/)?([A-DF-Za-df-z°%µμΩ(]|[eE][A-Za-z]).*$"
-)
+_BARE = r"(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"
+NUMBER = rf"[-+]?{_BARE}"
+_UNIT = r"\s*(1/)?([A-DF-Za-df-z°%µμΩ(]|[eE][A-Za-z]).*$"
+NUMBER_AND_UNIT = rf"^\s*{NUMBER}{_UNIT}"
+_NO_LESS_THAN_0 = rf"^\s*(\+?{_BARE}|-0+(\.0*)?){_UNIT}"
 
 
 def build(
@@ -120,7 +121,12 @@ def annotation(hint: object, base: object = None) -> object:
     if bare is float:
         others = [pydantic.Field(allow_inf_nan=False), *bounded(others, unit)]
     scalar = _annotated(bare, [Strict(), *others])
-    return scalar if unit is None else _quantity(scalar, unit)
+    if unit is None:
+        return scalar
+    bounds = [item.ge for item in others if isinstance(item, Ge)]
+    is_signed = not any(isinstance(least, int | float) and least >= 0 for least in bounds)
+    # Below 0 degC is above 0 K: of a temperature its sign says nothing.
+    return _quantity(scalar, unit, is_signed or unit == "K")
 
 
 def _mapping(settings: type, base: object) -> object:
@@ -182,10 +188,11 @@ def _annotated(bare: object, metadata: Iterable[object]) -> object:
     return Annotated[(bare, *items)] if items else bare
 
 
-def _quantity(number: object, unit: str) -> object:
+def _quantity(number: object, unit: str, is_signed: bool) -> object:
     """Return the annotation of a number that may also be a text with a unit."""
     described = f"a quantity in {', '.join(usual_units(unit))}"
-    text = Annotated[str, pydantic.Field(pattern=NUMBER_AND_UNIT, description=described)]
+    pattern = NUMBER_AND_UNIT if is_signed else _NO_LESS_THAN_0
+    text = Annotated[str, pydantic.Field(pattern=pattern, description=described)]
     parse = BeforeValidator(partial(_parse, unit), json_schema_input_type=or_(number, text))
     return Annotated[number, parse]
 

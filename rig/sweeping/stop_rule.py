@@ -4,6 +4,7 @@ import re
 from typing import Final, NamedTuple
 
 from rig.config.quantities import UnitError, parse_any_quantity
+from rig.config.settings import NUMBER
 from rig.hal import ConfigurationError
 from rig.sweeping.finding import PointFinding
 
@@ -65,11 +66,9 @@ def parse_stop_rule(text: str) -> StopRule:
     try:
         if found is None:
             raise UnitError("expected a metric, a sign and a bound, as in marker_rms < 0.2 mm")
-        try:
-            return StopRule(found[1], found[2], float(found[3]), "")
-        except ValueError:
-            bound, unit = parse_any_quantity(found[3])
-            return StopRule(found[1], found[2], float(bound), unit)
+        bound, unit = parse_any_quantity(found[3])
+        is_bare = re.fullmatch(NUMBER, found[3]) is not None
+        return StopRule(found[1], found[2], float(bound), "" if is_bare else unit)
     except UnitError as error:
         raise ConfigurationError(f"stop when {text!r}: {error}") from error
 

@@ -2,21 +2,22 @@
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
-from rig.config.diagnostics import Problems, nearest
+from rig.config.diagnostics import Problems
 from rig.config.document import parse_mapping
-from rig.config.located import Plain
+from rig.config.located import Node, Plain
+from rig.config.settings import build
 from rig.config.yaml_loader import MAX_BYTES, read_source
 from rig.hal import ConfigurationError
 from rig.hal.files import read_regular
 from rig.sweeping.axis import MAX_VALUES, Axis, DrawnAxis, make_axis, parse_seeds
 from rig.sweeping.request import SweepRequest, as_options, as_text
-from rig.sweeping.stop_rule import parse_budget, parse_stop_rule
+from rig.sweeping.stop_rule import StopRule, parse_budget, parse_stop_rule
+from rig.sweeping.sweep_keys import SweepKeys
 from rig.sweeping.variations import Variations, make_variations
 from rig.sweeping.written import Written, in_file
 
@@ -25,7 +26,19 @@ if TYPE_CHECKING:
 
 Values: TypeAlias = "Sequence[object] | NDArray[np.generic]"
 
-PERTURBATION: Final = "simulation.perturbation"
+_OPTIONS: Final = {"set": "", "perturbation": "simulation.perturbation."}
+"""Keys below which settings stand, and what their names begin with there."""
+
+
+class _Parsed(NamedTuple):
+    """The parts of a sweep file that have a form of their own."""
+
+    axes: tuple[Axis | DrawnAxis, ...] = ()
+    variations: tuple[Variations, ...] = ()
+    seeds: Axis | None = None
+    stop_when: StopRule | None = None
+    seconds: float | None = None
+    points: float | None = None
 
 
 def is_sweep_file(source: str) -> bool:
@@ -52,24 +65,21 @@ def load_sweep(path: Path) -> SweepRequest:
     problems = Problems()
     root = parse_mapping(read_source(path), problems)
     problems.raise_if_any()
-    content = root.plain()
-    assert isinstance(content, dict)
-    for key in content:
-        if key not in _READERS:
-            place, _ = root.descend((key,))
-            problems.add(place.heading, f"unknown key {key!r}", nearest(key, _READERS))
-    problems.raise_if_any()
-    if "experiment" not in content:
-        raise ConfigurationError(f"{path}: a sweep names its experiment")
-    if "seeds" in content and "repeat" in content:
-        raise ConfigurationError(f"{path}: seeds and repeat say the same: leave out one")
-    request = SweepRequest(str(content["experiment"]))
-    for key, value in content.items():
+    assert isinstance(root.value, dict)
+    items, parsed = dict(root.value), _Parsed()
+    for key, parse in _PARSERS.items():
+        node = items.get(key)
+        if node is None or node.value is None:
+            continue
         try:
-            request = _READERS[key](request, value)
-        except (ConfigurationError, TypeError, ValueError) as error:
-            raise ConfigurationError(f"{path}: {key}: {error}") from error
-    return request
+            parsed = parse(parsed, node.plain())
+        except ConfigurationError as error:
+            problems.add(node.heading, f"{key}: {error}")
+            del items[key]
+    keys = build(SweepKeys, root.with_items(items), problems)
+    problems.raise_if_any()
+    assert keys is not None
+    return _request(keys, parsed, _options(root))
 
 
 def axes_of(vary: Mapping[str, object], written: Written) -> tuple[Axis | DrawnAxis, ...]:
@@ -125,46 +135,38 @@ def _mapping(value: Plain) -> dict[str, Plain]:
     return value
 
 
-def _perturbation(request: SweepRequest, value: Plain) -> SweepRequest:
-    more = {f"{PERTURBATION}.{name}": bound for name, bound in _mapping(value).items()}
-    return replace(request, options=(*request.options, *as_options(more, in_file)))
+def _options(root: Node) -> tuple[str, ...]:
+    """Return the settings of every point in the order in which the file has them."""
+    options: tuple[str, ...] = ()
+    for key, below in _mapping(root.plain()).items():
+        if key in _OPTIONS:
+            named = {f"{_OPTIONS[key]}{name}": value for name, value in _mapping(below).items()}
+            options += as_options(named, in_file)
+    return options
 
 
-def _repeat(request: SweepRequest, value: Plain) -> SweepRequest:
-    return replace(request, seeds=parse_seeds(f"0:{value}"))
+def _with_budget(parsed: _Parsed, seconds: float | None, points: float | None) -> _Parsed:
+    return parsed._replace(seconds=seconds, points=points)
 
 
-def _budget(request: SweepRequest, value: Plain) -> SweepRequest:
-    seconds, points = parse_budget(str(value))
-    return replace(request, seconds=seconds, points=points)
-
-
-_READERS: Final[dict[str, Callable[[SweepRequest, Plain], SweepRequest]]] = {
-    "experiment": lambda request, value: replace(request, experiment=str(value)),
-    "on": lambda request, value: replace(request, on=str(value)),
-    "rig": lambda request, value: replace(request, rig=str(value)),
-    "set": lambda request, value: replace(
-        request, options=(*request.options, *as_options(_mapping(value), in_file))
-    ),
-    "perturbation": _perturbation,
-    "vary": lambda request, value: replace(
-        request, axes=(*axes_of(_mapping(value), in_file), *request.axes)
-    ),
-    "variations": lambda request, value: replace(
-        request, axes=(*request.axes, variations_of(_mapping(value)))
-    ),
-    "seeds": lambda request, value: replace(request, seeds=seeds_of(value)),
-    "repeat": _repeat,
-    "draw_seed": lambda request, value: replace(request, draw_seed=int(str(value))),
-    "stop_when": lambda request, value: replace(request, stop_when=parse_stop_rule(str(value))),
-    "budget": _budget,
-    "metric": lambda request, value: replace(request, best=str(value)),
-    "keep": lambda request, value: replace(request, keep=parse_keep(str(value))),
-    "workers": lambda request, value: replace(request, workers=int(str(value))),
-    "dask": lambda request, value: replace(request, dask=str(value)),
-    "out": lambda request, value: replace(request, out=Path(str(value))),
-}
-"""Every key of a sweep file, and what it changes."""
+def _request(keys: SweepKeys, parsed: _Parsed, options: tuple[str, ...]) -> SweepRequest:
+    return SweepRequest(
+        keys.experiment,
+        (*parsed.axes, *parsed.variations),
+        parsed.seeds if keys.repeat is None else parse_seeds(f"0:{keys.repeat}"),
+        keys.on,
+        options,
+        keys.rig,
+        workers=keys.workers,
+        dask=keys.dask,
+        out=None if keys.out is None else Path(keys.out),
+        draw_seed=keys.draw_seed,
+        stop_when=parsed.stop_when,
+        seconds=parsed.seconds,
+        points=parsed.points,
+        best=keys.metric,
+        keep=-1 if keys.keep == "all" else keys.keep,
+    )
 
 
 def parse_keep(text: str) -> int:
@@ -180,3 +182,15 @@ def parse_keep(text: str) -> int:
     if not text.isdigit():
         raise ConfigurationError(f"keep {text!r}: expected a number, or all")
     return int(text)
+
+
+_PARSERS: Final[dict[str, Callable[[_Parsed, Plain], _Parsed]]] = {
+    "vary": lambda parsed, value: parsed._replace(axes=axes_of(_mapping(value), in_file)),
+    "variations": lambda parsed, value: parsed._replace(
+        variations=(variations_of(_mapping(value)),)
+    ),
+    "seeds": lambda parsed, value: parsed._replace(seeds=seeds_of(value)),
+    "stop_when": lambda parsed, value: parsed._replace(stop_when=parse_stop_rule(str(value))),
+    "budget": lambda parsed, value: _with_budget(parsed, *parse_budget(str(value))),
+}
+"""Those keys, and what each one puts in."""

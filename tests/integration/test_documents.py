@@ -40,6 +40,13 @@ def test_every_link_leads_somewhere(page):
     assert broken == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_command_for_marked_tests_asks_for_the_marker_that_sets_them_apart(page):
+    """Without it `conftest.py` leaves them out, whatever else they are marked with."""
+    for quoted, plain in re.findall(r"pytest [^`\n]*?-m (?:'([^']+)'|(\w+))", page.read_text()):
+        assert re.search(r"\b(slow|benchmark|vcan)\b", quoted or plain), quoted or plain
+
+
 def test_the_reference_is_what_the_code_says():
     made = subprocess.run([sys.executable, ROOT / ".readme/reference.py", "--check"], check=False)
     assert made.returncode == 0, "python .readme/reference.py writes it again"
