@@ -54,6 +54,9 @@ def installed():
 
 def licence(package):
     told = package.metadata.get("License-Expression") or package.metadata.get("License") or ""
+    if not told and "License-File" in package.metadata:  # its title stands in the first line
+        file = f"licenses/{package.metadata['License-File']}"
+        told = (package.read_text(file) or "").strip()
     classes = package.metadata.get_all("Classifier") or []
     return " ".join([told.split("\n")[0], *(c for c in classes if c.startswith("License"))])
 

@@ -40,6 +40,7 @@ export class Gains {
     value.step = "any";
     value.value = gain.value;
     value.name = gain.key;
+    value.ariaLabel = gain.key;
     const set = document.createElement("button");
     const undo = document.createElement("button");
     [set.type, undo.type] = ["button", "button"];

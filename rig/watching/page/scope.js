@@ -51,7 +51,7 @@ export class Pane {
     this.element = document.createElement("article");
     this.element.className = "pane";
     const header = document.createElement("header");
-    const title = document.createElement("h3");
+    const title = document.createElement("h2");
     this.heading = title;
     this.traces = document.createElement("div");
     this.traces.className = "traces";
