@@ -103,12 +103,13 @@ class MarkerEstimator:
         self._settings = settings
         self._height = geometry.marker_height
         self._forward = ForwardKinematics(geometry)
-        self._forward.compile()
-        self._gains = bias_gains(
-            settings.frame_period, settings.camera_noise, settings.bias_acceleration
-        )
         self._size = math.ceil(settings.max_age / period) + 2
         self.reset()
+
+    def compile(self) -> None:
+        """Compile the search for the pose and design the filter, before the first cycle."""
+        self._forward.compile()
+        self._gains()
 
     def reset(self) -> None:
         """Forget the past."""
@@ -183,6 +184,11 @@ class MarkerEstimator:
         fused = (marker[0] - x, marker[1] - y, marker[2] - z)
         return new_tuple(MarkerEstimate, (fused, marker, bias, rate, residual, age, alarms))
 
+    def _gains(self) -> tuple[float, float]:
+        """Return the gains on bias and rate; worked out once, which takes a second."""
+        settings = self._settings
+        return bias_gains(settings.frame_period, settings.camera_noise, settings.bias_acceleration)
+
     def _take(self, camera: CameraSample) -> None:
         then = self._at(camera.t)
         self._late = then is None
@@ -195,7 +201,7 @@ class MarkerEstimator:
             self._bias = (then[0] - seen[0], then[1] - seen[1], then[2] - seen[2])
             self._bias_t = camera.t
             return
-        gain, rate_gain = self._gains
+        gain, rate_gain = self._gains()
         biases, rates = [], []
         for bias, rate, one, other in zip(self._bias, self._rate, then, seen, strict=True):
             predicted = bias + step * rate

@@ -173,8 +173,6 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
             stiffness=falling_stiffness(model.geometry, model.area * model.base_pressure),
         )
         self._laws = (self._pair_law(pair), self._pair_law(pair))
-        for law in self._laws:
-            law.compile()
         wound = 0.5 * math.pi - model.geometry.ring_half_angle
         friction = settings.ball_friction
         self._steps = PoseStep(
@@ -216,6 +214,13 @@ class PoseController(Law[Posed, JointModel, JointReference, JointState, JointCom
         """Marker, residual, wanted rods and tensions."""
         self.marker = MarkerEstimate(_ZERO, _ZERO, _ZERO, _ZERO, 0.0, math.inf, ())
         """The estimate of the marker with its bias and its alarms."""
+
+    def compile(self) -> None:
+        """See `Law.compile`."""
+        for law in self._laws:
+            law.compile()
+        self._steps.compile()
+        self._marker.compile()
 
     @property
     def numbers(self) -> PoseNumbers | None:

@@ -81,16 +81,25 @@ class PoseStep:
             ForwardKinematics(geometry).constants,
             inverse.home,
         )
-        self._memory = KernelMemory(numbers) if inverse.is_natural else None
         self.numbers: PoseNumbers | None = numbers if inverse.is_natural else None
         """Of the functions that are compiled; None: these wires and poses have none."""
-        self._before: Callable[..., tuple[int, Cycle]] = partial(_before_others, inverse, numbers)
+        self._memory: KernelMemory[PoseNumbers] | None = None
+        self._before: Callable[..., tuple[int, Cycle]] = (
+            partial(kernel.before_natural, numbers)
+            if inverse.is_natural
+            else partial(_before_others, inverse, numbers)
+        )
         self._after: Callable[[float, float, float], Quadruple] = partial(kernel.after, numbers)
         self._remembered: Callable[[], Remembered] = partial(kernel.remembered, numbers)
-        if self._memory is not None:  # the others are there to be compared
-            self._before = self._memory.bind(kernel.before_natural)
-            self._after = self._memory.bind(kernel.after)
-            self._remembered = self._memory.bind(kernel.remembered)
+
+    def compile(self) -> None:
+        """Have the steps compiled, for what is called in every cycle."""
+        if self.numbers is None:  # the others are there to be compared
+            return
+        self._memory = KernelMemory(self.numbers)
+        self._before = self._memory.bind(kernel.before_natural)
+        self._after = self._memory.bind(kernel.after)
+        self._remembered = self._memory.bind(kernel.remembered)
 
     def reset(self) -> None:
         """Forget the past."""

@@ -91,6 +91,22 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     return mechanism
 
 
+def controller_class(profile: Profile, name: str) -> Any:
+    """Return the class of a controller that the profile has settings for; nothing is made.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has no settings for it.
+    """
+    if name not in profile.controllers:
+        raise ConfigurationError(
+            f"the profile {profile.name} has no controller {name!r}; "
+            f"it has {', '.join(profile.controllers)}"
+        )
+    return REGISTRY.load("controller", controller_key(REGISTRY, profile.mechanism, name))
+
+
 def make_controller(profile: Profile, name: str) -> Any:
     """Make a controller with the profile's settings, for the profile's mechanism.
 
@@ -102,18 +118,12 @@ def make_controller(profile: Profile, name: str) -> Any:
         It cannot be had here: a package that it needs is not installed, or the rig's settings
         leave it no room.
     """
-    if name not in profile.controllers:
-        raise ConfigurationError(
-            f"the profile {profile.name} has no controller {name!r}; "
-            f"it has {', '.join(profile.controllers)}"
-        )
+    controller = controller_class(profile, name)
     view = REGISTRY.load("mechanism", profile.mechanism)
     try:
         model = view.model_of(profile.mechanism_settings)
     except ValueError as error:  # settings that are each right do not go together
         raise MotionRefused(str(error)) from error
-    key = controller_key(REGISTRY, profile.mechanism, name)
-    controller = REGISTRY.load("controller", key)
     what = f"the controller {name} of a {profile.mechanism}"
     try:
         made = make(what, controller, profile.controllers[name], model, profile.loop.period)

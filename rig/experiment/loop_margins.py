@@ -2,10 +2,9 @@
 
 from collections.abc import Callable
 
-from rig.assembly import REGISTRY
+from rig.assembly import REGISTRY, controller_class
 from rig.assembly.contract_check import ask
 from rig.config import Profile
-from rig.config.named_settings import controller_key
 from rig.experiment.plan import Plan
 from rig.hal import DeviceError, Mechanism
 from rig.hal.closed_loop import ClosedLoop
@@ -37,7 +36,7 @@ def advice_on(profile: Profile, controller: str, loop: ClosedLoop) -> str | None
         "is stable by friction only"
     )  # fmt: skip
     said = f"the loop of {controller} {how}"
-    law = REGISTRY.load("controller", controller_key(REGISTRY, profile.mechanism, controller))
+    law = controller_class(profile, controller)
     if REGISTRY.bench(profile.mechanism) is None or not getattr(law, "tunables", ()):
         return said
     tune = f"`rig tune {profile.argument} --controller {controller}`"

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from controllers.base import AnyLaw, Tunable
 from rig.steering.mailbox import Mailbox, Wish
-from rig.tuning.gains import values_of, with_gains
+from rig.tuning.gains import values_of, widened, with_gains
 
 LEAST_RAMP, MOST_RAMP = 0.2, 30.0
 """A gain takes at least and at most so long to change, s."""
@@ -77,6 +77,7 @@ class OnlineGains:
         self._heard = box.newest()
         self._ramp: _Ramp | None = None
         self._first = law.settings
+        self._gains = widened(law.online, law.settings)
         self._beats, self._beaten = box.beats(), -math.inf
         self._patience = HOLD / law.period
 
@@ -117,7 +118,7 @@ class OnlineGains:
         if why is not None:
             self._say(f"refused: {why}", accepted=False)
             return
-        gain = self._law.online[wish.gain]
+        gain = self._gains[wish.gain]
         now = values_of((gain,), self._law.settings)[gain.key]
         ramp = min(max(wish.ramp, LEAST_RAMP), MOST_RAMP)
         self._ramp = _Ramp(gain, now, wish.value, round(ramp / self._law.period), self.cycle)
@@ -127,7 +128,7 @@ class OnlineGains:
         )  # fmt: skip
 
     def _refusal(self, wish: Wish) -> str | None:
-        gains = self._law.online
+        gains = self._gains
         if wish.gain >= len(gains):
             return f"there is no gain {wish.gain}"
         gain = gains[wish.gain]

@@ -50,6 +50,19 @@ def place_of(tunables: Sequence[Tunable], settings: object) -> list[float]:
     return found
 
 
+def widened(tunables: Sequence[Tunable], settings: object) -> tuple[Tunable, ...]:
+    """Return tunables within whose bounds lies also what settings have: one may go back to it."""
+    values = values_of(tunables, settings)
+    return tuple(
+        [
+            gain._replace(
+                low=min(gain.low, values[gain.key]), high=max(gain.high, values[gain.key])
+            )
+            for gain in tunables
+        ]
+    )
+
+
 def with_gains(settings: Settings, gains: Mapping[str, float]) -> Settings:
     """Return a law's settings with other gains, ``{"feedforward.gain": 0.9}``."""
     changes: dict[str, Any] = {}

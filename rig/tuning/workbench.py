@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 from controllers.base import AnyLaw, Law, Tunable
-from rig.assembly import REGISTRY, check_profile
+from rig.assembly import REGISTRY, check_profile, controller_class
 from rig.assembly.simulated import lend_plant
 from rig.config import Profile, load_profile
-from rig.config.named_settings import controller_key
 from rig.config.names import find_configs
 from rig.experiment.plan import load_plan
 from rig.hal import ConfigurationError
@@ -136,12 +135,7 @@ def _loaded(request: Request) -> tuple[Profile, tuple[object, ...]]:
 
 
 def _law(profile: Profile, controller: str) -> type[AnyLaw]:
-    if controller not in profile.controllers:
-        raise ConfigurationError(
-            f"the profile {profile.name} has no controller {controller!r}; "
-            f"it has {', '.join(profile.controllers)}"
-        )
-    law = REGISTRY.load("controller", controller_key(REGISTRY, profile.mechanism, controller))
+    law = controller_class(profile, controller)
     if not (isinstance(law, type) and issubclass(law, Law) and law.tunables):
         raise ConfigurationError(f"the law {controller} does not say what of it may be tuned")
     return law

@@ -5,13 +5,13 @@ from threading import Lock
 from typing import TYPE_CHECKING, cast
 
 from controllers.base import Law
-from rig.assembly import REGISTRY, make_controller
+from rig.assembly import REGISTRY, controller_class
 from rig.config import load_profile
 from rig.hal import ConfigurationError
 from rig.hal.closed_loop import ClosedLoop
 from rig.run_folder import RunFolder
 from rig.steering.mailbox import Mailbox
-from rig.tuning.gains import values_of, with_gains
+from rig.tuning.gains import values_of, widened, with_gains
 from rig.watching.messages import Request
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ class Steering:
     """Checks what a page asks for, and puts it where the loop looks once a cycle.
 
     The loop checks it again: it is the one that decides, and what it says is in the run's events.
+    Nothing is compiled here: bounds are the class's, and margins need no law that is fast.
 
     Parameters
     ----------
@@ -41,10 +42,10 @@ class Steering:
         self._one_at_a_time = Lock()
         self._profile = load_profile(run / "profile.yaml", REGISTRY)
         name = str(self._folder.manifest.get("law"))
-        law = make_controller(self._profile, name)
-        self._kind = type(law)
-        self._gains = law.online if isinstance(law, Law) else ()
-        self._first = self._profile.controllers[name]
+        self._kind = kind = controller_class(self._profile, name)
+        self._first = first = self._profile.controllers[name]
+        has_gains = isinstance(kind, type) and issubclass(kind, Law)
+        self._gains = widened(kind.online, first) if has_gains else ()
 
     def described(self) -> "list[Plain]":
         """Return what may be changed, its value, and within which bounds."""

@@ -97,6 +97,35 @@ def test_a_page_costs_little(tmp_path, table):
     assert took <= 150e6
 
 
+@pytest.mark.parametrize(
+    ("experiment", "key"),
+    [("cylinder-sine", "position_rate"), ("joint-circle-camera", "pair.position_rate")],
+)
+def test_who_steers_needs_little_room(tmp_path, table, experiment, key):
+    """Also once a change was asked for, which takes the law and its loop's margins."""
+
+    async def ask(run):
+        async with aiohttp.ClientSession() as session:
+            page = await session.ws_connect(
+                f"http://{LOCAL}:{run.port}/ws", origin=f"http://{LOCAL}:{run.port}"
+            )
+            await page.send_json({"type": "open", "token": run.steer.partition("#")[2]})
+            wish = {"type": "gain", "key": key, "value": 100.0, "ramp": 1.0, "sure": False}
+            await page.send_json(wish)
+            while True:
+                message = await page.receive(30.0)
+                if message.type is aiohttp.WSMsgType.TEXT and message.json()["type"] == "steered":
+                    return message.json()["message"]
+
+    with watched_run(tmp_path, experiment, "--on", "sim") as run:
+        watch(run, 5)
+        before = memory(run)
+        assert asyncio.run(ask(run)).endswith("?")
+        after = memory(run)
+    table(what=f"memory with --steer: {experiment}", before=before, asked=after)
+    assert after <= 150e6
+
+
 def test_the_cycle_is_not_disturbed(tmp_path, table):
     """By what the cycles' work takes, which needs no real-time priority to be compared."""
     alone, watched = [], []

@@ -238,3 +238,22 @@ def test_nobody_else_may_write_into_the_box(tmp_path, box):
     (tmp_path / "other" / BOX).symlink_to(tmp_path / BOX)
     with pytest.raises(OSError, match="symbolic links"):
         Mailbox(tmp_path / "other")
+
+
+def test_a_gain_that_began_beyond_its_bounds_comes_back_without_a_jump_and_may_return(box):
+    """A profile may have it so: bounds are for those who change it."""
+    beyond = 1.2 * Cascade.online[0].high
+    law = Cascade(with_gains(Cascade.Settings(), {"position_rate": beyond}), MODEL, PERIOD)
+    law.reset(PairState(0.0, 0.0, 120e3, 120e3))
+    gains = OnlineGains(law, box, needs_hold=False)
+    for end in (0.5 * beyond, beyond):
+        box.post(0, end, 0.5)
+        seen = [law.settings.position_rate]
+        for _ in range(round(0.5 / PERIOD) + 2):
+            go(gains, 1)
+            seen.append(law.settings.position_rate)
+        assert seen[-1] == end
+        assert max(abs(b - a) for a, b in itertools.pairwise(seen)) <= 0.5 * beyond / 50 * 1.7
+    box.post(0, 1.01 * beyond, 0.5)
+    go(gains, 2)
+    assert gains.said[-1].data["accepted"] is False

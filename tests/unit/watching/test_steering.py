@@ -1,5 +1,8 @@
 """What a page may ask of gains: within bounds, asked again where the loop would lack margin."""
 
+import subprocess
+import sys
+
 import pytest
 
 from rig.config import dump_resolved
@@ -78,3 +81,47 @@ def test_holding_on_is_counted(folder):
         for _ in range(3):
             assert steering.answer({"type": "hold"}) is None
         assert box.beats() == 3
+
+
+LOOK = """
+import sys
+from pathlib import Path
+from rig.watching.steering import Steering
+
+steering = Steering(Path(sys.argv[1]))
+key, value = sys.argv[2], float(sys.argv[3])
+print(steering.answer({"type": "gain", "key": key, "value": value, "ramp": 1.0, "sure": False}))
+print(*{name.partition(".")[0] for name in sys.modules})
+"""
+
+
+@pytest.mark.parametrize(
+    ("experiment", "key"),
+    [("cylinder-sine", "position_rate"), ("joint-circle-camera", "pair.position_rate")],
+)
+def test_who_asks_for_margins_needs_no_compiler(tmp_path, experiment, key):
+    """Which would take the page's server beyond the memory that it may have."""
+    plan = load_plan(experiment)
+    inputs = {"profile.yaml": dump_resolved(plan.profile)}
+    law = plan.experiment.controller
+    folder = RunFolder.create(tmp_path, "gains", "sim", inputs=inputs, law=law)
+    with Mailbox(folder.path, create=True):
+        command = [sys.executable, "-c", LOOK, str(folder.path), key, "110.0"]
+        said, modules = subprocess.run(
+            command, capture_output=True, text=True, check=True
+        ).stdout.splitlines()
+    assert said.endswith("?")
+    assert not {"numba", "llvmlite", "filterpy", "matplotlib"} & set(modules.split())
+
+
+def test_one_may_go_back_to_a_gain_that_is_beyond_the_usual_bounds(tmp_path):
+    overrides = ("controllers.cascade.position_rate=260",)
+    inputs = {"profile.yaml": dump_resolved(load_plan("cylinder-sine", overrides).profile)}
+    folder = RunFolder.create(tmp_path, "gains", "sim", inputs=inputs, law="cascade")
+    steering = Steering(folder.path)
+    (described,) = [one for one in steering.described() if one["key"] == "position_rate"]
+    assert (described["value"], described["low"], described["high"]) == (260.0, 2.0, 260.0)
+    with Mailbox(folder.path, create=True) as box:
+        assert "asked for" in steering.answer(gain("position_rate", 260.0, sure=True))
+        assert box.read().value == 260.0
+        assert "2 … 260" in steering.answer(gain("position_rate", 260.1, sure=True))

@@ -50,11 +50,20 @@ def pair(values):
     return 0.5 * (values[0] - values[2]), 0.5 * (values[3] - values[1])
 
 
+def compiled_steps():
+    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps.compile()
+    return steps
+
+
 @pytest.mark.parametrize("geometry", [GEOMETRY, MEASURED], ids=["regular", "measured"])
 @pytest.mark.parametrize("kind", [("exact", "natural"), ("paper", "paper")], ids=["exact", "paper"])
-def test_a_step_is_made_of_kinematics_friction_and_tensions(kind, geometry):
+@pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "Python"])
+def test_a_step_is_made_of_kinematics_friction_and_tensions(kind, geometry, compiled):
     inverse = InverseKinematics(geometry, *kind)
     steps = PoseStep(SETTINGS, geometry, inverse)
+    if compiled:
+        steps.compile()
     friction = BallFriction(SETTINGS.ring, SETTINGS.wire, DISTANCE, PERIOD)
     forward, tensions = ForwardKinematics(geometry), TensionDistribution(geometry)
     start = None
@@ -109,7 +118,7 @@ def test_a_step_is_made_of_kinematics_friction_and_tensions(kind, geometry):
 
 
 def test_setpoints_stay_within_what_may_be_asked_for():
-    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps = compiled_steps()
     steps.before(*circle(0.0), RODS, PRESSURES, BASE, True, True)
     setpoints = steps.after(1e3, 0.0, 0.0)
     assert max(setpoints) == SETTINGS.most / SETTINGS.area
@@ -117,7 +126,7 @@ def test_setpoints_stay_within_what_may_be_asked_for():
 
 
 def test_rods_that_no_pose_explains_are_refused_and_the_search_starts_again():
-    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps = compiled_steps()
     first = steps.before(*circle(0.0), RODS, PRESSURES, BASE, True, True)
     with pytest.raises(ValueError, match="no pose of the ring explains the shortenings"):
         steps.before(*circle(0.0), (0.2, 0.2, -0.2, -0.2), PRESSURES, BASE, False, False)
@@ -126,14 +135,14 @@ def test_rods_that_no_pose_explains_are_refused_and_the_search_starts_again():
 
 
 def test_a_pose_without_force_closure_is_refused_by_its_wire():
-    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps = compiled_steps()
     axis = axis_from_tilt(1.45, 0.8)
     with pytest.raises(SlackWire, match="would have to push"):
         steps.before(axis, (0.0,) * 3, (0.0,) * 3, RODS, PRESSURES, BASE, True, True)
 
 
 def test_a_pose_that_leads_to_one_without_force_closure_is_refused_too():
-    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps = compiled_steps()
     axis = axis_from_tilt(1.2, 0.8)
     fast = (0.0, 0.0, -5.0)
     with pytest.raises(SlackWire, match="would have to push"):
@@ -141,7 +150,7 @@ def test_a_pose_that_leads_to_one_without_force_closure_is_refused_too():
 
 
 def test_an_anchor_opposite_its_adjust_point_is_refused_by_its_wire():
-    steps = PoseStep(SETTINGS, GEOMETRY, InverseKinematics(GEOMETRY))
+    steps = compiled_steps()
     tilt = GEOMETRY.ring_half_angle + math.atan2(GEOMETRY.adjust_radius, GEOMETRY.adjust_depth)
     axis = axis_from_tilt(tilt, GEOMETRY.anchor_angles[2])
     with pytest.raises(ValueError, match="in line with ball and adjust point"):
