@@ -59,7 +59,7 @@ def opened(browser, address: str, look: str):
     context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
     page = context.new_page()
     page.goto(address)
-    while not page.evaluate("board.fixed.count > 0"):
+    while not page.evaluate("board.rows.fixed.count > 0"):
         time.sleep(0.1)
     return page
 
@@ -75,7 +75,7 @@ def main() -> None:
             with page_of(run_of(experiment, runs)) as address:
                 for look in looks:
                     page = opened(browser, address, look)
-                    page.evaluate(f"board.jump({moment})")
+                    page.evaluate(f"board.moment.jump({moment})")
                     while not page.evaluate(f"board.scene.holds({moment})"):
                         time.sleep(0.1)
                     time.sleep(2.0)
@@ -91,9 +91,9 @@ def main() -> None:
 def move(page) -> None:
     """Take the page while its run is played."""
     frames = []
-    page.evaluate(f"board.hold({BEGIN - 2}, {BEGIN + SECONDS + 1})")
+    page.evaluate(f"board.moment.hold({BEGIN - 2}, {BEGIN + SECONDS + 1})")
     for number in range(round(SECONDS * RATE)):
-        page.evaluate(f"board.head = {BEGIN + number / RATE}")
+        page.evaluate(f"board.moment.head = {BEGIN + number / RATE}")
         time.sleep(1.0 if not number else 0.12)
         shot = Image.open(io.BytesIO(page.screenshot()))
         frames.append(shot.convert("RGB").resize(SMALL, Image.Resampling.LANCZOS))

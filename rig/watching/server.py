@@ -150,8 +150,10 @@ class WatchServer:
 
     async def _stop(self, request: web.Request) -> web.Response:
         """Stop the run; no token is asked for."""
-        form = await request.post()
-        how = form.get("how")
+        try:
+            how = (await request.post()).get("how")
+        except (ValueError, LookupError, web.RequestPayloadError):  # it is no form
+            how = None
         if not isinstance(how, str) or how not in _STOPS:
             return _refusal(400, "How is the run to be stopped?")
         try:

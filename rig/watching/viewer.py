@@ -27,6 +27,8 @@ _STATUS_EVERY = 2
 _LIVE_ROWS = 400
 """Rows in one message at most; more are sent as the extremes of stretches."""
 _HISTORY_ROWS = 4000
+_MOST_VALUES = 500_000
+"""In one answer: what it takes to make and send it is bounded, whatever a page asks for."""
 _MOST_BAD = 20
 _CHUNK = 50
 """Frames that are worked out before others get their turn."""
@@ -174,7 +176,8 @@ class Viewer:
             return
         last = float(run.samples(np.array([run.count - 1]))[0][0])
         first = run.row_at(last - cast("float", request["seconds"]))
-        t, values = run.window(first, self._row, self._columns, _HISTORY_ROWS)
+        most = min(_HISTORY_ROWS, _MOST_VALUES // max(len(self._columns), 1))
+        t, values = run.window(first, self._row, self._columns, most)
         await self._send(pack(ROWS, number, t, values))
 
     async def _view(self, request: Request) -> None:
@@ -238,8 +241,9 @@ async def _window(
     """Return the window of a log that a page asks for, and a row more at either end."""
     first = max(run.row_at(cast("float", request["from"])) - 1, 0)
     last = run.row_at(cast("float", request["to"])) + 1
+    most = min(cast("int", request["most"]), _MOST_VALUES // max(len(columns), 1))
     found = []
-    for piece in run.pieces(first, last, columns, max(cast("int", request["most"]), 2)):
+    for piece in run.pieces(first, last, columns, max(most, 2)):
         found.append(piece)
         await asyncio.sleep(0.0)
     return joined(found, len(columns))

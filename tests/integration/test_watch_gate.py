@@ -37,10 +37,10 @@ def origin(run):
     return f"http://{LOCAL}:{run.port}"
 
 
-def raw(run, request: str) -> bytes:
+def raw(run, request: str, *, ends: str = "\n") -> bytes:
     """Send bytes as they are; return what comes back until the other end has had enough."""
     with socket.create_connection((LOCAL, run.port), timeout=WAIT) as connection:
-        connection.sendall(request.replace("\n", "\r\n").encode())
+        connection.sendall((request.replace(ends, "\r\n") if ends else request).encode())
         connection.settimeout(2.0)
         answer = b""
         try:
@@ -86,6 +86,33 @@ def test_only_the_page_itself_opens_the_socket_and_stops(run, what, host, extra,
             f"{body}"
         )
     assert raw(run, request).startswith(f"HTTP/1.1 {status} ".encode())
+
+
+@pytest.mark.parametrize(
+    ("headers", "body"),
+    [
+        ("Content-Type: application/x-www-form-urlencoded", "how=x"),
+        ("Content-Type: application/x-www-form-urlencoded", "how=\ufffd"),
+        ("Content-Type: application/x-www-form-urlencoded; charset=no-such", "how=orderly"),
+        ("Content-Type: application/json", '{"how": "orderly"}'),
+        ("Content-Type: multipart/form-data", "how=orderly"),
+        (
+            "Content-Type: multipart/form-data; boundary=x",
+            '--x\nContent-Disposition: form-data; name="how"; filename="x"\n\norderly\n--x--\n',
+        ),
+        (
+            "Content-Type: multipart/form-data; boundary=x",
+            "--x\nContent-Encoding: no\n\nx\n--x--\n",
+        ),
+    ],
+)
+def test_what_is_no_form_of_ours_stops_nothing(run, headers, body):
+    body = body.replace("\n", "\r\n")
+    request = (
+        f"POST /stop HTTP/1.1\nHost: {LOCAL}:{run.port}\nOrigin: {origin(run)}\n"
+        f"{headers}\nContent-Length: {len(body.encode())}\n\n"
+    )
+    assert raw(run, request.replace("\n", "\r\n") + body, ends="").startswith(b"HTTP/1.1 400 ")
 
 
 def test_nothing_but_loopback_listens(run):
@@ -215,6 +242,31 @@ def test_a_thousand_malformed_messages_change_nothing(run):
         assert time.monotonic() < until, "the run does not go on"
         time.sleep(0.1)
     assert "tuning" not in (run.folder / "events.jsonl").read_text()
+
+
+def test_an_answer_has_its_bounds_whatever_is_asked_for(run):
+    wish = {"id": 5, "columns": [1, 2] * 128, "from": -1e300, "to": 1e300, "most": 20_000}
+
+    async def work():
+        async with aiohttp.ClientSession() as session:
+            page, _ = await opened(session, run, run.token)
+            heard = 1
+            while True:
+                message = await page.receive(WAIT)
+                heard += 1
+                if message.type is aiohttp.WSMsgType.TEXT and message.json()["type"] == "status":
+                    await page.send_json({"type": "here", "heard": heard})
+                    if message.json()["count"] > 4000:  # more than what is sent
+                        await page.send_json({"type": "view", **wish})
+                if message.type is aiohttp.WSMsgType.BINARY:
+                    kind, number, count, width = struct.unpack_from("<IIII", message.data)
+                    if (kind, number) == (1, 5):
+                        break
+            await page.close()
+        assert width == 256
+        assert 0 < count * width <= 500_000
+
+    asked(work())
 
 
 def test_fifty_pages_look_on_and_the_next_ones_are_told_when_it_is_too_much(run):

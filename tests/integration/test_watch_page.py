@@ -52,7 +52,7 @@ def page_of(opened, address, **options):
     page.on("pageerror", lambda error: page.troubles.append(str(error)))
     page.on("console", lambda said: page.troubles.append(said.text))
     page.goto(address)
-    until(page, "board.columns.length > 0 && board.table().count > 0")
+    until(page, "board.columns.length > 0 && board.rows.table.count > 0")
     yield page
     assert page.troubles == []
     context.close()
@@ -82,7 +82,7 @@ def agree(page, told):
     if sure.count():
         sure.click()
     sync_api.expect(said).to_be_visible(timeout=20_000)
-    begun = page.evaluate("board.events.findLast((event) => event.kind === 'tuning').t")
+    begun = page.evaluate("board.events.all.findLast((event) => event.kind === 'tuning').t")
     ramp = float(told.split()[1])
     until(page, f"board.status.t > {begun + ramp + 0.2}", 40)
 
@@ -106,7 +106,7 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
 
         # A channel in a pane, and its value at a cursor, are those of the log.
         page.locator("#play").click()  # hold still
-        page.evaluate("board.hold(board.head - 1, board.head)")
+        page.evaluate("board.moment.hold(board.moment.head - 1, board.moment.head)")
         time.sleep(0.8)
         t, live = at_cursor(page)
         assert live == pytest.approx(logged_at(run.folder, t), rel=1e-6)
@@ -164,19 +164,19 @@ def test_a_run_is_watched_steered_and_stopped_in_a_browser(tmp_path):
         served_folder(run.folder) as address,
         page_of(opened, address) as page,
     ):
-        page.evaluate(f"board.hold({t} - 0.55, {t} + 0.45); board.cursor = {t}")
+        page.evaluate(f"board.moment.hold({t} - 0.55, {t} + 0.45); board.cursor = {t}")
         time.sleep(0.8)
         page.evaluate(f"board.cursor = {t}")
         time.sleep(0.3)
         told = page.locator(f'.pane [data-column="{PLOTTED}"] b').first
         assert float(told.get_attribute("data-value")) == live
         before = pixels(page)
-        page.evaluate("board.head = 3.0")
+        page.evaluate("board.moment.head = 3.0")
         time.sleep(0.5)
         assert pixels(page) != before
         page.locator("#earlier").click()
         page.locator("#later").click()
-        assert page.evaluate("board.events.some((event) => event.t === board.head)")
+        assert page.evaluate("board.events.all.some((event) => event.t === board.moment.head)")
 
 
 @pytest.fixture(scope="module")
@@ -203,9 +203,10 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
         served_folder(one, "--beside", str(other)) as address,
         page_of(opened, f"{address}&t={t:.4f}&w=0.5") as page,
     ):
-        until(page, "board.still && Math.abs(board.still[1] - board.still[0] - 0.5) < 1e-6")
-        until(page, "board.fixed.count > 100 && board.other.count > 100")
-        assert page.evaluate("board.head") == pytest.approx(t, abs=1e-4)
+        span = "(board.moment.window[1] - board.moment.window[0])"
+        until(page, f"board.moment.still && Math.abs({span} - 0.5) < 1e-6")
+        until(page, "board.rows.fixed.count > 100 && board.rows.other.count > 100")
+        assert page.evaluate("board.moment.head") == pytest.approx(t, abs=1e-4)
         with page.expect_download() as saving:
             page.get_by_role("button", name="csv").first.click()
         saving.value.save_as(tmp_path / "shown.csv")
@@ -219,9 +220,11 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
 
         # The other run is what it is, and not the first one once more.
         place = page.evaluate(
-            f"board.other.columns.findIndex((k) => board.columns[k][0] === '{PLOTTED}')"
+            f"board.rows.other.columns.findIndex((k) => board.columns[k][0] === '{PLOTTED}')"
         )
-        got = page.evaluate(f"[Array.from(board.other.t), Array.from(board.other.values[{place}])]")
+        got = page.evaluate(
+            f"[Array.from(board.rows.other.t), Array.from(board.rows.other.values[{place}])]"
+        )
         rows = np.searchsorted(beside.t, np.array(got[0]) - 5e-5)
         wanted = beside.column(PLOTTED)[rows]
         assert np.allclose(got[1], wanted, rtol=1e-6, atol=1e-12)
@@ -231,7 +234,7 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
         box = page.locator(".pane canvas").first.bounding_box()
         page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
         page.mouse.wheel(0, -400)
-        until(page, "board.still[1] - board.still[0] < 0.4")
+        until(page, "board.moment.still[1] - board.moment.still[0] < 0.4")
         # A favourite is found first, also by the next page.
         page.locator(".pane .tools button").first.click()
         last = page.locator("#found input").last.get_attribute("name")
@@ -268,20 +271,22 @@ def test_each_kind_of_trigger_holds_the_page_still(tmp_path):
         watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run,
         page_of(opened, run.look) as page,
     ):
-        assert page.evaluate("board.isLive")
+        assert page.evaluate("board.moment.isLive")
         heads = {}
         tool = page.locator(".pane").first.get_by_role("button", name=re.compile("^hold"))
         for number, way in enumerate(WAYS, start=1):
-            page.evaluate("board.hold(board.head - 1, board.head)")  # else the first way holds it
+            page.evaluate(
+                "board.moment.hold(board.moment.head - 1, board.moment.head)"
+            )  # else the first way holds it
             for _ in range(number):
                 tool.click()
             assert tool.inner_text() == f"hold {way}"
             page.evaluate("board.panes[0].trigger.level = 4.0")  # mm; the sine goes to 9
             page.locator("#live").click()
-            until(page, "board.isLive || !board.panes[0].trigger")
-            until(page, "!board.isLive", 40)
-            heads[way] = page.evaluate("board.head")
-            assert page.evaluate("board.window()[1] - board.window()[0]") >= 10.0
+            until(page, "board.moment.isLive || !board.panes[0].trigger")
+            until(page, "!board.moment.isLive", 40)
+            heads[way] = page.evaluate("board.moment.head")
+            assert page.evaluate("board.moment.window[1] - board.moment.window[0]") >= 10.0
             assert tool.inner_text() == "hold"
     log = read_log(run.folder / "log.mcap")
     position = log.column(PLOTTED)
@@ -300,12 +305,14 @@ def test_the_choice_of_windows_says_how_wide_the_window_is(tmp_path):
         assert page.evaluate(shown) == "10 s"  # live
         until(page, "board.status.t > 8", 60)  # that two and three seconds are not all of it
         for asked, said in (("2, 4", "2 s"), ("1, 4.14", "3.1 s"), ("0, board.status.t", "all")):
-            page.evaluate(f"board.hold({asked})")
+            page.evaluate(f"board.moment.hold({asked})")
             assert page.evaluate(shown) == said
-        page.evaluate("board.jump(5)")
+        page.evaluate("board.moment.jump(5)")
         page.locator("#window").select_option("2")
-        assert page.evaluate("board.window()[1] - board.window()[0]") == pytest.approx(2.0)
-        page.evaluate("board.zoom(1.5, board.head)")
+        assert page.evaluate("board.moment.window[1] - board.moment.window[0]") == pytest.approx(
+            2.0
+        )
+        page.evaluate("board.moment.zoom(1.5, board.moment.head)")
         assert page.evaluate(shown) == "3 s"
         page.locator("#live").click()
         assert page.evaluate(shown) == "10 s"

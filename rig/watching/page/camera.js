@@ -62,7 +62,7 @@ export class Cameras {
   age(passed) {
     if (!this.board.status?.live) return "the last one";
     if (passed > 1000) return `${(passed / 1000).toFixed(1)} s old`;
-    return this.board.isLive ? "" : "now";
+    return this.board.moment.isLive ? "" : "now";
   }
 
   drawOne({ figure, canvas, caption, name, told }, now) {

@@ -1,30 +1,33 @@
 // Gains that may be changed while the run goes on; the controller has the last word on each.
 
+import { Hold } from "./hold.js";
 import { number } from "./units.js";
 
+const element = (id) => document.getElementById(id);
+
 export class Gains {
-  constructor(link, hardware) {
+  constructor(link) {
     this.link = link;
-    this.hardware = hardware;
-    this.card = document.getElementById("gains-card");
-    this.list = document.getElementById("gains");
-    this.said = document.getElementById("gain-said");
-    this.hold = document.getElementById("hold");
-    this.ramp = document.getElementById("ramp");
-    this.listen();
+    this.said = element("gain-said");
+    this.needsHold = false;
+    this.waiting = null; // a change that is made once somebody holds on
+    this.hold = new Hold(element("hold"), (isFirst) => {
+      link.say({ type: "hold" });
+      if (isFirst && this.waiting) this.send(...this.waiting);
+    });
   }
 
   describe(gains, steers, hardware) {
     this.permitted = steers && gains.length > 0;
-    this.hold.hidden = !hardware;
-    this.hardware = hardware;
+    this.needsHold = hardware;
+    element("hold").hidden = !hardware;
     this.rows = new Map();
-    this.list.replaceChildren(...gains.map((gain) => this.row(gain)));
+    element("gains").replaceChildren(...gains.map((gain) => this.row(gain)));
   }
 
   // Of a run that has ended there is nothing to be changed.
   show(live) {
-    this.card.hidden = !(live && this.permitted);
+    element("gains-card").hidden = !(live && this.permitted);
   }
 
   row(gain) {
@@ -53,7 +56,7 @@ export class Gains {
     undo.addEventListener("click", () => this.send(gain.key, past[past.length - 1]));
     this.rows.set(gain.key, (change) => {
       if (past.length && change.new === past[past.length - 1]) past.pop();
-      else past.push(change.old);
+      else if (past[past.length - 1] !== change.old) past.push(change.old); // a ramp that was let go of is one change
       value.value = change.new;
       undo.disabled = !past.length;
       tell(change.new);
@@ -62,43 +65,36 @@ export class Gains {
     return row;
   }
 
+  // One hand cannot hold on and press another button: a change waits for who holds on.
   send(key, value, sure = false) {
     this.asked = [key, value];
-    this.link.say({ type: "gain", key, value, ramp: Number(this.ramp.value), sure });
+    if (this.needsHold && !this.hold.isHeld) {
+      this.waiting = [key, value, sure];
+      this.tell(`${key} to ${number(value)}: hold to steer`);
+      return;
+    }
+    this.waiting = null;
+    this.link.say({ type: "gain", key, value, ramp: Number(element("ramp").value), sure });
+  }
+
+  tell(text) {
+    this.said.textContent = text;
   }
 
   // The loop has the last word: what it changed is what there is to be undone.
   heard(event) {
     if (event.data?.accepted) this.rows.get(event.data.key)?.(event.data);
-    this.said.textContent = event.message;
+    this.tell(event.message);
   }
 
   // What needs to be asked again is asked in the page, not by a dialogue that would cover the stop.
   answer(message) {
-    this.said.textContent = message.message;
+    this.tell(message.message);
     if (!message.message.endsWith("?")) return;
     const sure = document.createElement("button");
     sure.type = "button";
     sure.textContent = "yes";
     sure.addEventListener("click", () => this.send(...this.asked, true));
     this.said.append(" ", sure);
-  }
-
-  listen() {
-    let beat = null;
-    const release = () => {
-      clearInterval(beat);
-      beat = null;
-      this.hold.classList.remove("on");
-    };
-    this.hold.addEventListener("pointerdown", () => {
-      this.hold.classList.add("on");
-      this.link.say({ type: "hold" });
-      beat ??= setInterval(() => this.link.say({ type: "hold" }), 100);
-    });
-    for (const end of ["pointerup", "pointerleave", "pointercancel"]) {
-      this.hold.addEventListener(end, release);
-    }
-    window.addEventListener("blur", release);
   }
 }

@@ -42,7 +42,7 @@ export class Picker {
     box.addEventListener("change", () => {
       pane.columns = box.checked ? [...pane.columns, k] : pane.columns.filter((one) => one !== k);
       pane.list();
-      this.board.subscribe();
+      this.board.rows.subscribe();
     });
     const text = document.createElement("small");
     text.textContent = `${column[2]}${column[1] ? ` [${column[1]}]` : ""}`;

@@ -1,8 +1,8 @@
 // What a pane shows as a file: CSV, in SI.
 
 export function save(board, pane) {
-  const [from, to] = board.window();
-  const table = board.table();
+  const [from, to] = board.moment.window;
+  const table = board.rows.table;
   const head = ["t [s]", ...pane.columns.map((k) => `${board.columns[k][0]} [${board.columns[k][1]}]`)];
   const lines = [head.map((name) => `"${name.replaceAll('"', '""')}"`).join(",")];
   for (let row = table.rowAt(from); row < table.rowAt(to); row += 1) {

@@ -86,7 +86,7 @@ export class Pane {
     const at = (event) => this.timeAt(event.clientX - this.canvas.getBoundingClientRect().left);
     this.canvas.addEventListener("pointermove", (event) => {
       if (this.drag && !this.isXY) {
-        this.board.pan(this.drag - at(event));
+        this.board.moment.pan(this.drag - at(event));
         return;
       }
       this.board.cursor = this.isXY ? null : at(event);
@@ -102,9 +102,9 @@ export class Pane {
     this.canvas.addEventListener("pointerleave", () => { this.board.cursor = null; });
     this.canvas.addEventListener("wheel", (event) => {
       if (!event.ctrlKey && !event.shiftKey && !event.altKey) event.preventDefault();
-      this.board.zoom(Math.exp(event.deltaY * 0.0015), at(event));
+      this.board.moment.zoom(Math.exp(event.deltaY * 0.0015), at(event));
     }, { passive: false });
-    this.canvas.addEventListener("dblclick", (event) => this.board.jump(at(event)));
+    this.canvas.addEventListener("dblclick", (event) => this.board.moment.jump(at(event)));
   }
 
   // The tool goes through the ways of a trigger, from one in the middle to none.
@@ -129,7 +129,7 @@ export class Pane {
   }
 
   timeAt(x) {
-    const [from, to] = this.board.window();
+    const [from, to] = this.board.moment.window;
     const share = (x - LEFT) / Math.max(this.canvas.clientWidth - LEFT - RIGHT, 1);
     return from + (to - from) * Math.min(Math.max(share, 0), 1);
   }
@@ -180,14 +180,14 @@ export class Pane {
     const area = { x: LEFT, y: TOP, w: width - LEFT - RIGHT, h: height - TOP - BOTTOM };
     if (area.w < 20 || area.h < 20) return;
     watermark(context, width, height, this.board.mark, Math.min(34, height / 3));
-    const table = this.board.table();
+    const table = this.board.rows.table;
     if (this.isXY) drawXY(this, context, table, area);
     else this.drawTime(context, table, area);
     this.tellValues(table);
   }
 
   tellValues(table) {
-    const t = this.board.cursor ?? this.board.playhead();
+    const t = this.board.cursor ?? this.board.moment.head;
     const row = table.nearest(t);
     for (const [k, element] of this.values) {
       const column = table.values[table.place.get(k)];
@@ -200,7 +200,7 @@ export class Pane {
   }
 
   drawTime(context, table, area) {
-    const [from, to] = this.board.window();
+    const [from, to] = this.board.moment.window;
     const first = Math.max(table.rowAt(from) - 1, 0);
     const last = Math.min(table.rowAt(to) + 1, table.count);
     const range = this.range(table, first, last);
@@ -212,7 +212,7 @@ export class Pane {
     context.beginPath();
     context.rect(area.x, area.y, area.w, area.h);
     context.clip();
-    const other = this.board.other;
+    const other = this.board.rows.other;
     context.globalAlpha = 0.45;
     for (const k of this.seen) {
       this.trace(context, other, k, other.rowAt(from), other.rowAt(to), x, y, 0.9);
@@ -223,7 +223,7 @@ export class Pane {
     this.drawBounds(context, area, range, y);
     this.upwards = range;
     if (this.trigger) this.drawTrigger(context, area, y(this.trigger.level));
-    this.line(context, area, x(this.board.playhead()), "quiet");
+    this.line(context, area, x(this.board.moment.head), "quiet");
     if (this.board.cursor !== null) this.line(context, area, x(this.board.cursor), "ink");
   }
 
@@ -313,7 +313,7 @@ export class Pane {
   }
 
   drawEvents(context, area, x, from, to) {
-    for (const event of this.board.events) {
+    for (const event of this.board.events.all) {
       if (event.t === null || event.t < from || event.t > to) continue;
       const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "quiet";
       // Only what is rare crosses the whole pane; the others are marks at its foot.

@@ -4,7 +4,7 @@ import { color } from "./look.js";
 import { shown } from "./units.js";
 
 export function drawXY(pane, context, table, area) {
-  const [from, to] = pane.board.window();
+  const [from, to] = pane.board.moment.window;
   const first = table.rowAt(from);
   const last = table.rowAt(to);
   const pairs = [];
