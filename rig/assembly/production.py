@@ -1,9 +1,9 @@
 """From a profile's entries to production drivers, mechanism, controller and motion."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from controllers.base import PlanningLaw
+from controllers.base import AnyLaw, PlanningLaw
 from controllers.motion import InfeasibleMotion, LongMotion, check_length
 from rig.assembly.answers import check_motion
 from rig.assembly.contract_check import check_offers, make
@@ -91,7 +91,7 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     return mechanism
 
 
-def controller_class(profile: Profile, name: str) -> Any:
+def controller_class(profile: Profile, name: str) -> Callable[..., AnyLaw]:
     """Return the class of a controller that the profile has settings for; nothing is made.
 
     Raises
@@ -104,7 +104,9 @@ def controller_class(profile: Profile, name: str) -> Any:
             f"the profile {profile.name} has no controller {name!r}; "
             f"it has {', '.join(profile.controllers)}"
         )
-    return REGISTRY.load("controller", controller_key(REGISTRY, profile.mechanism, name))
+    key = controller_key(REGISTRY, profile.mechanism, name)
+    found: Callable[..., AnyLaw] = REGISTRY.load("controller", key)
+    return found
 
 
 def make_controller(profile: Profile, name: str) -> Any:

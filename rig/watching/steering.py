@@ -44,8 +44,8 @@ class Steering:
         name = str(self._folder.manifest.get("law"))
         self._kind = kind = controller_class(self._profile, name)
         self._first = first = self._profile.controllers[name]
-        has_gains = isinstance(kind, type) and issubclass(kind, Law)
-        self._gains = widened(kind.online, first) if has_gains else ()
+        online = kind.online if isinstance(kind, type) and issubclass(kind, Law) else ()
+        self._gains = widened(online, first)
 
     def described(self) -> "list[Plain]":
         """Return what may be changed, its value, and within which bounds."""
