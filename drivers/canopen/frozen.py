@@ -1,5 +1,6 @@
 """Readings that stay the same to the last count, as no sensor's do that lives."""
 
+from collections.abc import Sequence
 from math import inf
 
 from rig.hal import DeviceFault
@@ -48,3 +49,56 @@ class FrozenInputs:
                 value=f"{same:.3g} s",
                 bound=f"{self._timeout:g} s",
             )
+
+
+class FrozenChannels(FrozenInputs):
+    """Finds out that one of a node's values does not change any more, while others may.
+
+    Parameters
+    ----------
+    name : str
+        The device's name in the profile.
+    timeout : float or None
+        For how long a value may be the same, s; None: for ever.
+    channels : sequence of str
+        What each value is of.
+    """
+
+    def __init__(self, name: str, timeout: float | None, channels: Sequence[str]) -> None:
+        self._channels = tuple(channels)
+        super().__init__(name, timeout)
+
+    def restart(self) -> None:
+        """See `FrozenInputs.restart`."""
+        super().restart()
+        self._changes = [0.0] * len(self._channels)
+
+    def see(self, values: tuple[float, ...], t: float) -> None:
+        """See `FrozenInputs.see`. Hot path."""
+        before = self._values
+        super().see(values, t)
+        if not before:
+            self._changes = [t] * len(self._channels)
+            return
+        changes = self._changes
+        for k, value in enumerate(values):
+            if value != before[k]:
+                changes[k] = t
+
+    def check(self) -> None:
+        """Raise if all values or some have been the same for too long; see `FrozenInputs.check`."""
+        longest = self._seen - min(self._changes, default=self._seen)
+        if longest <= self._timeout:
+            return
+        # A live value may be the same twice by chance, and so one may seem to freeze before others.
+        limit = self._seen - 0.5 * self._timeout
+        still = [name for name, t in zip(self._channels, self._changes, strict=True) if t < limit]
+        of_all = len(still) == len(self._channels)
+        raise DeviceFault(
+            self._name,
+            "its readings are frozen: no count has changed"
+            if of_all
+            else f"frozen: no count has changed of {', '.join(still)}",
+            value=f"{longest:.3g} s",
+            bound=f"{self._timeout:g} s",
+        )

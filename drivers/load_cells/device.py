@@ -8,6 +8,7 @@ CiA 401 V3.0: 0x6401 analogue inputs of 16 bits.
 from math import inf
 
 from drivers.canopen.bus import CanopenBus
+from drivers.canopen.frozen import FrozenChannels
 from drivers.canopen.sensor import CyclicSensor
 from drivers.load_cells.codec import cell_codec, decode_force
 from drivers.load_cells.settings import PROFILE, LoadCellSettings
@@ -28,6 +29,7 @@ class CanopenLoadCells(CyclicSensor, LoadCells):
         super().__init__(name, settings, bus, self._take, profile=PROFILE, serial=serial)
         self.settings = settings
         self.channels = tuple(settings.cells)
+        self._frozen = FrozenChannels(name, settings.frozen_timeout, self.channels)
         self._codecs = tuple(cell_codec(cell) for cell in settings.cells.values())
         self._counts: tuple[float, ...] = ()
         self._forces: Reading[Vector] = Reading((0.0,) * len(self.channels), -inf)
@@ -55,7 +57,7 @@ class CanopenLoadCells(CyclicSensor, LoadCells):
         return self._forces
 
     def check(self, now: float) -> None:
-        """Raise if the module is silent, its readings are frozen, or a cell is at its end.
+        """Raise if the module is silent, a reading is frozen, or a cell is at its end.
 
         Raises
         ------

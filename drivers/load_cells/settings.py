@@ -83,8 +83,8 @@ class LoadCellSettings(NodeSettings):
     overload_after : int
         Samples in a row at the end of a cell's range that are a fault: a landing's peak is none.
     frozen_timeout : float, optional
-        If no cell changes in a single count for so long, that is a fault, s; the noise of
-        their amplifiers moves them. None: it is not looked at.
+        If a cell does not change in a single count for so long, that is a fault, s; the noise
+        of its amplifier moves it. None: it is not looked at.
     """
 
     node: Annotated[int, Interval(ge=1, le=127)]

@@ -2,7 +2,7 @@
 
 from functools import partial
 
-from rig.faults import frame_kinds, program_kinds, valve_kinds, world_kinds
+from rig.faults import body_kinds, frame_kinds, program_kinds, valve_kinds, world_kinds
 from rig.faults.kind import FaultKind, Place, Sizes, either, ride
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
@@ -21,6 +21,7 @@ KINDS = {
         NOTHING,
         *world_kinds.KINDS,
         *valve_kinds.KINDS,
+        *body_kinds.KINDS,
         *frame_kinds.KINDS,
         *program_kinds.KINDS,
     )
@@ -30,6 +31,7 @@ KINDS = {
 _NEEDS = (
     (world_kinds.PNEUMATIC, "a simulated chamber, wire, regulator or supply"),
     (valve_kinds.KINDS, "proportional valves"),
+    (body_kinds.KINDS, "load cells under its feet and an inertial sensor at its waist"),
     (world_kinds.EMERGENCY_STOPS, "a device that reads the contact"),
     (world_kinds.SENSORS, "a linear encoder that knows it"),
     (world_kinds.CAMERAS, "a camera"),

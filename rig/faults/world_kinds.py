@@ -39,7 +39,8 @@ ALONE = frozenset({*ON_A_WIRE, "pressure"})
 alone, with what the supply gives, until the mechanical stop bears it."""
 
 
-def _inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
+def inject(fault: str, stage: Stage, place: Place, sizes: Sizes) -> None:
+    """Make a fault happen in the world, of a size or for a time."""
     name = f"{place.axis}.{fault}" if place.axis else fault
     lasts = None if sizes.lasts == float("inf") else sizes.lasts
     value = next((x for x in (place.number, sizes.magnitude, lasts) if x is not None), None)
@@ -145,7 +146,7 @@ def _kind(
     excuses: Excuse = no_excuse,
 ) -> FaultKind:
     return FaultKind(
-        name=name, what=what, places=places, apply=partial(_inject, fault or name), must=must,
+        name=name, what=what, places=places, apply=partial(inject, fault or name), must=must,
         within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
         excuses=excuses,
     )  # fmt: skip

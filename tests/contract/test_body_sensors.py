@@ -42,6 +42,21 @@ class TestLoadCells(BodySensors):
         assert sum(forces.value) == pytest.approx(WEIGHT, abs=0.05 * WEIGHT + 6.0)
         assert sum(forces.value[:4]) == pytest.approx(0.5 * WEIGHT, abs=8.0)
 
+    def test_a_single_frozen_cell_is_named(self, bench):
+        self.plant(bench).inject("left_back_left.cell_frozen")
+        with pytest.raises(DeviceFault, match="feet: frozen: no count has changed of left_back_l"):
+            bench.run(60)
+
+    def test_scale_of_one_cell_shows(self, bench):
+        bench.run(60)
+        before = bench.device.forces().value
+        self.plant(bench).inject("right_back_left.cell_scale", 0.5)
+        bench.run(10)
+        after = bench.device.forces().value
+        assert before[2] > 4.0
+        assert after[2] == pytest.approx(0.5 * before[2], abs=2.0)
+        assert after[3] == pytest.approx(before[3], abs=2.0)
+
     def test_offset_and_dead_cell_show(self, bench):
         bench.run(60)
         before = bench.device.forces().value

@@ -9,8 +9,8 @@ from rig.hal import Clock, DeviceFault, InertialSensor, LoadCells, MeasuredPlant
 class SimulatedInputs(SimulatedDevice):
     """Inputs that are sampled once a cycle, in whole counts.
 
-    Faults: ``silent`` (value: s), ``repair``. A reading that is frozen in every count is a fault,
-    as it is on a bus.
+    Faults: ``silent`` (value: s), ``repair``. Readings that are frozen in every count are a fault,
+    as they are on a bus.
 
     Parameters
     ----------
@@ -42,7 +42,8 @@ class SimulatedInputs(SimulatedDevice):
         self._inputs = tuple(zip(channels, steps, strict=True))
         self._frozen_timeout = frozen_timeout
         self._values: Vector = ()
-        self._sampled_at = self._changed_at = 0.0
+        self._sampled_at = 0.0
+        self._changed_at = [0.0] * len(self._inputs)
 
     def connect(self) -> None:
         """Take the first readings."""
@@ -63,15 +64,22 @@ class SimulatedInputs(SimulatedDevice):
         DeviceFault
             With for how long.
         """
-        same = self._sampled_at - self._changed_at
-        if self._frozen_timeout is not None and same > self._frozen_timeout:
+        timeout = self._frozen_timeout
+        longest = self._sampled_at - self._last_change()
+        if timeout is not None and longest > timeout:
             raise DeviceFault(
                 self.name,
-                "its readings are frozen: no count has changed",
-                value=f"{same:.3g} s",
-                bound=f"{self._frozen_timeout:g} s",
+                self._frozen_words(self._sampled_at - 0.5 * timeout),
+                value=f"{longest:.3g} s",
+                bound=f"{timeout:g} s",
             )
         self._sample()
+
+    def _last_change(self) -> float:
+        return max(self._changed_at)
+
+    def _frozen_words(self, since: float) -> str:
+        return "its readings are frozen: no count has changed"
 
     def _sample(self) -> None:
         if self._is_silent():
@@ -79,14 +87,30 @@ class SimulatedInputs(SimulatedDevice):
         self._sampled_at = self._clock.now()
         read = self._plant.channel_value
         values = tuple([round(read(channel) / step) * step for channel, step in self._inputs])
-        if values != self._values:
-            self._values, self._changed_at = values, self._sampled_at
+        before = self._values or (None,) * len(values)
+        for k, (value, then) in enumerate(zip(values, before, strict=True)):
+            if value != then:
+                self._changed_at[k] = self._sampled_at
+        self._values = values
 
 
 class SimulatedLoadCells(SimulatedInputs, LoadCells):
-    """Load cells; satisfies `rig.hal.LoadCells`. Parameters are those of `SimulatedInputs`."""
+    """Load cells; satisfies `rig.hal.LoadCells`. Parameters are those of `SimulatedInputs`.
+
+    A single cell that is frozen is a fault, too.
+    """
 
     channels: tuple[str, ...] = ()
+
+    def _last_change(self) -> float:
+        return min(self._changed_at)
+
+    def _frozen_words(self, since: float) -> str:
+        pairs = zip(self.channels, self._changed_at, strict=True)
+        still = [channel for channel, changed_at in pairs if changed_at < since]
+        if len(still) == len(self.channels):
+            return super()._frozen_words(since)
+        return f"frozen: no count has changed of {', '.join(still)}"
 
     def forces(self) -> Reading[Vector]:
         """Return what each cell bears, N, shape (n,)."""

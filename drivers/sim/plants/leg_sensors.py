@@ -21,8 +21,17 @@ _CORNERS: Final = ("front_left", "front_right", "back_left", "back_right")
 CELLS: Final = tuple(f"{leg}_{corner}" for leg in ("right", "left") for corner in _CORNERS)
 LEANS: Final = ("waist_roll", "waist_pitch", "waist_roll_rate", "waist_pitch_rate")
 SENSORS: Final = (*CELLS, *LEANS)
+_WEAR: Final = ("frozen", "offset", "scale", "noisy")
+_KINDS: Final = ("cell",) * 8 + ("lean",) * 2 + ("gyro",) * 2
+OF_SENSOR: Final = tuple(
+    f"{sensor}.{kind}_{wear}"
+    for sensor, kind in zip(SENSORS, _KINDS, strict=True)
+    for wear in _WEAR
+)
+"""Faults of one sensor, as in ``waist_roll.lean_offset``."""
 FAULTS: Final = (
-    "feet_frozen", "feet_offset", "cell_dead", "waist_frozen", "waist_offset", "gyro_offset"
+    "feet_frozen", "feet_offset", "cell_dead", "waist_frozen", "waist_offset", "gyro_offset",
+    *OF_SENSOR,
 )  # fmt: skip
 """Names of `LegSensors.break_by`."""
 
@@ -30,6 +39,9 @@ _SEED: Final = 0x5E
 """Beside the unit's, so that a unit is the same whether or not anybody measures it."""
 _OFFSET: Final = {"feet_offset": 10.0, "waist_offset": 0.2, "gyro_offset": 0.3}
 """Of a fault without a value: N for each cell, rad, rad/s."""
+_WORN: Final = {"cell_offset": 10.0, "lean_offset": 0.2, "gyro_offset": 0.3,
+                "cell_noisy": 5.0, "lean_noisy": 0.05, "gyro_noisy": 0.2}  # fmt: skip
+"""The same of one sensor; a scale that is not said is 2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +135,7 @@ class LegSensors:
         self._noise = np.array(
             [settings.force_noise] * 8 + [settings.lean_noise] * 2 + [settings.rate_noise] * 2
         )
-        self._alive = np.ones(12)
+        self._scales = np.ones(12)
         self._frozen = np.zeros(12, bool)
         self._shown = np.zeros(12)
         self._late: deque[tuple[float, NDArray[np.float64]]] = deque()
@@ -150,12 +162,18 @@ class LegSensors:
     def break_by(self, fault: str, value: float | None) -> None:
         """Break a sensor: see `FAULTS`. `cell_dead` takes the cell's number in `CELLS`.
 
+        Of one sensor, ``offset`` and ``noisy`` (standard deviation) take N, rad or rad/s, and
+        ``scale`` a factor on what it shows.
+
         Raises
         ------
         ValueError
             The value does not fit the fault.
         """
-        if fault == "feet_frozen":
+        if fault in OF_SENSOR:
+            sensor, _, wear = fault.partition(".")
+            self._wear(SENSORS.index(sensor), wear, value)
+        elif fault == "feet_frozen":
             self._frozen[:8] = True
         elif fault == "waist_frozen":
             self._frozen[8:] = True
@@ -163,13 +181,26 @@ class LegSensors:
             cell = 0.0 if value is None else value
             if cell not in range(len(CELLS)):
                 raise ValueError(f"plant: cell_dead takes 0 … {len(CELLS) - 1}, not {cell:g}")
-            self._alive[int(cell)] = 0.0
+            self._scales[int(cell)] = 0.0
         else:
             offset = _OFFSET[fault] if value is None else value
             if not math.isfinite(offset):
                 raise ValueError(f"plant: {fault} takes a finite number, not {offset:g}")
             first, last = {"feet_offset": (0, 8), "waist_offset": (8, 10)}.get(fault, (10, 12))
             self._offsets[first:last] += offset
+
+    def _wear(self, sensor: int, wear: str, value: float | None) -> None:
+        size = _WORN.get(wear, 2.0) if value is None else value
+        if not math.isfinite(size):
+            raise ValueError(f"plant: {wear} takes a finite number, not {size:g}")
+        if wear.endswith("frozen"):
+            self._frozen[sensor] = True
+        elif wear.endswith("offset"):
+            self._offsets[sensor] += size
+        elif wear.endswith("scale"):
+            self._scales[sensor] = size
+        else:
+            self._noise[sensor] = abs(size)
 
     def _measure(self) -> "NDArray[np.float64]":
         # What is up, as the waist sees it: the ground may be inclined.
@@ -180,7 +211,7 @@ class LegSensors:
         # Of a free joint MuJoCo has the angular velocity along the body's own axes.
         true = [*self._cells(), roll, pitch, *self._data.qvel[3:5].tolist()]
         noise = self._noise * self._rng.standard_normal(12)
-        return np.array(true) * self._alive + self._offsets + noise
+        return np.array(true) * self._scales + self._offsets + noise
 
     def _cells(self) -> list[float]:
         data, force = self._data, np.zeros(6)
