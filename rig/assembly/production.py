@@ -80,11 +80,13 @@ def make_mechanism(profile: Profile, devices: Mapping[str, Device]) -> Any:
     mechanism = view.assemble(profile.mechanism_settings, devices, profile.loop.period)
     what = f"the mechanism {profile.mechanism}"
     check_offers(what, mechanism, Mechanism)
-    if not 0.0 <= mechanism.stopping_time <= _LONGEST_STOP:
-        raise ContractBroken(
-            f"{what}: {where(type(mechanism))}.stopping_time is {mechanism.stopping_time:g} s, and "
-            f"not between 0 and {_LONGEST_STOP:g} s"
-        )
+    for name in ("stopping_time", "venting_time"):
+        time = getattr(mechanism, name)
+        if not 0.0 <= time <= _LONGEST_STOP:
+            raise ContractBroken(
+                f"{what}: {where(type(mechanism))}.{name} is {time:g} s, and "
+                f"not between 0 and {_LONGEST_STOP:g} s"
+            )
     stop = mechanism.stop_input()
     if stop is not None:
         check_offers(f"{what}: its stop_input", stop, EmergencyStopInput)

@@ -102,6 +102,7 @@ class Performance(Watcher):
         self._rehearsal: RehearsalStage | None = None
         self._is_built = False
         self._unwritten: list[Break] = []
+        self._refused = ""
 
     # What the run tells ------------------------------------------------------------------
 
@@ -213,7 +214,11 @@ class Performance(Watcher):
         self._made_at.append(stage.world.time)
         self._felt_at.append(None if item.row.spoils_law else stage.world.time)
         self._note(item)
-        end = item.row.apply(stage, item.place(self.subject), item.sizes)
+        try:
+            end = item.row.apply(stage, item.place(self.subject), item.sizes)
+        except ValueError as error:  # of the simulation: nothing that the program did
+            self._refused = f"the simulation refuses {item.kind} at {item.where}: {error}"
+            return
         if end is not None and item.lasts < float("inf"):
             stage.cue(stage.world.time + item.lasts, end)
 
@@ -281,6 +286,8 @@ class Performance(Watcher):
             self._case.breaks
         ):  # what did not happen was not ridden through
             verdict = verdict.missed()
+        if self._refused:
+            verdict = verdict.broken(self._refused)
         if verdict.failed and self.folder is not None:
             np.savez_compressed(self.folder / TRUTH, columns=self._columns, t=times, truth=rows)
             content = {"t": "s", "columns": [column._asdict() for column in self._described]}

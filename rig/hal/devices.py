@@ -16,9 +16,10 @@ from rig.hal.reading import Reading
 
 Vector = tuple[float, ...]
 
-_VENTED = 20e3
-"""Excess over its safe pressure up to which a chamber counts as vented, Pa: well above a monitor's
-offset and noise, and a piston of 2 cm² pushes with 4 N then, less than its seals hold back."""
+_VENTED = 15e3
+"""Excess over its safe pressure up to which a chamber counts as vented, Pa: above a monitor's
+offset and noise, and with these no more than 20 kPa, where a piston of 2 cm² pushes with 4 N, less
+than its seals hold back."""
 _STILL = 0.05
 """Share of its greatest speed up to which a braked joint counts as standing still."""
 _FRESH = 0.1

@@ -184,7 +184,8 @@ class Loop(Generic[State, Reference, Command]):
     def make_safe(self, recording: StopRecording | None = None) -> tuple[str, ...]:
         """Give every device its safe setpoint until they all say that they are safe.
 
-        It is repeated for `SAFE_CYCLES` or a recorded stop at least, and `safe_within` at most.
+        It is repeated for `SAFE_CYCLES`, a recorded stop and, after a fault, the mechanism's
+        `venting_time` at least, and `safe_within` at most.
 
         Returns
         -------
@@ -192,7 +193,8 @@ class Loop(Generic[State, Reference, Command]):
             A sentence for each device that is not known to be safe in the end.
         """
         recorded = recording.cycles if recording else SAFE_CYCLES
-        least = max(SAFE_CYCLES, recorded)
+        vents = min(self.mechanism.venting_time, self.safe_within) if recording else 0.0
+        least = max(SAFE_CYCLES, recorded, math.ceil(vents / self.period))
         most = max(least, math.ceil(self.safe_within / self.period))
         unsafe: list[str] = []
         for cycle in range(1, most + 1):

@@ -1,6 +1,7 @@
 """`rig calibrate` from the command line to the file, and back into a profile."""
 
 import json
+import shutil
 
 import pytest
 
@@ -64,6 +65,23 @@ def test_what_is_broken_off_changes_nothing_and_can_be_gone_on_with(configs, cap
     assert len(runs) == 2
     text = (configs / "calibration" / "cylinder" / "cylinder.yaml").read_text()
     assert all(f"{path}/log.mcap" in " ".join(text.split()) for path in runs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("rig", "procedure"),
+    [("legs-balance", "scale"), ("cylinder-valves", "encoders"), ("cylinder-real", "encoders")],
+)
+def test_what_a_rig_is_fed_and_felt_by_stands_in_no_procedures_way(
+    tmp_path, capsys, rig, procedure
+):
+    """A jig presses no sole; a PID bears the dead time of valves and of real regulators."""
+    configs = tmp_path / "configs"
+    shutil.copytree(find_configs()[0] / "rigs", configs / "rigs")
+    places = ["--configs", str(configs), "--out", str(tmp_path / "runs")]
+    assert invoke(["calibrate", rig, procedure, "--yes", "--on", "sim", *places]) == 0
+    assert "faulted" not in capsys.readouterr().err
+    assert list((configs / "calibration" / rig).glob("*.yaml"))
 
 
 def test_nobody_to_ask_is_told(configs, capsys):

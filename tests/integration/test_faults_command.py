@@ -115,6 +115,21 @@ def test_a_stop_in_quiet_hours_is_a_false_trip(tmp_path, slow_to_notice, at):
     assert len(list((tmp_path / "out" / "seed-0").iterdir())) == len(runs)
 
 
+def test_what_the_simulation_refuses_is_no_fault_and_no_pass(tmp_path):
+    """It never broke: a program that stops for it has not seen anything."""
+    file = tmp_path / "case.yaml"
+    file.write_text(
+        CASE.replace("fault: wire_cut", "fault: regulator_slow\nmagnitude: -3").replace(
+            "when: {phase: run", "when: {phase: approach"
+        )
+    )
+    result = run("run", file, "--out", tmp_path)
+    assert result.return_value == 1, result.output
+    (case,) = campaign(tmp_path, 0)["cases"]
+    assert case["crashed"]
+    assert "the simulation refuses regulator_slow at plant agonist" in case["wrongs"][0]
+
+
 def test_a_worker_that_dies_is_no_pass(tmp_path, monkeypatch):
     monkeypatch.setattr("rig.faults.campaign.perform_unit", lambda *rest: None)
     result = run("run", "cylinder", "--only", "nothing", "--out", tmp_path)

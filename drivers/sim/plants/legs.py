@@ -208,6 +208,7 @@ class LegsPlant:
         self._time = t
         if not self._standing_free:
             self._stepped = t
+            self.sensors.sample(t)
             return
         moved = False
         while self._stepped + self._timestep <= t + _ROUNDING:
@@ -295,6 +296,18 @@ class LegsPlant:
         self._angles[:] = self.settings.stand or [leg[joint] for joint in JOINTS] * 2
         self._waist[:] = (0.0, 0.0, height + geometry.ankle_height, 1.0, 0.0, 0.0, 0.0)
         self._forward(self.model, self.data)
+        if self.settings.stand:  # which a jig holds as high as its soles need, not in the floor
+            self._waist[2] -= self._lowest_of_soles()
+            self._forward(self.model, self.data)
+
+    def _lowest_of_soles(self) -> float:
+        """Return how high the lowest corner of both soles is, m."""
+        heights = [
+            self.data.geom_xpos[geom, 2]
+            - np.abs(self.data.geom_xmat[geom].reshape(3, 3)[2]) @ self.model.geom_size[geom]
+            for geom in self._sole_geoms
+        ]
+        return float(min(heights))
 
     def _set_power(self) -> None:
         damping = self.settings.servo.damping

@@ -86,6 +86,9 @@ class PneumaticPlant(ABC):
     wear: ClassVar[tuple[str, ...]]
     """Faults of what feeds a chamber whose value says how much; see `_wear_feed`."""
 
+    signed: ClassVar[tuple[str, ...]] = ()
+    """Those of them whose value may be negative, beside what is an offset."""
+
     own_faults: ClassVar[tuple[str, ...]] = ("leak", "wire_cut", "supply_lost", "repair")
     """What `inject` understands of it without a channel's name before it, beside `modes`."""
 
@@ -318,7 +321,8 @@ class PneumaticPlant(ABC):
             self._set_mode(channel, self.modes[fault])
 
     def _wear_channel(self, fault: str, channel: int, value: float | None) -> None:
-        least = -math.inf if fault.endswith("_offset") else 0.0
+        is_signed = fault.endswith("_offset") or fault in self.signed
+        least = -math.inf if is_signed else 0.0
         if value is not None and not least <= value < math.inf:
             raise ValueError(f"plant: {fault} takes a finite number from {least:g}, not {value:g}")
         if fault == "monitor_offset":

@@ -52,6 +52,7 @@ class ValvePairPlant(PairTruth, PneumaticPlant):
         "valve_closed": STUCK_CLOSED,
     }
     wear = ("valve_stuck", "valve_slow", "valve_offset", "valve_leak")
+    signed = ("valve_stuck",)
 
     _common: ValvePairSettings
 
@@ -128,7 +129,7 @@ class ValvePairPlant(PairTruth, PneumaticPlant):
             own["past"] = _LEAK if value is None else value
         else:
             if value is not None:
-                self.channels[channel]["opening"] = min(value, 1.0)
+                self.channels[channel]["opening"] = min(max(value, -1.0), 1.0)
             self._set_mode(channel, STUCK)
 
     def _repair(self) -> None:

@@ -75,6 +75,7 @@ class PairWatch:
             settings.regulator_response,
             CHANNELS,
             regulators,
+            "regulator" if settings.valves is None else "valve",
         )
         self._work = WorkWatch(
             alarms.swapped, settings.area, friction.coulomb, encoders, CHANNELS, ((0, 1),)

@@ -21,6 +21,8 @@ from rig.mechanisms.pneumatic.settings import PneumaticLimits, PneumaticSettings
 from rig.mechanisms.stop_contact import StopContact
 from rig.runtime.limits import VectorLimiter
 
+_EMPTIES = 6.0
+"""Time constants of a regulator or an exhaust after which any chamber is empty."""
 _GUESSED = 0.33
 """Spread of a regulator's bandwidth that nobody has measured: the least factor of `UNKNOWNS`, 0.67.
 E: it falls with the chamber's volume, which no catalogue knows."""
@@ -75,6 +77,7 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
             "pressure", *settable(limits.pressure, regulators), limits.pressure_rate, period, "Pa"
         )
         self._age = 0.0
+        self.venting_time = _venting_time(settings)
 
     @classmethod
     def limits_of(cls, settings: Chosen) -> PneumaticLimits:
@@ -129,6 +132,16 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
             "pressure range": self._limiter.range_hits,
             "pressure rate": self._limiter.rate_hits,
         }
+
+
+def _venting_time(settings: PneumaticSettings) -> float:
+    """Return how long the fullest chamber takes to empty, s: by its regulator or its valve."""
+    response = settings.regulator_response
+    times = [response.dead_time + _EMPTIES / response.bandwidth]
+    if settings.valves is not None:
+        volume = settings.dead_volume + settings.area * settings.stroke
+        times += [_EMPTIES / settings.valves.slowest_exhaust(volume)]
+    return max(times)
 
 
 def _scaled(settings: Chosen, regulators: PressureRegulator) -> Chosen:

@@ -53,6 +53,42 @@ def test_a_rig_suffers_only_what_it_has():
     assert where["bus_off"] == ["can0"]
 
 
+def test_sensors_of_a_body_are_broken_one_by_one_and_named_by_their_device():
+    cells, leans = ("right_front_left", "right_front_right"), ("waist_roll", "waist_pitch")
+    body = replace(
+        SUBJECT,
+        channels={"soles": cells, "gyro": leans, "plant": ("knee", *cells, *leans)},
+        knows={
+            "plant": (
+                "feet_frozen",
+                "waist_frozen",
+                *[f"{cell}.cell_offset" for cell in cells],
+                "waist_roll.lean_offset",
+            )
+        },
+    )
+    possible = kinds_for(body)
+    whole = {name: possible[name].places(body)[0] for name in ("feet_frozen", "waist_frozen")}
+    assert {name: place.names for name, place in whole.items()} == {
+        "feet_frozen": ("soles",),
+        "waist_frozen": ("gyro",),
+    }
+    places = possible["cell_offset"].places(body)
+    assert [(place.where, place.axis) for place in places] == [
+        (f"plant {cell}", cell) for cell in cells
+    ]
+    musts = [possible["cell_offset"].must(Sizes(size, inf), body) for size in (-30.0, 60.0, -200.0)]
+    assert musts == [Must.RIDE, Must.EITHER, Must.SAFE]
+    assert "cell_frozen" not in possible
+    assert "feet_frozen" not in kinds_for(SUBJECT)
+
+
+def test_a_frozen_monitor_must_be_seen_where_an_inner_loop_rests_on_it():
+    valves = replace(SUBJECT, knows={"plant": ("valve_stuck", "agonist.monitor_frozen")})
+    row, sizes = KINDS["monitor_frozen"], Sizes(None, inf)
+    assert (row.must(sizes, valves), row.must(sizes, SUBJECT)) == (Must.SAFE, Must.EITHER)
+
+
 def test_every_kind_is_either_possible_or_refused_with_what_it_needs():
     possible, refused = set(kinds_for(SUBJECT)), refused_for(SUBJECT)
     assert possible | set(refused) == set(KINDS)

@@ -257,6 +257,28 @@ def test_what_is_not_safe_in_time_is_told_and_nothing_waits_for_ever():
     assert bench.device.safe == round(0.2 / PERIOD)
 
 
+@pytest.mark.parametrize(
+    ("vents", "safe_within", "fails", "cycles"),
+    [
+        (0.3, 1.0, True, 30),
+        (0.3, 0.1, True, 10),
+        (0.0, 1.0, True, SAFE_CYCLES),
+        (0.3, 1.0, False, SAFE_CYCLES),
+    ],
+)
+def test_after_a_fault_no_reading_is_believed_before_chambers_can_be_empty(
+    vents, safe_within, fails, cycles
+):
+    """A monitor that is frozen at nothing says at once that nothing is left."""
+    bench = Bench(safe_within=safe_within)
+    bench.mechanism.venting_time = vents
+    if fails:
+        bench.mechanism.check = lambda state, now: 1 / 0
+    outcome = bench.run()
+    assert (outcome.fault is not None) is fails
+    assert bench.device.safe == cycles
+
+
 def test_reading_back_that_fails_is_told_and_no_safe_state():
     bench = Bench(safe_within=0.1)
     bench.device.unsafe = lambda now: 1 / 0

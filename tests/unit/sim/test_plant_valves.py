@@ -140,6 +140,8 @@ def opened(plant, signal, duration=0.1):
         ("valve_open", 0, 1.0),
         ("valve_closed", 0, 0.0),
         ("agonist.valve_stuck", 0.3, 0.3),
+        ("agonist.valve_stuck", -0.2, -0.2),
+        ("agonist.valve_stuck", -3.0, -1.0),
     ],
 )
 def test_a_broken_valve_stands_somewhere_until_it_is_repaired(fault, value, stands):

@@ -133,6 +133,8 @@ class PressureWatch:
         For messages.
     device : str
         The regulators' name, for messages.
+    part : str
+        What feeds a chamber, for messages: a valve, where an inner loop makes a regulator of it.
     """
 
     def __init__(
@@ -141,8 +143,10 @@ class PressureWatch:
         response: RegulatorModel,
         channels: Sequence[str],
         device: str,
+        part: str = "regulator",
     ) -> None:
         self._bounds = bounds
+        self._part = part
         self._stiffness = response.bandwidth**2
         self._drag = 2.0 * response.damping * response.bandwidth
         self._mean_time = _MEAN / response.bandwidth
@@ -226,7 +230,7 @@ class PressureWatch:
             f"{self._device}: {self._explain()} [{self._names[k]}: "
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint "
             f"{self._setpoints[k] * 1e-3:.0f} kPa, {channel.off * 1e-3:+.0f} kPa off a "
-            f"healthy regulator for {now - channel.well_at:.3f} s, at most "
+            f"healthy {self._part} for {now - channel.well_at:.3f} s, at most "
             f"{bounds.deviation * 1e-3:.0f} kPa for {bounds.time:g} s]"
         )
 
@@ -240,15 +244,15 @@ class PressureWatch:
             f"{self._pressures[k] * 1e-3:.0f} kPa, setpoint {self._setpoints[k] * 1e-3:.0f} kPa; "
             f"the mean is {moved:+.1f} kPa off what is usual, at most "
             f"{channel.most_mean(bounds) * 1e-3:.3g} kPa; as far off as "
-            f"{channel.slowness(bounds):.2f} of a regulator of half the bandwidth, at most "
+            f"{channel.slowness(bounds):.2f} of a {self._part} of half the bandwidth, at most "
             f"{channel.most_slow(bounds):.2f}]"
         )
 
     def _explain_strange(self, k: int) -> str:
         name, channel, channels = self._names[k], self._channels[k], self._channels
-        bound = self._bounds.offset
+        bound, part = self._bounds.offset, self._part
         if channel.is_slow(self._bounds):
-            return f"the regulator of {name} is slow"
+            return f"the {part} of {name} is slow"
         low = [i for i, other in enumerate(channels) if other.mean - other.usual < -_ALIKE * bound]
         if len(low) > 1 and k in low:
             return (
@@ -258,14 +262,16 @@ class PressureWatch:
         if share < _STAYS:
             return f"{self._explain()}, or it is slow"
         if channel.slowness(self._bounds) > channel.most_slow(self._bounds):
-            return f"the regulator of {name} is slow, or answers late"
+            return f"the {part} of {name} is slow, or answers late"
         if abs(channel.off) > self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
         if share > _MOVES and channel.mean - channel.usual > _ALIKE * bound:
-            return f"the regulator of {name} fills faster than it empties, or its monitor is off"
+            return f"the {part} of {name} fills faster than it empties, or its monitor is off"
         if abs(channel.off) > _ALIKE * self._bounds.deviation:
             return f"{self._explain()}, or it is slow"
-        return f"the regulator or the monitor of {name} is off, or its chamber leaks"
+        # What is not filled at the moment does not fall short yet.
+        supply = ", or the supply pressure is lost" if channel.mean < channel.usual else ""
+        return f"the {part} or the monitor of {name} is off, or its chamber leaks{supply}"
 
     def suspicion(self) -> str | None:
         """Return what looks wrong now, before it has lasted; None if nothing does."""
@@ -275,7 +281,7 @@ class PressureWatch:
         k = max(range(len(self._channels)), key=lambda k: abs(self._channels[k].off))
         return (
             f"{self._device}: {self._explain()} [{self._names[k]}: "
-            f"{self._channels[k].off * 1e-3:+.0f} kPa off a healthy regulator, at most "
+            f"{self._channels[k].off * 1e-3:+.0f} kPa off a healthy {self._part}, at most "
             f"{self._bounds.deviation * 1e-3:.0f} kPa]"
         )
 
@@ -284,11 +290,11 @@ class PressureWatch:
         alike = _ALIKE * self._bounds.deviation
         low = [k for k, channel in enumerate(channels) if channel.off < -alike]
         worst = max(range(len(channels)), key=lambda k: abs(channels[k].off))
-        channel, name = channels[worst], names[worst]
+        channel, name, part = channels[worst], names[worst], self._part
         if len(low) > 1 and worst in low:
             return f"the supply pressure is lost: {', '.join(names[k] for k in low)} fall short"
         if channel.is_slow(self._bounds):
-            return f"the regulator of {name} is slow"
+            return f"the {part} of {name} is slow"
         jumped = channel.jump > _JUMPED * abs(channel.off)
         monitor = f", or the monitor of {name} has jumped" if jumped else ""
         here = self._pressures[worst]
@@ -299,14 +305,14 @@ class PressureWatch:
         moved = _MOVED * self._bounds.deviation
         if channel.off > 0.0:
             if change > moved:
-                return f"the regulator of {name} is stuck open: its pressure rises{monitor}"
-            return f"the regulator of {name} is stuck closed: its pressure stays{monitor}"
+                return f"the {part} of {name} is stuck open: its pressure rises{monitor}"
+            return f"the {part} of {name} is stuck closed: its pressure stays{monitor}"
         if change < -moved:
             return (
-                f"the regulator of {name} is stuck venting, or its tube is off: "
+                f"the {part} of {name} is stuck venting, or its tube is off: "
                 f"its pressure falls{supply}{monitor}"
             )
         return (
-            f"the regulator of {name} is stuck closed, or its chamber leaks: "
+            f"the {part} of {name} is stuck closed, or its chamber leaks: "
             f"its pressure stays{monitor}"
         )

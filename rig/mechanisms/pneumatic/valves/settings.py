@@ -1,12 +1,15 @@
 """What a profile says of proportional valves in the place of regulators."""
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Final
 
 from annotated_types import Ge, Gt, Le, Unit
 
 from controllers.cylinder.pressure_loop import PressureLoopSettings
-from controllers.cylinder.valve_flow import SupplyModel, ValveModel
+from controllers.cylinder.valve_flow import AIR, SupplyModel, ValveModel, port_flow
+
+_CHOKED: Final = 500e3
+"""A pressure against which the atmosphere does not count any more, Pa absolute."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,3 +55,15 @@ class ValvesSettings:
     def of(self, channel: str) -> ValveModel:
         """Return the valve of a chamber."""
         return self.channels.get(channel, self.nominal)
+
+    def slowest_exhaust(self, volume: float) -> float:
+        """Return which share of a chamber's air the tightest open exhaust lets out, 1/s.
+
+        Parameters
+        ----------
+        volume : float
+            Of the chamber, m³.
+        """
+        passed = port_flow(-1.0, _CHOKED, self.supply) / _CHOKED
+        tightest = min(valve.conductance_out for valve in (self.nominal, *self.channels.values()))
+        return passed * tightest * AIR / volume
