@@ -2,7 +2,14 @@
 
 from functools import partial
 
-from rig.faults import body_kinds, frame_kinds, program_kinds, valve_kinds, world_kinds
+from rig.faults import (
+    body_kinds,
+    frame_kinds,
+    interface_kinds,
+    program_kinds,
+    valve_kinds,
+    world_kinds,
+)
 from rig.faults.kind import FaultKind, Place, Sizes, either, ride
 from rig.faults.stage import Stage
 from rig.faults.subject import Subject
@@ -20,6 +27,7 @@ KINDS = {
     for kind in (
         NOTHING,
         *world_kinds.KINDS,
+        *interface_kinds.KINDS,
         *valve_kinds.KINDS,
         *body_kinds.KINDS,
         *frame_kinds.KINDS,
@@ -38,7 +46,7 @@ _NEEDS = (
     (world_kinds.NODES, "a device that knows it: what its protocol has no word for, it cannot do"),
     (world_kinds.SERVOS, "a drive that knows it: what its protocol has no word for, it cannot do"),
     (world_kinds.SURROUNDINGS, "a robot that stands, or has a hand"),
-    (world_kinds.INTERFACES, "an interface of that kind"),
+    (interface_kinds.KINDS, "an interface of that kind"),
     (frame_kinds.KINDS, "cyclic CAN frames"),
 )
 

@@ -1,4 +1,4 @@
-"""What may break in the world: plants, regulators, encoders, servos, cameras and interfaces.
+"""What may break in the world: plants, regulators, encoders, servos and cameras.
 
 The simulation says what each of its parts can suffer; a rig gets the rows of the parts that it
 has. A row says what must come of it while the rig runs.
@@ -72,7 +72,7 @@ def _devices(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
     return places
 
 
-def _whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
+def whole(fault: str, words: Sequence[str], subject: Subject) -> list[Place]:
     """Return the plant as a whole, or the buses."""
     return [
         Place(target, target, (*subject.words_of(target), *words))
@@ -126,12 +126,12 @@ def _slip(stage: Stage, place: Place, sizes: Sizes) -> Callable[[], None]:
     return lambda: stage.world.inject(place.target, "floor_grips")
 
 
-def _outlasts_readings(sizes: Sizes, subject: Subject) -> Must:
+def outlasts_readings(sizes: Sizes, subject: Subject) -> Must:
     """Expect what leaves readings too old to be seen, and what is shorter to be bridged."""
     return Must.SAFE if sizes.lasts > 3.0 * subject.reading_age else Must.EITHER
 
 
-def _kind(
+def row_of(
     name: str,
     what: str,
     places: partial[list[Place]],
@@ -145,6 +145,7 @@ def _kind(
     forgives: frozenset[str] = frozenset(),
     excuses: Excuse = no_excuse,
 ) -> FaultKind:
+    """Return a row of what the world is told by its own name of the fault, or by `fault`."""
     return FaultKind(
         name=name, what=what, places=places, apply=partial(inject, fault or name), must=must,
         within=within, why=why, magnitude=magnitude, lasts=lasts, forgives=forgives,
@@ -158,7 +159,7 @@ def of_plant(name: str, what: str, must: Expect = safe, within: float = 0.1,
               excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     """Return a fault of a plant that takes a channel's number."""
     places = partial(_channels, name, words)
-    return _kind(name, what, places, must, within, why=why, forgives=forgives, excuses=excuses)
+    return row_of(name, what, places, must, within, why=why, forgives=forgives, excuses=excuses)
 
 
 def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
@@ -168,7 +169,7 @@ def of_device(name: str, what: str, must: Expect = safe, within: float = 0.1,
                excuses: Excuse = no_excuse) -> FaultKind:  # fmt: skip
     """Return a fault of a device, or of one of its axes or a plant's channels."""
     places = partial(_devices, fault or name, words)
-    return _kind(
+    return row_of(
         name, what, places, must, within, fault=fault, why=why, magnitude=magnitude, lasts=lasts,
         forgives=forgives, excuses=excuses,
     )  # fmt: skip
@@ -189,7 +190,7 @@ _REGULATOR_OFF = 60e3
 """Pa: shows at once, whatever pressures are about to do; less shows while they rest."""
 _TUBE = 1.5e-8
 """m3/(s Pa): lets more out of a chamber than its regulator can feed; 3.5 mm wide."""
-_MOMENT = Magnitudes(1e-3, 1.0, "s")
+MOMENT = Magnitudes(1e-3, 1.0, "s")
 _CAMERA = "the loop closes over the rods; the camera corrects, or records"
 
 PNEUMATIC = (
@@ -228,8 +229,8 @@ PNEUMATIC = (
               forgives=ON_A_WIRE),
     of_plant("anchor_slipped", "A wire has slipped at its anchor.", safe, 0.5, ("wire",),
               forgives=ON_A_WIRE),
-    _kind("supply_lost", "The supply falls to another pressure.",
-          partial(_whole, "supply_lost", ("supply", "regulator")), is_felt(0.0), 0.3,
+    row_of("supply_lost", "The supply falls to another pressure.",
+          partial(whole, "supply_lost", ("supply", "regulator")), is_felt(0.0), 0.3,
           magnitude=Magnitudes(1e3, 100e3, "Pa")),
     of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
               ("regulator",), why="as a regulator that holds its pressure"),
@@ -255,7 +256,7 @@ EMERGENCY_STOPS = (
 
 SENSORS = (
     of_device("encoder_frozen", "An encoder repeats its position.", either, 0.5,
-               fault="frozen", why="at rest nobody can tell", lasts=_MOMENT),
+               fault="frozen", why="at rest nobody can tell", lasts=MOMENT),
     of_device("encoder_offset", "An encoder jumps and stays off.", is_felt(4e-3), 0.1,
                ("rod", "wire"), fault="jump", why="wires give so much",
                magnitude=Magnitudes(0.1e-3, 20e-3, "m", signed=True)),
@@ -275,7 +276,7 @@ SENSORS = (
 )  # fmt: skip
 
 NODES = (
-    of_device("silent", "A device falls off the bus.", _outlasts_readings, 0.1, lasts=_MOMENT,
+    of_device("silent", "A device falls off the bus.", outlasts_readings, 0.1, lasts=MOMENT,
               why="a gap within the age that a reading may have is bridged"),
     of_device("silent_for_good", "A device falls off the bus and stays off.", safe, 0.1,
               fault="silent"),
@@ -315,13 +316,13 @@ SERVOS = (
     of_device("axis_error", "An axis reports an error and disarms.", safe, 0.1),
     of_device("disarm", "An axis goes idle unasked.", safe, 0.1),
     of_device("estimates_silent", "An axis sends no position.", safe, 0.1),
-    of_device("corrupted", "A servo's answers come with a wrong bit.", _outlasts_readings, 0.2,
-               lasts=_MOMENT, why="as a gap"),
-    of_device("truncated", "A servo's answers break off.", _outlasts_readings, 0.2,
-               lasts=_MOMENT, why="as a gap"),
-    of_device("doubled", "A servo answers twice.", either, 0.2, lasts=_MOMENT,
+    of_device("corrupted", "A servo's answers come with a wrong bit.", outlasts_readings, 0.2,
+               lasts=MOMENT, why="as a gap"),
+    of_device("truncated", "A servo's answers break off.", outlasts_readings, 0.2,
+               lasts=MOMENT, why="as a gap"),
+    of_device("doubled", "A servo answers twice.", either, 0.2, lasts=MOMENT,
                why="the second answer is not asked for"),
-    of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=_MOMENT,
+    of_device("deaf", "Setpoints do not reach a servo.", either, 0.2, lasts=MOMENT,
                why="a joint that is not asked to move does not show it"),
     of_device("same_id", "Two servos have one id.", safe, 0.5),
     of_device("overheated", "A servo is too hot and drops its torque.", safe, 0.5),
@@ -335,7 +336,7 @@ SERVOS = (
     of_plant("brake_released", "A brake does not hold.", ride,
               why="its drive holds the joint; only one without torque falls, and nobody holds it",
               excuses=falls),
-    _kind("payload", "A load hangs on the hand.", partial(_whole, "payload", ()), either,
+    row_of("payload", "A load hangs on the hand.", partial(whole, "payload", ()), either,
           magnitude=Magnitudes(0.1, 3.0, "kg"), why="a drive bears what it can hold"),
 )  # fmt: skip
 
@@ -343,10 +344,10 @@ CAMERAS = tuple(
     of_device(f"camera_{name}", what, either, 1.0, ("camera", "marker", "image"), fault=fault,
                why=_CAMERA, magnitude=magnitude, lasts=lasts)
     for name, fault, what, magnitude, lasts in (
-        ("blind", "covered", "Something is before the camera.", None, _MOMENT),
-        ("loses_marker", "lost", "The marker is out of the camera's sight.", None, _MOMENT),
-        ("sees_another", "swapped", "Another marker is mounted.", None, _MOMENT),
-        ("stalled", "stalled", "The camera sends no images.", None, _MOMENT),
+        ("blind", "covered", "Something is before the camera.", None, MOMENT),
+        ("loses_marker", "lost", "The marker is out of the camera's sight.", None, MOMENT),
+        ("sees_another", "swapped", "Another marker is mounted.", None, MOMENT),
+        ("stalled", "stalled", "The camera sends no images.", None, MOMENT),
         ("late", "late", "The camera's latency steps up.", Magnitudes(5e-3, 0.5, "s"), None),
     )
 )  # fmt: skip
@@ -373,33 +374,11 @@ SURROUNDINGS = (
         for part, body in (("carriage", "pair's carriage"), ("ring", "joint's ring"))
     ),
     FaultKind(name="floor_slips", what="The floor loses its grip for a while.",
-              places=partial(_whole, "floor_slippery", ()), apply=_slip, must=_grips_enough,
+              places=partial(whole, "floor_slippery", ()), apply=_slip, must=_grips_enough,
               magnitude=Magnitudes(3e-3, 0.8, "1"), lasts=Magnitudes(0.05, 2.0, "s"),
               why="no sensor of the legs sees a foot that slips; so slow a walk bears ice"),
 )  # fmt: skip
 
-INTERFACES = (
-    _kind("frame_loss", "Frames are lost at random.", partial(_whole, "frame_loss", ()), either,
-          magnitude=Magnitudes(1e-3, 0.5, "1"),
-          why="a few in a row are bridged; whether there are more is chance"),
-    _kind("foreign_frame", "Somebody else sends a frame.",
-          partial(_whole, "foreign_frame", ()), ride),
-    _kind("flood", "Somebody else fills the bus.", partial(_whole, "flood", ()), either,
-          magnitude=Magnitudes(8.0, 4000.0, "1"), why="frames that nobody wants cost time only"),
-    _kind("no_buffers", "Nothing can be sent any more.", partial(_whole, "no_buffers", ())),
-    _kind("no_buffers_burst", "Nothing can be sent for a moment.",
-          partial(_whole, "no_buffers", ()), _outlasts_readings, fault="no_buffers", lasts=_MOMENT,
-          why="a gap within the age that a reading may have is bridged"),
-    _kind("bus_off", "The CAN controller leaves the bus.", partial(_whole, "bus_off", ())),
-    _kind("error_passive", "The CAN controller counts errors.",
-          partial(_whole, "error_passive", ()), either, why="frames still pass"),
-    _kind("link_down", "The interface is taken down.", partial(_whole, "link_down", ())),
-    _kind("unplugged", "The serial adapter is pulled out.", partial(_whole, "unplugged", ())),
-    _kind("noise", "A serial line brings bytes that mean nothing.",
-          partial(_whole, "noise", ()), either, magnitude=Magnitudes(1.0, 300.0, "1"),
-          why="an answer that is spoilt is a gap"),
-)  # fmt: skip
-
 KINDS = (
-    *PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *SURROUNDINGS, *INTERFACES,
+    *PNEUMATIC, *EMERGENCY_STOPS, *SENSORS, *CAMERAS, *NODES, *SERVOS, *SURROUNDINGS,
 )  # fmt: skip

@@ -13,6 +13,7 @@ from drivers.sim.plants.legs_model import (
     LegDimensions,
     build_model,
     knee_at_height,
+    lowest_corner,
 )
 from drivers.sim.plants.legs_settings import LegsPlantSettings
 from drivers.sim.plants.push import LEVEL, Push
@@ -297,17 +298,8 @@ class LegsPlant:
         self._waist[:] = (0.0, 0.0, height + geometry.ankle_height, 1.0, 0.0, 0.0, 0.0)
         self._forward(self.model, self.data)
         if self.settings.stand:  # which a jig holds as high as its soles need, not in the floor
-            self._waist[2] -= self._lowest_of_soles()
+            self._waist[2] -= lowest_corner(self.model, self.data, self._sole_geoms)
             self._forward(self.model, self.data)
-
-    def _lowest_of_soles(self) -> float:
-        """Return how high the lowest corner of both soles is, m."""
-        heights = [
-            self.data.geom_xpos[geom, 2]
-            - np.abs(self.data.geom_xmat[geom].reshape(3, 3)[2]) @ self.model.geom_size[geom]
-            for geom in self._sole_geoms
-        ]
-        return float(min(heights))
 
     def _set_power(self) -> None:
         damping = self.settings.servo.damping

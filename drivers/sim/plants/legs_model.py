@@ -1,8 +1,11 @@
 """From the legs' dimensions to a MuJoCo model; an algebra of its own, none of the controllers'."""
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 from xml.etree.ElementTree import Element, tostring
+
+import numpy as np
 
 from drivers.sim.plants.legs_settings import LegServoSettings, TerrainBlock
 from drivers.sim.plants.mjcf import add
@@ -285,6 +288,15 @@ def _add_inertia(body: Element, mass: float, centre: Vector3, size: Vector3) -> 
     """Give a body the mass and inertia of a box."""
     x, y, z = (side * side * mass / 12.0 for side in size)
     add(body, "inertial", mass=mass, pos=centre, diaginertia=(y + z, x + z, x + y))
+
+
+def lowest_corner(model: "mujoco.MjModel", data: "mujoco.MjData", boxes: Sequence[int]) -> float:
+    """Return how high the lowest corner of some boxes, geometries by their numbers, is, m."""
+    heights = [
+        data.geom_xpos[box, 2] - np.abs(data.geom_xmat[box].reshape(3, 3)[2]) @ model.geom_size[box]
+        for box in boxes
+    ]
+    return float(min(heights))
 
 
 def knee_at_height(thigh: float, shank: float, height: float) -> tuple[float, float, float]:

@@ -143,7 +143,8 @@ def test_the_message_has_the_mean_and_its_bound():
     numbers = re.search(
         r"valves: the regulator or the monitor of ch3 is off, or its chamber leaks, or the supply "
         r"pressure is lost \[ch3: 184 kPa, setpoint 200 kPa; the mean is (.*) kPa off what is "
-        r"usual, at most 12 kPa; as far off as 0.00 of a regulator of half the bandwidth, at most inf\]",
+        r"usual, at most 12 kPa; as far off as 0.00 of a regulator of half the bandwidth, at most "
+        r"inf\]",
         said,
     )
     assert float(numbers[1]) == pytest.approx(-12.0, abs=0.1)
