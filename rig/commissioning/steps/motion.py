@@ -83,6 +83,9 @@ class FirstMotion(AcceptanceStep):
         ``plan(profile)`` returns how, as `Planned`.
     prepare : callable, optional
         ``prepare(site, rig)`` is done before the rig is connected.
+    uncalibrated : callable, optional
+        ``uncalibrated(site)`` returns the site's profile as far as it can be used before any
+        calibration; by default whole.
     """
 
     name = "first-motion"
@@ -93,6 +96,7 @@ class FirstMotion(AcceptanceStep):
         moved: Moved,
         plan: Callable[[Profile], Planned],
         prepare: Callable[[Site, Rig], None] = lambda site, rig: None,
+        uncalibrated: Callable[[Site], Profile] = lambda site: site.profile,
     ) -> None:
         way = format_quantity(moved.travel, moved.unit)
         each = "each axis of it " if moved.all else ""
@@ -100,6 +104,7 @@ class FirstMotion(AcceptanceStep):
         self._moved = moved
         self._plan_motion = plan
         self._prepare = prepare
+        self._uncalibrated = uncalibrated
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
@@ -125,7 +130,7 @@ class FirstMotion(AcceptanceStep):
         return StepResult(tuple(measured), {"run": str(result.path)})
 
     def _plan(self, site: Site) -> Plan:
-        profile = derated(site.profile, is_first=True)
+        profile = derated(self._uncalibrated(site), is_first=True)
         check_profile(profile)
         planned = self._plan_motion(profile)
         experiment = Experiment(

@@ -86,13 +86,16 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
 
     @classmethod
     def derated(cls, settings: Chosen, effort: float, speed: float) -> Chosen:
-        """Return the settings with a share of the greatest pressure; see `Mechanism.derated`.
+        """Return the settings with a share of the pressures; see `Mechanism.derated`.
 
         Whoever follows slower references is slower.
         """
         limits = settings.limits
         low, high = limits.pressure
-        pressure = low, max(effort * high, settings.base_pressure)
+        pressure = low, effort * high
+        # Pairs pull by what their two pressures are apart from the base, to either side: of a base
+        # near the lower top nothing is left to move against the friction that it causes.
+        base = min(settings.base_pressure, 0.5 * (low + effort * high))
         # The regulators are the same ones, with the same hysteresis, and nobody has measured how
         # quick they are: calibrations come after the acceptance test.
         response = settings.regulator_response
@@ -100,7 +103,7 @@ class PneumaticMechanism(Mechanism[Chosen, State, Reference, Command]):
             response, full_scale=settings.full_scale, spread=max(response.spread, _GUESSED)
         )
         limits = replace(limits, pressure=pressure)
-        return replace(settings, limits=limits, regulator_response=response)
+        return replace(settings, limits=limits, base_pressure=base, regulator_response=response)
 
     @classmethod
     def expected_of(cls, settings: Chosen) -> tuple[Expected, ...]:

@@ -194,6 +194,15 @@ def test_half_of_the_pressure_leaves_a_regulator_its_hysteresis():
     assert half.offset == pytest.approx(whole.offset)
 
 
+def test_half_of_the_pressure_leaves_as_much_room_above_the_base_as_below():
+    settings, rng = drawn(10)
+    effort = rng.uniform(0.1, 0.9)
+    low, high = settings.limits.pressure
+    halved = SphericalJoint.derated(settings, effort, 0.25)
+    assert halved.limits.pressure == (low, effort * high)
+    assert halved.base_pressure == min(settings.base_pressure, 0.5 * (low + effort * high))
+
+
 def test_a_regulator_that_nobody_measured_may_be_as_slow_as_its_gains_are_tried_with():
     settings, _ = drawn(9)
     spread = SphericalJoint.derated(settings, 0.5, 0.25).regulator_response.spread
