@@ -8,7 +8,7 @@ import sys
 import click
 
 from rig.cli.command_table import COMMANDS, INTRODUCTION
-from rig.cli.tables import visible
+from rig.cli.tables import brief, visible
 
 
 class _LazyGroup(click.Group):
@@ -76,7 +76,7 @@ def _report(error: BaseException) -> int:
     from rig.hal import ConfigurationError, DeviceError, RigError
 
     if isinstance(error, RigError):
-        click.echo(visible(f"error: {error}"), err=True)
+        click.echo(brief(visible(f"error: {error}")), err=True)
         if isinstance(error, ConfigurationError):
             _tell_of_broken_packages(str(error))
             return 2

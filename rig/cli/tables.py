@@ -15,6 +15,8 @@ import click
 
 _OBEYED: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 """Control characters but line feed and tab, what turns the direction of a text, half characters."""
+_LONGEST_LINE: Final = 5000
+"""Characters: a path has 4095 at most."""
 
 
 class Table(NamedTuple):
@@ -38,6 +40,14 @@ class Table(NamedTuple):
 def visible(text: str) -> str:
     """Return a text without what a terminal would obey: files and devices of others say it too."""
     return _OBEYED.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def brief(text: str) -> str:
+    """Return a text with the middle left out of lines that nobody reads to their end."""
+    return "\n".join(
+        line if len(line) <= _LONGEST_LINE else f"{line[: _LONGEST_LINE - 200]} … {line[-200:]}"
+        for line in text.split("\n")
+    )
 
 
 def print_tables(tables: Sequence[Table]) -> None:

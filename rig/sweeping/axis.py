@@ -17,14 +17,17 @@ SEED: Final = "simulation.seed"
 
 Kind = Literal["uniform", "sobol", "normal"]
 
-_NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
+_LARGEST: Final = 1e150
+"""Of the numbers of a range: so that what is computed with two of them is a number."""
+_NUMBER: Final = r"[-+]?(?:[0-9]{1,40}(?:\.[0-9]{1,40})?|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,3})?"
 _RANGE: Final = re.compile(
     rf"(?:(?P<kind>log|uniform|sobol):)?\s*(?P<low>{_NUMBER})\s*(?P<unit>[^.:,]*?)\s*\.\.\s*"
-    rf"(?P<high>{_NUMBER})\s*(?P<unit_high>[^:,]*?)\s*:\s*(?P<count>[0-9]+)\s*"
+    rf"(?P<high>{_NUMBER})\s*(?P<unit_high>[^:,]*?)\s*"
+    r":\s*(?P<count>[0-9]{1,9})\s*"
 )
 _NORMAL: Final = re.compile(
     rf"normal:\s*(?P<low>{_NUMBER})\s*(?:\+-|±)\s*(?P<high>{_NUMBER})\s*(?P<unit>[^:,]*?)\s*"
-    r":\s*(?P<count>[0-9]+)\s*"
+    r":\s*(?P<count>[0-9]{1,9})\s*"
 )
 _MEANT_AS_RANGE: Final = re.compile(r"(log|uniform|sobol|normal):.*|.*[0-9]\s*\.\.\s*[-+.0-9].*")
 _FORMS: Final = (
@@ -124,6 +127,8 @@ def make_axis(setting: str, values: str, written: Written = on_command_line) -> 
             )
         return Axis(setting, listed, written)
     low, high, count = float(found["low"]), float(found["high"]), int(found["count"])
+    if max(abs(low), abs(high)) > _LARGEST:
+        raise ConfigurationError(f"{said}: the numbers of a range lie within ±{_LARGEST:g}")
     unit = found["unit"] or found.groupdict().get("unit_high") or ""
     if found.groupdict().get("unit_high") and found["unit"] not in ("", found["unit_high"]):
         raise ConfigurationError(f"{said}: both ends of a range have the same unit")
@@ -137,8 +142,11 @@ def make_axis(setting: str, values: str, written: Written = on_command_line) -> 
     if kind == "sobol":
         return DrawnAxis(setting, "sobol", low, high, unit, count, written)
     if kind == "log":
-        if not (low > 0.0 and high > 0.0):
-            raise ConfigurationError(f"{said}: both ends of a logarithmic range are greater than 0")
+        if not min(low, high) * _LARGEST >= 1.0:
+            raise ConfigurationError(
+                f"{said}: both ends of a logarithmic range are greater than 0, {1 / _LARGEST:g} at "
+                "least"
+            )
         numbers = [low * (high / low) ** _share(i, count) for i in range(count)]
     else:
         numbers = _evenly(Fraction(found["low"]), Fraction(found["high"]), count)
@@ -161,7 +169,7 @@ def parse_seeds(text: str) -> Axis:
     ConfigurationError
         It is not of that form.
     """
-    found = re.fullmatch(r"\s*([0-9]+)\s*:\s*([0-9]+)\s*", text)
+    found = re.fullmatch(r"\s*([0-9]{1,18})\s*:\s*([0-9]{1,18})\s*", text)
     if found:
         first, end = int(found[1]), int(found[2])
         if not 1 <= end - first <= MAX_VALUES:
@@ -169,7 +177,7 @@ def parse_seeds(text: str) -> Axis:
                 f"--seeds {text}: {max(end - first, 0)} seeds; an axis has 1 to {MAX_VALUES:,}"
             )
         return Axis(SEED, tuple(map(str, range(first, end))))
-    if not re.fullmatch(r"\s*[0-9]+(\s*,\s*[0-9]+)*\s*", text):
+    if not re.fullmatch(r"\s*[0-9]{1,18}(\s*,\s*[0-9]{1,18})*\s*", text):
         raise ConfigurationError(f"--seeds {text}: expected 0:20 (seeds 0 to 19) or 3,5,8")
     return Axis(SEED, tuple(dict.fromkeys(str(int(seed)) for seed in text.split(","))))
 

@@ -143,6 +143,40 @@ READERS = {
     "path": ("path.csv", None, [words("check", "arm-path.yaml", *CONFIGS)]),
     "footprints": ("feet.csv", None, [words("check", "legs-footsteps.yaml", *CONFIGS)]),
     "twists": ("twists.csv", None, [words("check", "arm-twist.yaml", *CONFIGS)]),
+    "urdf": (
+        "arm.urdf", None,
+        [
+            words("new", "rig", "drawn", "--urdf", "arm.urdf", *CONFIGS),
+            words("new", "rig", "drawn", "--urdf", "arm.urdf", "--tip", "tool0", *CONFIGS),
+        ],
+    ),
+    "Denavit-Hartenberg": (
+        "dh.yaml", as_yaml, [words("new", "rig", "drawn", "--dh", "dh.yaml", *CONFIGS)],
+    ),
+    "eds": (
+        "device.eds", None,
+        [words("check", "with-eds.yaml", *CONFIGS), words("status", "with-eds.yaml", *CONFIGS)],
+    ),
+    "interfaces": (
+        "state/rig/interfaces", None,
+        [
+            words("check", "multicast.yaml", *CONFIGS),
+            words("doctor", "multicast.yaml", *CONFIGS),
+        ],
+    ),
+    **{
+        f"profile {name}": (
+            f"configs/rigs/{name}.yaml", as_yaml,
+            [
+                words("check", name, *CONFIGS),
+                words("check", name, "--values", *CONFIGS),
+                words("status", name, "--out", "runs", *CONFIGS),
+                words("list", "rigs", *CONFIGS),
+                words("new", "rig", "mine", "--like", name, *CONFIGS),
+            ],
+        )
+        for name in ("cylinder-valves", "legs-balance", "arm-irb-120", "legs-can", "joint-fine")
+    },
     "latch": (
         "state/rig/cylinder.fault", as_json,
         [
@@ -322,7 +356,19 @@ def make_lab(lab):
         (lab / name).write_text(text)
         content = written_in_file(experiment, name)
         (lab / f"{experiment}.yaml").write_text(yaml.safe_dump(content, sort_keys=False))
+    arms = ROOT / "tests" / "data" / "arms"
+    shutil.copyfile(arms / "irb-120.urdf", lab / "arm.urdf")
+    shutil.copyfile(arms / "puma-560.yaml", lab / "dh.yaml")
+    shutil.copyfile(configs / "eds" / "cia401-analogue.eds", lab / "device.eds")
+    (lab / "with-eds.yaml").write_text(
+        "extends: cylinder\nname: with-eds\ndevices:\n  regulators: {eds: device.eds}\n"
+    )
+    (lab / "multicast.yaml").write_text(
+        "extends: cylinder\nname: multicast\nbuses:\n"
+        '  can0: {interface: socketcan, channel: "239.74.163.2"}\n'
+    )
     (lab / "state" / "rig").mkdir(parents=True)
+    (lab / "state" / "rig" / "interfaces").write_text("udp_multicast 239.74.163.2\n")
     (lab / "state" / "rig" / "cylinder.fault").write_text(
         json.dumps({"fault": "limit", "since": DATE, "run": "runs/mine"}) + "\n"
     )

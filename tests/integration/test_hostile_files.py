@@ -122,6 +122,15 @@ def test_what_a_terminal_would_obey_is_written_out(text):
     assert visible("µ – \n\t日本") == "µ – \n\t日本"
 
 
+def test_an_error_that_quotes_a_megabyte_is_cut(tmp_path, capsys):
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"experiment: cylinder-step\nrepeat: 2\nstop_when: {'x' * 200_000}\n")
+    assert invoke(["sweep", str(path)]) == 2
+    err = capsys.readouterr().err
+    assert len(err) < 20_000
+    assert "stop_when: stop when 'xxx" in err and "as in marker_rms < 0.2 mm" in err
+
+
 def test_a_frame_log_has_plain_channels_and_finite_times(tmp_path, capsys):
     path = tmp_path / "frames.log"
     for line in (f"({'9' * 400}.0) can0 190#00", "(1.0) \x1b]0;x\x07 190#00"):

@@ -120,3 +120,11 @@ def test_a_file_that_is_none(tmp_path):
         read_urdf(tmp_path / "none.urdf")
     with pytest.raises(DrawingError, match="not a regular file"):
         read_urdf(tmp_path)
+
+
+@pytest.mark.parametrize("text", ['name="axis 6"', 'type="revolute"', 'link="link 3"'])
+def test_a_name_that_no_screen_shows_is_refused(read, text):
+    key, _, value = text.partition("=")
+    with pytest.raises(DrawingError, match="more than 200 characters") as refused:
+        read(TEXT.replace(text, f'{key}={value[:-1]}{"x" * 100_000}"'))
+    assert len(str(refused.value)) < 1000

@@ -199,3 +199,21 @@ def test_a_list_where_some_have_a_unit_and_some_have_none_is_refused(values):
 @pytest.mark.parametrize("values", ["1,2,3", "1e-3,2E-3", "1 mm,2 mm", "cascade,pid", "5,off"])
 def test_a_list_of_one_kind_is_taken(values):
     assert make_axis("a", values).texts == tuple(values.split(","))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        "1..1e999999999:3", "1..1e999:3", f"1..{'9' * 400}:3", "-1e160..1:3", f"1..5:{'9' * 5000}",
+        "uniform:-1e308..1e308:5", "normal:0+-1e300:5", "log:1e-300..1:5",
+    ],
+)  # fmt: skip
+def test_a_range_beyond_all_numbers_is_refused_at_once(values):
+    with pytest.raises(ConfigurationError, match="range"):
+        make_axis("a", values)
+
+
+@pytest.mark.parametrize("seeds", ["9" * 5000, f"0:{'9' * 5000}", f"1,{'9' * 5000}"])
+def test_a_seed_of_five_thousand_digits_is_refused(seeds):
+    with pytest.raises(ConfigurationError, match="seeds"):
+        parse_seeds(seeds)

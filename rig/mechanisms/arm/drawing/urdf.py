@@ -22,6 +22,8 @@ _DEEPEST: Final = 64
 _MOST: Final = 20_000
 """Elements of a file."""
 _MOST_JOINTS: Final = 1000
+_LONGEST: Final = 200
+"""Characters of a name or a value."""
 _FARTHEST: Final = 100.0
 _SHORTEST: Final = 1e-6
 _FLANGE: Final = "tool0"
@@ -234,6 +236,14 @@ class _Reader:
             raise DrawingError(
                 f"{self._file}, line {line}: more than {_DEEPEST} elements deep or {_MOST} long"
             )
+        is_kept = self._path == ["robot", "joint"]
+        is_kept |= self._path == ["robot", "joint", tag] and tag in _KEPT
+        long = [key for key, value in attributes.items() if len(value) > _LONGEST]
+        if is_kept and long:
+            raise DrawingError(
+                f"{self._file}, line {line}: {long[0][:_LONGEST]} of {tag} has more than "
+                f"{_LONGEST} characters"
+            )
         if self._path == ["robot", "joint"]:
             name = attributes.get("name", "")
             if not name or name in self._names:
@@ -242,7 +252,7 @@ class _Reader:
                 raise DrawingError(f"{self._file}, line {line}: more than {_MOST_JOINTS} joints")
             self._names.add(name)
             self.joints.append(_Joint(name, attributes.get("type", ""), line))
-        elif self._path[:2] == ["robot", "joint"] and len(self._path) == 3 and tag in _KEPT:
+        elif is_kept:
             self.joints[-1].parts[tag] = attributes
 
     def _end(self, tag: str) -> None:
