@@ -19,7 +19,10 @@ Kind = Literal["uniform", "sobol", "normal"]
 
 _LARGEST: Final = 1e150
 """Of the numbers of a range: so that what is computed with two of them is a number."""
-_NUMBER: Final = r"[-+]?(?:[0-9]{1,40}(?:\.[0-9]{1,40})?|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,3})?"
+_NUMBER: Final = (
+    r"[-+]?(?:[0-9]{1,40}(?:\.[0-9]{1,40})?|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,3})?"
+    r"(?![0-9]|[eE][-+]?[0-9])"  # the rest of a longer number is no unit
+)
 _RANGE: Final = re.compile(
     rf"(?:(?P<kind>log|uniform|sobol):)?\s*(?P<low>{_NUMBER})\s*(?P<unit>[^.:,]*?)\s*\.\.\s*"
     rf"(?P<high>{_NUMBER})\s*(?P<unit_high>[^:,]*?)\s*"
