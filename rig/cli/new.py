@@ -11,6 +11,8 @@ import click
 from rig.cli.names import configs_option
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from rig.hal.drawn_profile import DrawnProfile
     from rig.scaffolding.packages import PackageKind
 
@@ -25,6 +27,9 @@ _FOR_MECHANISMS = "a mechanism takes more than a file: rig/README.md of the prog
 @click.option("--like", metavar="NAME", help="The experiment or rig to begin with.")
 @click.option("--urdf", metavar="FILE", help="Of a rig: the arm that a URDF describes.")
 @click.option("--dh", metavar="FILE", help="Of a rig: the arm of Denavit-Hartenberg parameters.")
+@click.option(
+    "--scan", metavar="INTERFACES", help="Of a rig: with the devices that answer there, e.g. can0."
+)
 @click.option("--tip", metavar="LINK", help="With --urdf: the link that is the tool.")
 @configs_option
 def new(
@@ -34,6 +39,7 @@ def new(
     like: str | None,
     urdf: str | None,
     dh: str | None,
+    scan: str | None,
     tip: str | None,
     configs: Path | None,
 ) -> int:
@@ -43,7 +49,9 @@ def new(
     and a driver (a sensor on an analogue input, which is logged) are packages with a test, a
     profile and an experiment that runs at once; another package's law or driver needs no change
     of this program. A rig from --urdf or --dh has the dimensions, ranges and speeds of a six-joint
-    arm with a spherical wrist; what else it is made of is refused with the reason.
+    arm with a spherical wrist; what else it is made of is refused with the reason. A rig from
+    --scan has the node numbers and identities of whoever answers, for the devices of --like;
+    nothing is changed on the buses.
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
@@ -58,6 +66,8 @@ def new(
     other = rig is not None or like is not None
     if drawn and (kind != "rig" or other or len(drawn) > 1):
         raise click.UsageError("a rig is made from one of --urdf, --dh, --rig and --like")
+    if scan is not None and (kind != "rig" or drawn):
+        raise click.UsageError("--scan is for a rig, with --like or --rig")
     if tip is not None and urdf is None:
         raise click.UsageError("--tip names a link of --urdf")
     notes: tuple[str, ...] = ()
@@ -81,6 +91,9 @@ def new(
         elif drawn:
             text, notes = _drawn(name, *drawn[0], tip)
             following = [f"rig check {file}", f"rig run arm-tour --on sim --rig {file}"]
+        elif scan is not None:
+            text, notes = _scanned(name, like or rig or "cylinder", scan, search)
+            following = [f"rig check {file} --on {scan}", f"rig status {file}"]
         else:
             text = profile_text(name, like or rig or "cylinder", search)
             following = [f"rig check {file}", f"rig check {file} --values"]
@@ -101,3 +114,12 @@ def _drawn(name: str, form: str, file: str, tip: str | None) -> DrawnProfile:
     from rig.assembly import REGISTRY
 
     return REGISTRY.drawing(form)(name, Path(file), tip)
+
+
+def _scanned(name: str, like: str, on: str, search: Sequence[Path]) -> DrawnProfile:
+    """Return the profile of whoever answers."""
+    from rig.scaffolding.scanned import scanned_profile
+
+    if on in ("sim", "virtual"):
+        raise click.BadParameter(f"{on} has no bus that could be asked.", param_hint="--scan")
+    return scanned_profile(name, like, on, search)

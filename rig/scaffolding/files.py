@@ -59,15 +59,21 @@ def profile_text(name: str, like: str, search: Sequence[Path]) -> str:
     ConfigurationError
         There is no such profile.
     """
+    return (
+        f"extends: {like}\n"
+        f"name: {name}\n"
+        "description: What it is, in one sentence\n\n" + commented_lines(name, like, search)
+    )
+
+
+def commented_lines(name: str, like: str, search: Sequence[Path]) -> str:
+    """Return the lines of a profile as comments, below a few on what to do with them."""
     text = _OWN.sub("", read_source(find_file(like, "rigs", search)).text)
     lines = [f"# {line}".rstrip() for line in text.splitlines()]
     return (
-        f"# Begun as {like}, whose values hold where this file says nothing: they follow below.\n"
+        f"# The values of {like} hold where the lines above say nothing: they follow below.\n"
         "# Take the # away from what differs, and from the lines above that it belongs to. What a\n"
         "# key means, `rig explain KEY` says; what holds, and who says so,\n"
         f"# `rig check {name}.yaml --values`. `plant:` is the simulated rig: say there, too, what\n"
-        "# is true of yours.\n"
-        f"extends: {like}\n"
-        f"name: {name}\n"
-        "description: What it is, in one sentence\n\n" + "\n".join(lines) + "\n"
+        "# is true of yours.\n\n" + "\n".join(lines) + "\n"
     )

@@ -1,0 +1,166 @@
+"""A rig to begin with from who answers on its buses: node numbers and identities, by another one.
+
+A bus does not tell what a device is for. The devices of another profile are found again by their
+kind, the CiA device profile: first the ones that have its numbers, then the others in the order of
+theirs. What was exchanged is found by the acceptance test, before anything moves.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from rig.assembly import check_profile, parse_interfaces
+from rig.assembly.on_interfaces import Interfaces
+from rig.assembly.registry import REGISTRY
+from rig.assembly.survey import expected_on, survey_buses
+from rig.config import Profile, load_profile
+from rig.hal import Address, DeviceError
+from rig.hal.drawn_profile import DrawnProfile
+from rig.hal.frames import Found
+from rig.scaffolding.files import commented_lines
+
+_NUMBERS: Final = ("node", "axis", "id")
+"""Keys by which drivers call the number of what is on a bus."""
+_IDENTITY: Final = ("vendor", "product")
+
+
+class Matched(NamedTuple):
+    """Who is who on one bus.
+
+    Parameters
+    ----------
+    devices : dict
+        What was found, by the names of the profile's addresses.
+    missing : tuple of Address
+        Of the profile, and nothing like them answers.
+    others : tuple of Found
+        Answer, and nothing of the profile is like them.
+    """
+
+    devices: dict[str, Found]
+    missing: tuple[Address, ...]
+    others: tuple[Found, ...]
+
+
+def match(expected: Sequence[Address], found: Sequence[Found]) -> Matched:
+    """Return which of the expected devices is which of those that were found on a bus."""
+    left = {item.node: item for item in sorted(found, key=lambda item: item.node)}
+    devices: dict[str, Found] = {}
+    for its in expected:
+        if its.number in left and _is_like(its, left[its.number]):
+            devices[its.name] = left.pop(its.number)
+    for its in expected:
+        like = (item for item in left.values() if _is_like(its, item))
+        if its.name not in devices and (item := next(like, None)) is not None:
+            devices[its.name] = left.pop(item.node)
+    missing = tuple(its for its in expected if its.name not in devices)
+    return Matched(devices, missing, tuple(left.values()))
+
+
+def _is_like(its: Address, found: Found) -> bool:
+    return found.answers > 0 and (its.profile is None or its.profile == found.profile)
+
+
+def scanned_profile(name: str, like: str, on: str, search: Sequence[Path]) -> DrawnProfile:
+    """Return a profile of the devices that answer on CAN interfaces; nothing is changed on them.
+
+    Parameters
+    ----------
+    name, like : str
+        Its name, and that of the rig whose devices it has.
+    on : str
+        Interfaces, see `rig.assembly.on_interfaces.parse_interfaces`; ``hardware``: those that
+        the other rig names.
+    search : sequence of Path
+        Folders of configurations.
+
+    Raises
+    ------
+    ConfigurationError
+        There is no such rig, or it has no such interfaces.
+    ConnectionFailed
+        An interface is missing or down.
+    DeviceError
+        Nobody answers, or devices share a number.
+    """
+    profile = load_profile(like, REGISTRY, search=search)
+    check_profile(profile)
+    interfaces = {} if on == "hardware" else parse_interfaces(on, profile)
+    answers = survey_buses(profile, interfaces)
+    found = {bus: [a.found for a in answers if a.bus == bus and a.found] for bus in profile.buses}
+    if not any(found.values()):
+        raise DeviceError(on, "nobody answers there: look at power, cable, termination, bit rate")
+    for bus, items in found.items():
+        for item in items:
+            if item.answers > 1 or len(item.serials) > 1:
+                count = max(item.answers, len(item.serials))
+                raise DeviceError(bus, f"{count} devices have the number 0x{item.node:02X}")
+    who = {bus: match(expected_on(profile, bus), items) for bus, items in found.items()}
+    notes = tuple(note for bus, matched in who.items() for note in _notes(bus, matched))
+    lines = [
+        f"# Begun from who answered on {on}, with the devices of {like}. What is true of it is",
+        "# tested by `rig commission`: the order of devices of one kind is that of their numbers.",
+        *(f"# {note}" for note in notes),
+        f"extends: {like}",
+        f"name: {name}",
+        "description: What it is, in one sentence",
+        "",
+        *_bus_lines(interfaces),
+        *_device_lines(profile, who),
+    ]
+    return DrawnProfile("\n".join(lines) + "\n\n" + commented_lines(name, like, search), notes)
+
+
+def _notes(bus: str, matched: Matched) -> list[str]:
+    return [
+        f"{bus}: {its.name} does not answer; its number stays 0x{its.number:02X}"
+        for its in matched.missing
+    ] + [
+        f"{bus}: node 0x{item.node:02X} ({item.kind or 'it does not say what it is'}) is like "
+        "nothing of the profile"
+        for item in matched.others
+    ]
+
+
+def _bus_lines(interfaces: Interfaces) -> list[str]:
+    lines = ["buses:"] if interfaces else []
+    for bus, settings in interfaces.items():
+        said = ", ".join(f"{key}: {value}" for key, value in settings.items())
+        lines.append(f"  {bus}: {{{said}}}")
+    return [*lines, ""] if lines else []
+
+
+def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
+    lines = ["devices:"]
+    for name, entry in profile.devices.items():
+        matched = who[entry.bus].devices if entry.bus in who else {}
+        joints = getattr(entry.settings, "joints", {})
+        own = [(None, entry.settings)] if name in matched else []
+        own += [(joint, its) for joint, its in joints.items() if f"{name}.{joint}" in matched]
+        if not own:
+            continue
+        lines.append(f"  {name}:")
+        for joint, settings in own:
+            item = matched[name if joint is None else f"{name}.{joint}"]
+            pad = "    " if joint is None else "        "
+            if joint is not None:
+                if joint == own[0][0]:
+                    lines.append("    joints:")
+                lines.append(f"      {joint}:")
+            lines += [f"{pad}{line}" for line in _said(settings, item, alone=joint is None)]
+    return lines if len(lines) > 1 else []
+
+
+def _said(settings: object, item: Found, *, alone: bool) -> list[str]:
+    """Return the lines that a device says of itself; a vendor or serial number of 0 is none."""
+    key = next(key for key in _NUMBERS if hasattr(settings, key))
+    lines = [
+        f"{key}: 0x{item.node:02X}" + (f"                  # {item.kind}" if item.kind else "")
+    ]
+    for what in _IDENTITY if item.vendor else ():
+        value = getattr(item, what)
+        if value is not None and hasattr(settings, what):
+            lines.append(f"{what}: 0x{value:X}")
+    if item.serials and item.serials[0] and (alone or hasattr(settings, "serial")):
+        lines.append(f"serial: 0x{item.serials[0]:X}")
+    return lines
