@@ -25,7 +25,7 @@ _IDENTITY: Final = ("vendor", "product")
 
 
 class Matched(NamedTuple):
-    """Who is who on one bus.
+    """The devices of one bus, recognised among the answers.
 
     Parameters
     ----------
@@ -135,7 +135,8 @@ def _device_lines(profile: Profile, who: dict[str, Matched]) -> list[str]:
     for name, entry in profile.devices.items():
         matched = who[entry.bus].devices if entry.bus in who else {}
         joints = getattr(entry.settings, "joints", {})
-        own = [(None, entry.settings)] if name in matched else []
+        own: list[tuple[str | None, object]] = []
+        own += [(None, entry.settings)] if name in matched else []
         own += [(joint, its) for joint, its in joints.items() if f"{name}.{joint}" in matched]
         if not own:
             continue
