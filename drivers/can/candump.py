@@ -8,7 +8,7 @@ hexadecimal digits, or 8 where it is extended or an error class; ``id#R`` is a r
 
 import re
 from collections.abc import Iterable, Iterator
-from typing import Final
+from typing import Final, TextIO
 
 from drivers.can.frame import (
     ERROR_FLAG,
@@ -25,6 +25,7 @@ _LINE: Final = re.compile(
     r"(?:\s+([RT]))?\s*",  # direction, of newer candumps and of python-can
     re.IGNORECASE,
 )
+_LONGEST: Final = 1 << 16
 
 
 def format_frame(can_id: int, data: bytes) -> str:
@@ -70,6 +71,29 @@ def parse_line(line: str) -> LoggedFrame:
     content = bytes.fromhex((data or "").replace(".", ""))
     is_sent = None if way is None else way.upper() == "T"
     return LoggedFrame(float(time), channel, can_id, content, is_sent)
+
+
+def bounded(stream: TextIO, name: str) -> Iterator[str]:
+    """Yield the lines of a text of somebody else, none of which fills the memory.
+
+    Parameters
+    ----------
+    stream : TextIO
+        The text.
+    name : str
+        What an error calls it.
+
+    Raises
+    ------
+    ValueError
+        A line is longer than any that holds a frame; with its number.
+    """
+    number = 0
+    while line := stream.readline(_LONGEST):
+        number += 1
+        if len(line) == _LONGEST:
+            raise ValueError(f"{name}:{number}: a line is longer than {_LONGEST} characters")
+        yield line
 
 
 def parse_lines(lines: Iterable[str], name: str) -> Iterator[LoggedFrame]:

@@ -17,6 +17,7 @@ from rig.hal.frames import LoggedFrame
 STDIN: Final = "-"
 """Stands for frames on standard input, in candump's format."""
 
+_STDIN: Final = "standard input"
 _LOOK_EVERY: Final = 2e-3  # at interfaces without frames, s
 
 
@@ -143,30 +144,52 @@ class _Buses:
 
 
 def _read_candump(path: str | Path) -> Iterator[LoggedFrame]:
-    from drivers.can.candump import parse_lines
+    from drivers.can.candump import bounded, parse_lines
 
     if str(path) == STDIN:
-        yield from parse_lines(sys.stdin, "standard input")
+        yield from parse_lines(bounded(sys.stdin, _STDIN), _STDIN)
         return
     with Path(path).open(encoding="utf-8", errors="replace") as lines:
-        yield from parse_lines(lines, str(path))
+        yield from parse_lines(bounded(lines, str(path)), str(path))
 
 
 def _read_vector(path: Path) -> Iterator[LoggedFrame]:
-    import can
-
-    from drivers.can.fast_path import flagged_id
-
-    is_binary = path.suffix.lower() == ".blf"
-    with path.open("rb" if is_binary else "r") as content:
+    kind = path.suffix[1:].upper()
+    with contextlib.ExitStack() as stack:
         try:
-            make: Any = can.BLFReader if is_binary else can.ASCReader
-            for frame in make(content):
-                yield LoggedFrame(
-                    frame.timestamp, str(frame.channel or 0), flagged_id(frame), bytes(frame.data)
-                )
+            frames = _frames_of_blf if kind == "BLF" else _frames_of_asc
+            yield from frames(path, stack)
         except (OSError, GeneratorExit):
             raise
         except Exception as error:  # the readers raise whatever comes of a broken file
-            kind = path.suffix[1:].upper()
             raise ValueError(f"{path}: this is no {kind} file: {error}") from error
+
+
+def _frames_of_blf(path: Path, stack: contextlib.ExitStack) -> Iterator[LoggedFrame]:
+    import can
+
+    from drivers.can.blf_file import check_blf
+
+    content = stack.enter_context(path.open("rb"))
+    check_blf(content)
+    content.seek(0)
+    yield from map(_logged, can.BLFReader(content))
+
+
+def _frames_of_asc(path: Path, stack: contextlib.ExitStack) -> Iterator[LoggedFrame]:
+    import can
+
+    from drivers.can.candump import bounded
+
+    content = stack.enter_context(path.open("r"))
+    for _ in bounded(content, path.name):
+        pass
+    content.seek(0)
+    yield from map(_logged, can.ASCReader(content))
+
+
+def _logged(frame: Any) -> LoggedFrame:
+    from drivers.can.fast_path import flagged_id
+
+    channel = str(frame.channel or 0)
+    return LoggedFrame(frame.timestamp, channel, flagged_id(frame), bytes(frame.data))

@@ -1,10 +1,12 @@
 """Frames as lines of text: what candump writes, and what its readers and ours make of it."""
 
+import io
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from drivers.can.candump import format_frame, parse_line, parse_lines
+from drivers.can.candump import bounded, format_frame, parse_line, parse_lines
 from drivers.can.frame import ERROR_FLAG, EXTENDED_FLAG, REMOTE_FLAG
 from rig.hal.frames import LoggedFrame
 
@@ -73,3 +75,10 @@ def test_a_torn_last_line_is_left_out_and_a_broken_one_is_named():
     assert len(list(parse_lines([good, "\n", good, "(2.0) can0 12"], "x.log"))) == 2
     with pytest.raises(ValueError, match=r"^x\.log:2: this is no frame"):
         list(parse_lines([good, "(2.0) can0 12\n", good], "x.log"))
+
+
+def test_a_line_that_fills_the_memory_is_refused():
+    stream = io.StringIO(f"(1.0) can0 181#\n(2.0) can0 181#{'0' * 1_000_000}\n")
+    with pytest.raises(ValueError, match=r"mine\.log:2: a line is longer"):
+        list(bounded(stream, "mine.log"))
+    assert stream.tell() < 100_000
