@@ -54,10 +54,6 @@ class Steering:
 
     def answer(self, request: Request) -> str | None:
         """Hand a change on, or say why not; a question ends with a question mark."""
-        with self._one_at_a_time:  # of several pages
-            return self._answer(request)
-
-    def _answer(self, request: Request) -> str | None:
         try:
             box = self._box = self._box or Mailbox(self._run)
         except (OSError, ValueError):
@@ -65,6 +61,10 @@ class Steering:
         if request["type"] == "hold":
             box.beat()
             return None
+        with self._one_at_a_time:  # of several pages
+            return self._answer(request, box)
+
+    def _answer(self, request: Request, box: Mailbox) -> str:
         key, value = str(request["key"]), float(cast("float", request["value"]))
         known = [gain.key for gain in self._gains]
         if key not in known:

@@ -77,12 +77,14 @@ class Viewer:
         """Send and listen until the page is gone."""
         pushing = asyncio.create_task(self._push())
         listening = asyncio.create_task(self._listen())
+        self._changing = asyncio.create_task(asyncio.sleep(0.0))
         try:
             await asyncio.wait({pushing, listening}, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            for task in (pushing, listening):
+            tasks = (pushing, listening, self._changing)
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(pushing, listening, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)
             self._transport.abort()
 
     async def _push(self) -> None:
@@ -157,14 +159,21 @@ class Viewer:
                 await self._beside(request)
             case "frames":
                 await self._frames(request)
-            case "gain" | "hold":
-                if not self._steers:
-                    raise BadMessage("this page may look, and not steer")
-                answer = await asyncio.to_thread(self._studio.steer, request)
-                if answer is not None:
-                    await self._say({"type": "steered", "message": answer})
+            case "gain" | "hold" if not self._steers:
+                raise BadMessage("this page may look, and not steer")
+            case "hold":
+                self._studio.steer(request)
+            case "gain" if not self._changing.done():
+                await self._say({"type": "steered", "message": "one change after another"})
+            case "gain":  # not waited for: whoever holds on says so meanwhile
+                self._changing = asyncio.create_task(self._change(request))
             case _:
                 raise BadMessage("the page is open already")
+
+    async def _change(self, request: Request) -> None:
+        """Hand a change of a gain on, once it has been thought about."""
+        answer = await asyncio.to_thread(self._studio.steer, request)
+        await self._say({"type": "steered", "message": answer})
 
     async def _follow(self, request: Request) -> None:
         """Send what there is of some columns, and whatever comes after it."""

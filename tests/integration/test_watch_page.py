@@ -10,6 +10,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from hardware_like import hardware_like
 from watched import served_folder, watched_run
 
 from rig.run_folder import RunFolder, RunStatus
@@ -316,6 +317,75 @@ def test_the_choice_of_windows_says_how_wide_the_window_is(tmp_path):
         assert page.evaluate(shown) == "3 s"
         page.locator("#live").click()
         assert page.evaluate(shown) == "10 s"
+
+
+def press(page, button):
+    box = page.locator(button).bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    page.mouse.down()
+
+
+def ask_for(page, value):
+    """Set a gain, and say yes if it is asked again: it waits for somebody who holds on."""
+    gain = page.locator('#gains input[name="position_rate"]')
+    gain.fill(str(value))
+    gain.locator("xpath=..").get_by_text("set").click()
+    said = page.locator("#gain-said")
+    sync_api.expect(said).to_have_text(re.compile("hold to steer"))
+    press(page, "#hold")
+    sure = said.get_by_role("button", name="yes")
+    sync_api.expect(sure).to_be_visible(timeout=20_000)
+    page.mouse.up()
+    sure.click()
+    sync_api.expect(said).to_have_text(re.compile("hold to steer"))
+
+
+def test_on_hardware_a_gain_changes_while_somebody_holds_on_and_no_longer(tmp_path):
+    with (
+        browser() as opened,
+        hardware_like(tmp_path) as run,
+        served_folder(run.folder.path, "--steer") as address,
+    ):
+        with page_of(opened, address) as page:
+            assert page.locator("#kind").inner_text() == "HARDWARE"
+            page.locator("#ramp").select_option("0.2")
+            ask_for(page, 110)
+            time.sleep(1.0)
+            assert run.gains.changed == {}  # nobody holds on
+            press(page, "#hold")
+            sync_api.expect(page.locator("#gain-said")).to_have_text(re.compile("120 -> 110"))
+            time.sleep(1.0)
+            assert run.gains.changed == {"position_rate": 110.0}
+            page.mouse.up()
+
+            # A page that is closed in the midst of a ramp has no say any more.
+            page.locator("#ramp").select_option("5")
+            ask_for(page, 60)
+            press(page, "#hold")
+            sync_api.expect(page.locator("#gain-said")).to_have_text(re.compile("110 -> 60"))
+        time.sleep(1.5)
+        left = run.gains.changed["position_rate"]
+        assert 85.0 < left < 110.0
+        time.sleep(1.0)
+        assert run.gains.changed["position_rate"] == left
+        said = [event["message"] for event in run.folder.events()][-1]
+        assert said == f"position_rate stays at {left:.6g}: nobody holds on to the page"
+
+
+def test_old_data_are_marked_as_such(tmp_path):
+    with (
+        browser() as opened,
+        hardware_like(tmp_path) as run,
+        served_folder(run.folder.path) as address,
+        page_of(opened, address) as page,
+    ):
+        age = page.locator("#age")
+        assert age.get_attribute("class") != "old"
+        run.pause.set()
+        sync_api.expect(age).to_have_class("old", timeout=5_000)
+        assert float(age.inner_text().split()[0]) > 1.0
+        run.pause.clear()
+        sync_api.expect(age).not_to_have_class("old", timeout=5_000)
 
 
 def test_stop_works_while_everything_else_on_the_page_does_not(tmp_path):

@@ -84,12 +84,13 @@ def watched_run(out: Path, *arguments: str, steer: bool = True):
 
 @contextlib.contextmanager
 def served_folder(folder: Path, *arguments: str):
-    """Yield the address of the page of a run that has ended."""
+    """Yield the address of the page of a run that has ended, or from which it is steered."""
     command = [sys.executable, "-m", "rig", "watch", str(folder), "--port", "0", *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     talk = _Talk(process.stderr)
+    which = "steer it" if "--steer" in arguments else "watch .*"
     try:
-        yield talk.wait_for(r"^watch .*: (http://.+)$", process)
+        yield talk.wait_for(rf"^{which}: (http://.+)$", process)
     finally:
         process.terminate()
         process.wait(30)

@@ -33,8 +33,8 @@ class ArmScene(Scene):
         self._arm = dimensions_of(its)
         self._reach, self._height = its.reach, its.base_height
         self._edges = _edges(its)
-        self.size = 0.7 * (its.reach + its.d6)
-        self.centre = (0.3 * its.reach, 0.0, its.base_height + 0.3 * its.reach)
+        self.size = 1.06 * (its.reach + abs(its.a1))  # the whole edge of the workspace
+        self.centre = (0.0, 0.0, its.base_height)
         self.shapes = (
             Shape("ground", "loop", "ground", _ROUND, 1.0),
             *(Shape("singular: elbow", "loop", "limit", _ROUND, 1.0) for _ in range(3)),

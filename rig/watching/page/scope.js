@@ -12,6 +12,7 @@ const TOP = 6;
 const BOTTOM = 20;
 const INKS = 8;
 const MOST_BOUNDS = 4;
+const UNSEEN = 1e-5; // of the height of a pane
 const PLANNED = /^(reference|plan|applied|command)\./;
 const SHORT = { reference: " ref", plan: "", applied: " sent", command: " asked" };
 
@@ -186,6 +187,11 @@ export class Pane {
     this.tellValues(table);
   }
 
+  // What nobody could see in the pane is nothing: a joint at rest is at 0, and not at 4e-5 degrees.
+  get least() {
+    return this.upwards && this.unit ? UNSEEN * (this.upwards[1] - this.upwards[0]) : 0;
+  }
+
   tellValues(table) {
     const t = this.board.cursor ?? this.board.moment.head;
     const row = table.nearest(t);
@@ -193,7 +199,8 @@ export class Pane {
       const column = table.values[table.place.get(k)];
       const [scale, unit] = shown(this.board.columns[k]);
       const value = column && row >= 0 ? column[row] : NaN;
-      element.textContent = this.unit ? number(value * scale) : `${number(value * scale)} ${unit}`;
+      const told = number(Math.abs(value * scale) < this.least ? 0 : value * scale);
+      element.textContent = this.unit ? told : `${told} ${unit}`;
       element.dataset.value = value;
       element.dataset.t = row >= 0 ? table.t[row] : "";
     }

@@ -23,18 +23,23 @@ export function seconds(t) {
   return `${number(t, t < 100 ? 4 : 5)} s`;
 }
 
+function multiples(low, high, step) {
+  const found = [];
+  const last = high + 1e-9 * (high - low);
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= last; k += 1) found.push(k * step);
+  return found;
+}
+
 // Round steps of an axis that lie between two values.
 export function ticks(low, high, most) {
   const span = high - low;
   if (!(span > 0)) return [low];
   const raw = span / Math.max(most, 1);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= raw * 0.999);
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * span; k += 1) {
-    found.push(k * step);
-  }
-  return found;
+  const wide = [1, 2, 5, 10].find((factor) => factor * power >= raw * 0.999);
+  const found = multiples(low, high, wide * power);
+  // A single step tells no scale.
+  return found.length > 1 ? found : multiples(low, high, (wide === 5 ? 2 : wide / 2) * power);
 }
 
 // A step of an axis with as many places as its neighbours need.
