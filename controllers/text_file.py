@@ -1,5 +1,6 @@
 """Text of a file that somebody else may have written: no pipe that waits, no endless device."""
 
+import csv
 import os
 import stat
 from pathlib import Path
@@ -9,6 +10,8 @@ from controllers.motion import InfeasibleMotion
 
 MOST: Final = 1 << 24
 """Bytes that a file of a motion may have."""
+_LONGEST: Final = 10_000
+"""Characters of a line of a table."""
 
 
 def read_lines(path: Path) -> list[str]:
@@ -32,4 +35,35 @@ def read_lines(path: Path) -> list[str]:
             raise InfeasibleMotion(f"{path}: it has more than {MOST} bytes.")
         return content.decode("utf-8-sig").splitlines()
     except (OSError, UnicodeDecodeError) as error:
+        raise InfeasibleMotion(f"{path}: {error}.") from error
+
+
+def read_table_lines(path: Path) -> list[str]:
+    """Return the lines of a table, as `read_lines`; none is longer than anybody writes.
+
+    Raises
+    ------
+    InfeasibleMotion
+        As `read_lines`, or a line is too long; with its number.
+    """
+    lines = read_lines(path)
+    for number, line in enumerate(lines, 1):
+        if len(line) > _LONGEST:
+            raise InfeasibleMotion(
+                f"{path}, line {number}: it has more than {_LONGEST} characters."
+            )
+    return lines
+
+
+def read_table(path: Path) -> list[list[str]]:
+    """Return the cells of a CSV file, row by row.
+
+    Raises
+    ------
+    InfeasibleMotion
+        As `read_table_lines`, or a quotation goes on and on.
+    """
+    try:
+        return list(csv.reader(read_table_lines(path), skipinitialspace=True))
+    except csv.Error as error:
         raise InfeasibleMotion(f"{path}: {error}.") from error

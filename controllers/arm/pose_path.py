@@ -4,7 +4,6 @@ The places are joined by a spline, on which the hand's nominal speed is constant
 through wrist and shoulder as on a line; see `look-ahead`.
 """
 
-import csv
 import math
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,7 +16,7 @@ from controllers.arm.geometry import SixAngles
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.trajectory import ArmPath, Trajectory
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_lines
+from controllers.text_file import read_table
 
 Length = Annotated[float, Unit("m")]
 Place = tuple[Length, Length, Length]
@@ -88,7 +87,7 @@ def read_places(path: Path) -> tuple[list[Place], list[Quaternion] | None]:
     InfeasibleMotion
         With the line and what is wrong with it.
     """
-    rows = list(csv.reader(read_lines(path), skipinitialspace=True))
+    rows = read_table(path)
     names = [name.strip().replace("(", " ").replace(")", "").split() for name in (rows or [[]])[0]]
     columns = {name[0]: k for k, name in enumerate(names) if name}
     missing = [name for name in _POSITION if name not in columns]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from controllers.gait.footprints import MOST_STEPS, Footstep
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_lines
+from controllers.text_file import read_table_lines
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3}
@@ -62,7 +62,7 @@ def read_footsteps(path: Path) -> tuple[Footstep, ...]:
     InfeasibleMotion
         With file, line, column, and what is wrong there.
     """
-    lines = read_lines(path)
+    lines = read_table_lines(path)
     numbered = [
         (number, [cell.strip() for cell in next(csv.reader([line]))])
         for number, line in enumerate(lines, 1)

@@ -1,6 +1,5 @@
 """Twists that an experiment asks an arm for: written in it, in a file, or from outside."""
 
-import csv
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -14,7 +13,7 @@ from annotated_types import Gt, Interval, Unit
 from controllers.arm.geometry import SixAngles
 from controllers.arm.on_direction.numbers import Six
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_lines
+from controllers.text_file import read_table
 
 Time = Annotated[float, Unit("s")]
 Speed = Annotated[float, Unit("m/s")]
@@ -23,6 +22,8 @@ Row = tuple[Time, Speed, Speed, Speed, TurnRate, TurnRate, TurnRate]
 """From when on, s, and the twist, m/s and rad/s."""
 Silence = Annotated[float, Unit("s"), Interval(gt=0, le=0.1)]
 
+_FASTEST = 1000.0
+"""m/s or rad/s: what is more is a mistake, and squared no number."""
 _TIMES = {"s": 1.0, "ms": 1e-3}
 _SPEEDS = {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3}
 _TURNS = {"rad/s": 1.0, "deg/s": math.pi / 180.0}
@@ -134,6 +135,12 @@ class TwistRows(ArmTwists):
                     f"{name}row {number} is for {after[0]:g} s, and must be after row "
                     f"{number - 1} ({before[0]:g} s)."
                 )
+        for number, (_, *twist) in enumerate(rows, 1):
+            if max(map(abs, twist)) > _FASTEST:
+                raise InfeasibleMotion(
+                    f"{name}row {number} asks for {max(twist, key=abs):g} m/s or rad/s; no arm is "
+                    f"faster than {_FASTEST:g}."
+                )
         if rows[0][0] < 0.0:
             raise InfeasibleMotion(f"{name}row 1 is for {rows[0][0]:g} s, before the beginning.")
         return rows
@@ -162,7 +169,7 @@ def read_rows(path: Path) -> list[Row]:
     InfeasibleMotion
         With the line and what is wrong with it.
     """
-    lines = list(csv.reader(read_lines(path), skipinitialspace=True))
+    lines = read_table(path)
     names = _columns(path, lines[0] if lines else [])
     rows: list[Row] = []
     for number, line in enumerate(lines[1:], 2):

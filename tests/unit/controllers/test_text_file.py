@@ -40,3 +40,15 @@ def test_a_file_of_the_greatest_length_is_read_without_its_mark(tmp_path):
     path = tmp_path / "motion.csv"
     path.write_bytes(b"\xef\xbb\xbf" + b"\n" * (MOST - 3))
     assert read_lines(path) == [""] * (MOST - 3)
+
+
+@pytest.mark.parametrize("read", [read_rows, read_places, read_footsteps])
+def test_a_line_and_a_quotation_without_an_end_are_refused(read, tmp_path):
+    path = tmp_path / "motion.csv"
+    path.write_text(f"x (mm)\n1,{'9' * 200_000}\n")
+    with pytest.raises(InfeasibleMotion, match="line 2: it has more than 10000 characters"):
+        read(path)
+    path.write_text('x (mm)\n1,"' + "2\n" * 100_000)
+    with pytest.raises(InfeasibleMotion) as refused:
+        read(path)
+    assert len(str(refused.value)) < 1000

@@ -75,3 +75,10 @@ def test_a_file_and_rows_exclude_each_other():
         TwistRows()
     with pytest.raises(ValueError, match="a file or rows"):
         TwistRows(file="a.csv", rows=((0.0,) * 7, (1.0,) * 7))
+
+
+def test_a_twist_that_no_arm_has_is_refused_with_its_row():
+    fast = (0.5, 0.0, -1e300, 0.0, 0.0, 0.0, 0.0)
+    rows = ((0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.0), fast, (1.0, *[0.0] * 6))
+    with pytest.raises(InfeasibleMotion, match=r"row 2 asks for -1e\+300"):
+        TwistRows(rows=rows).known()
