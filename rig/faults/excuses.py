@@ -1,6 +1,7 @@
 """Hazards that nothing could have kept off: where they are forgiven, and why."""
 
 from rig.faults.kind import Plight
+from rig.faults.subject import Subject
 
 _LATE_CYCLES = 3
 """Read in one, told in the next, obeyed by the end of the third: what breaks later, nobody sees."""
@@ -80,6 +81,16 @@ def pulls_alone(plight: Plight) -> frozenset[str]:
     most = min(hazard.high for hazard in plight.subject.hazards if hazard.name == "pressure")
     found = ON_A_WIRE if pressure > _HOLDS else frozenset()
     return found | {"pressure"} if pressure > most else found
+
+
+def has_valves(subject: Subject) -> bool:
+    """Return whether proportional valves feed the chambers, and no regulators."""
+    return "valve_stuck" in subject.knows.get("plant", ())
+
+
+def fills_alone(plight: Plight) -> frozenset[str]:
+    """Forgive what a signal does that stays: a regulator holds its pressure, a spool stays open."""
+    return ON_A_WIRE | {"pressure"} if has_valves(plight.subject) else frozenset()
 
 
 def falls(plight: Plight) -> frozenset[str]:

@@ -10,6 +10,8 @@ from functools import partial
 from rig.faults.excuses import (
     ON_A_WIRE,
     falls,
+    fills_alone,
+    has_valves,
     lets_fall_far,
     lets_fall_unseen,
     overpowers,
@@ -182,8 +184,7 @@ case asks for after a second."""
 
 def _is_closed_over(sizes: Sizes, subject: Subject) -> Must:
     """Expect that a chamber sensor is seen which an inner loop of valves relies on."""
-    has_valves = "valve_stuck" in subject.knows.get(_PLANT, ())
-    return Must.SAFE if has_valves else Must.EITHER
+    return Must.SAFE if has_valves(subject) else Must.EITHER
 
 
 _REGULATOR_OFF = 60e3
@@ -233,7 +234,8 @@ PNEUMATIC = (
           partial(whole, "supply_lost", ("supply", "regulator")), is_felt(0.0), 0.3,
           magnitude=Magnitudes(1e3, 100e3, "Pa")),
     of_plant("output_stuck", "An analogue output keeps its value.", either, 1.0,
-              ("regulator",), why="as a regulator that holds its pressure"),
+              ("regulator",), why="as a regulator that holds its pressure, or a spool that "
+              "stays where it is", excuses=fills_alone),
     of_plant("wire_break", "The wire of a pressure monitor breaks.", safe, 0.05, ("monitor",)),
 )  # fmt: skip
 

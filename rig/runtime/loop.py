@@ -169,7 +169,11 @@ class Loop(Generic[State, Reference, Command]):
         except Exception as error:
             fault = error
         finally:
-            unsafe = self.make_safe(None if fault is None else self._recording(run, recorder))
+            at_once = fault is not None or stop.count > 1
+            unsafe = self.make_safe(
+                None if fault is None else self._recording(run, recorder),
+                self.mechanism.venting_time if at_once else 0.0,
+            )
             stop.in_loop = False
         if fault is None:
             self.states.move(RigState.IDLE)
@@ -181,11 +185,13 @@ class Loop(Generic[State, Reference, Command]):
                 events(run.t, "limit", message, {"hits": hits})
         return Outcome(run.cycles, run.missed, stop.count, fault, unsafe)
 
-    def make_safe(self, recording: StopRecording | None = None) -> tuple[str, ...]:
+    def make_safe(
+        self, recording: StopRecording | None = None, waits: float = 0.0
+    ) -> tuple[str, ...]:
         """Give every device its safe setpoint until they all say that they are safe.
 
-        It is repeated for `SAFE_CYCLES`, a recorded stop and, after a fault, the mechanism's
-        `venting_time` at least, and `safe_within` at most.
+        It is repeated for `SAFE_CYCLES`, a recorded stop and `waits` (s) at least, and
+        `safe_within` at most.
 
         Returns
         -------
@@ -193,8 +199,8 @@ class Loop(Generic[State, Reference, Command]):
             A sentence for each device that is not known to be safe in the end.
         """
         recorded = recording.cycles if recording else SAFE_CYCLES
-        vents = min(self.mechanism.venting_time, self.safe_within) if recording else 0.0
-        least = max(SAFE_CYCLES, recorded, math.ceil(vents / self.period))
+        waits = min(waits, self.safe_within)
+        least = max(SAFE_CYCLES, recorded, math.ceil(waits / self.period))
         most = max(least, math.ceil(self.safe_within / self.period))
         unsafe: list[str] = []
         for cycle in range(1, most + 1):

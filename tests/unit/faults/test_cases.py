@@ -10,7 +10,7 @@ from rig.experiment.rehearsal import CYCLES
 from rig.faults.campaign import draw_each, draw_once, draw_random
 from rig.faults.case import UNIT, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
-from rig.faults.kind import Must, Sizes
+from rig.faults.kind import Must, Place, Plight, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
 from rig.faults.verdict import FAULTED, CaseEnding, give_verdict
@@ -87,6 +87,15 @@ def test_a_frozen_monitor_must_be_seen_where_an_inner_loop_rests_on_it():
     valves = replace(SUBJECT, knows={"plant": ("valve_stuck", "agonist.monitor_frozen")})
     row, sizes = KINDS["monitor_frozen"], Sizes(None, inf)
     assert (row.must(sizes, valves), row.must(sizes, SUBJECT)) == (Must.SAFE, Must.EITHER)
+
+
+def test_an_output_that_stays_leaves_a_spool_open_and_a_regulator_at_its_pressure():
+    valves = replace(SUBJECT, knows={"plant": ("valve_stuck",), "regulators": ("output_stuck",)})
+    row = KINDS["output_stuck"]
+    for subject, forgiven in ((valves, True), (SUBJECT, False)):
+        place = Place("regulators", "regulators agonist", ("agonist",), 0.0)
+        plight = Plight(subject, place, Sizes(None, inf), {}, 1.0, 0.0)
+        assert ("position" in row.excuses(plight)) is forgiven
 
 
 def test_every_kind_is_either_possible_or_refused_with_what_it_needs():

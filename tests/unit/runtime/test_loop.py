@@ -279,6 +279,16 @@ def test_after_a_fault_no_reading_is_believed_before_chambers_can_be_empty(
     assert bench.device.safe == cycles
 
 
+@pytest.mark.parametrize(("times", "cycles"), [(1, SAFE_CYCLES), (2, 30)])
+def test_a_stop_at_once_waits_for_the_chambers_and_an_orderly_one_has_emptied_them(times, cycles):
+    bench, stop = Bench(), StopRequests()
+    bench.mechanism.venting_time = 0.3
+    asked = range(12, 12 + times)
+    bench.recorder.busy = lambda: stop.request() if len(bench.recorder.rows) in asked else None
+    assert bench.run(stop).stopped == times
+    assert bench.device.safe == cycles
+
+
 def test_reading_back_that_fails_is_told_and_no_safe_state():
     bench = Bench(safe_within=0.1)
     bench.device.unsafe = lambda now: 1 / 0
