@@ -11,8 +11,10 @@ from typing import Final
 from rig.calibration.instruments import Instrument, Readings, made_to, parse_reading
 from rig.config.quantities import UnitError
 from rig.hal import ConfigurationError
-from rig.hal.files import open_regular
+from rig.hal.files import read_regular
 
+_MOST: Final = 1 << 22
+"""Bytes: a reading is a line of some 40."""
 _HEAD: Final = re.compile(r"(?P<name>.*?)\s*[(\[](?P<unit>[^)\]]+)[)\]]")
 """A column of a table: the quantity, and its unit in brackets."""
 
@@ -31,12 +33,12 @@ def read_file(instruments: Sequence[Instrument], path: Path) -> Readings:
     """
     readings = made_to(instruments)
     try:
-        with io.TextIOWrapper(open_regular(path), "utf-8-sig", newline="") as stream:
-            rows = [
-                (number, row)
-                for number, row in enumerate(csv.reader(stream), 1)
-                if row and not row[0].startswith("#")
-            ]
+        text = read_regular(path, _MOST).decode("utf-8-sig")
+        rows = [
+            (number, row)
+            for number, row in enumerate(csv.reader(io.StringIO(text, newline="")), 1)
+            if row and not row[0].startswith("#")
+        ]
     except (OSError, UnicodeError, csv.Error) as error:
         raise ConfigurationError(f"cannot read the readings {path}: {error}") from error
     if rows and rows[0][1][0].strip() == "stretch":

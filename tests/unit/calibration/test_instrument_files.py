@@ -58,3 +58,11 @@ def test_what_is_wrong_is_named_with_line_and_column(read, text, said):
     with pytest.raises(ConfigurationError) as caught:
         read(text)
     assert said in str(caught.value)
+
+
+def test_a_file_that_fills_the_memory_is_refused(tmp_path):
+    path = tmp_path / "readings.csv"
+    with path.open("wb") as stream:
+        stream.truncate(1 << 33)
+    with pytest.raises(ConfigurationError, match="it has more than 4194304 bytes"):
+        read_file(HAND, path)
