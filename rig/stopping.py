@@ -63,6 +63,8 @@ def request_stop(run: str | Path, *, at_once: bool) -> int:
             raise CannotStop(
                 f"{path.name} is run by process {process}, which is somebody else's"
             ) from error
+    if not (path / EVENTS).exists():
+        raise CannotStop(f"nobody can tell whether {path.name} is running: it has no {EVENTS}")
     raise CannotStop(f"{path.name} is not running: there is nothing to stop")
 
 

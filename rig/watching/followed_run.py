@@ -1,6 +1,7 @@
 """A run as its page sees it: what its folder says, and its log as far as it goes."""
 
 from collections.abc import Callable, Iterator
+from math import isfinite
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, NamedTuple
@@ -28,6 +29,8 @@ _ROWS_AT_ONCE = 4096
 _LOOKS_BACK = 1.0
 """Of the statistics of cycles, s of the rig's time."""
 _MOST_EVENTS = 2000
+_EVENTS_AT_ONCE = 1 << 20
+"""Bytes of them that are read at once."""
 _LONGEST_SENTENCE = 2000
 RUN = 1.0
 """What the column ``phase`` says while the reference is followed."""
@@ -140,14 +143,20 @@ class FollowedRun:
 
     def look_again(self) -> None:
         """Read the manifest again, and the events that were added."""
-        self.folder = RunFolder.open(self.folder.path)
+        try:
+            self.folder = RunFolder.open(self.folder.path)
+        except (RigError, OSError) as error:  # it was moved, deleted, damaged: what is here stays
+            self.trouble = self.trouble or str(error)
+            return
         try:
             with open_regular(self.folder.path / EVENTS) as stream:
                 stream.seek(self._events_read)
-                content = stream.read(1 << 20)
+                content = stream.read(_EVENTS_AT_ONCE)
         except (OSError, ConfigurationError):
             return
         whole = content[: content.rfind(b"\n") + 1]
+        if not whole and len(content) == _EVENTS_AT_ONCE:
+            whole = content  # no event is as long as that: what it is, nobody can show
         self._events_read += len(whole)
         for line in whole.splitlines():
             event = _event_of(line)
@@ -280,9 +289,15 @@ def _event_of(line: bytes) -> Event | None:
     except (ValueError, RecursionError, ConfigurationError):
         return None
     data = told.get("data", {}) if len(line) < _LONGEST_SENTENCE else {}
+    data = {key: value for key, value in data.items() if _is_plain(value)}
     return {
         "t": told.get("t"),
         "kind": told.get("kind", "")[:80],
         "message": told.get("message", "")[:_LONGEST_SENTENCE],
         "data": data,
     }
+
+
+def _is_plain(value: object) -> bool:
+    """Return whether it is text or a number, and not one that JSON lacks."""
+    return isinstance(value, str | int) or (isinstance(value, float) and isfinite(value))

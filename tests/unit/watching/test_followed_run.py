@@ -1,11 +1,15 @@
 """What a page is sent of a log: rows as they are, or all that stuck out of them."""
 
+import json
+import shutil
+
 import numpy as np
 import pytest
 
 from rig.hal import Column
 from rig.run_folder import RunFolder, RunStatus
 from rig.runtime.recorder import LogRecorder
+from rig.stopping import CannotStop, request_stop
 from rig.watching.followed_run import FollowedRun
 from rig.watching.studio import Studio
 
@@ -164,4 +168,44 @@ def test_a_run_that_was_stopped_on_its_way_has_no_motion(tmp_path):
     run = FollowedRun(folder.path)
     run.advance()
     assert run.motion_began() is None
+    run.close()
+
+
+EVENT = '{"t": 1.0, "kind": "mark", "message": "said"'
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        EVENT + ', "data": {"a": NaN, "b": -Infinity, "c": [1e999], "d": {"e": NaN}}}',
+        EVENT + ', "data": {"a": "' + "x" * 3_000_000 + '"}}',
+        "x" * 3_000_000,
+        '{"t": NaN, "kind": "mark", "message": "said"}',
+    ],
+)
+def test_no_event_of_a_damaged_folder_keeps_pages_from_the_next_ones(tmp_path, line):
+    folder = RunFolder.create(tmp_path, "damaged", "sim", inputs={})
+    events = folder.path / "events.jsonl"
+    events.write_text(f'{line}\n{EVENT[:-5]}after"}}\n')
+    run = FollowedRun(folder.path)
+    for _ in range(5):
+        run.look_again()
+    json.dumps(run.events, allow_nan=False).encode()  # as a page is sent them
+    assert run.events[-1]["message"] == "after"
+    run.close()
+
+
+def test_a_folder_that_is_deleted_while_it_is_watched_is_shown_as_it_was(tmp_path):
+    folder = RunFolder.create(tmp_path, "deleted", "sim", inputs={})
+    folder.record_event(1.0, "mark", "said")
+    run = FollowedRun(folder.path)
+    run.look_again()
+    shutil.rmtree(folder.path)
+    run.look_again()
+    run.advance()
+    assert "deleted" in run.trouble
+    assert [event["message"] for event in run.events] == ["said"]
+    assert not run.is_live
+    with pytest.raises(CannotStop, match="nobody can tell whether"):
+        request_stop(folder.path, at_once=False)
     run.close()
