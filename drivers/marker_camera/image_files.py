@@ -14,7 +14,8 @@ from drivers.marker_camera.image_source import (
     to_grey,
 )
 from drivers.marker_camera.settings import MarkerCameraSettings
-from rig.hal import Clock
+from rig.hal import Clock, ConfigurationError
+from rig.hal.image_files import check_video, read_grey
 
 _IMAGES: Final = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".tif", ".tiff"})
 
@@ -122,6 +123,10 @@ def video_frames(path: Path) -> Iterator[Image]:
     SourceFailure
         It is not a video that this OpenCV can read.
     """
+    try:
+        check_video(path)
+    except ConfigurationError as error:
+        raise SourceFailure(str(error), object=str(path)) from error
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     try:
         if not capture.isOpened():
@@ -148,7 +153,10 @@ def folder_images(path: Path) -> Iterator[Image]:
     for file in sorted(path.iterdir()):
         if file.suffix.lower() not in _IMAGES:
             continue
-        image = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE)
+        try:
+            image = read_grey(file)
+        except ConfigurationError as error:
+            raise SourceFailure(str(error), object=str(file)) from error
         if image is None:
             raise SourceFailure("a file is not an image", object=str(file))
         yield to_grey(image)

@@ -1,5 +1,6 @@
 """A lens from views of a board: what is found, and which views are refused."""
 
+import os
 import shutil
 
 import cv2
@@ -11,6 +12,7 @@ from rig.assembly.simulated import board_renderer
 from rig.calibration.catalogue import procedures
 from rig.calibration.recording import CalibrationRefused
 from rig.config import find_configs, load_profile
+from rig.hal import ConfigurationError
 from rig.mechanisms.joint.calibration.board_lens import Board, Views, fit_lens, read_views
 from rig.mechanisms.joint.calibration.board_views import VIEWS, simulate_views
 
@@ -89,6 +91,15 @@ def test_a_folder_without_a_board_is_refused(tmp_path):
     cv2.imwrite(str(tmp_path / "grey.png"), np.full((120, 160), 90, np.uint8))
     with pytest.raises(CalibrationRefused, match="0 of 1 images show a board of 10 x 7 squares"):
         read_views(tmp_path, BOARD)
+
+
+def test_a_pipe_is_no_view_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "a.png")
+    with pytest.raises(CalibrationRefused, match="holds no image"):
+        read_views(tmp_path, BOARD)
+    os.mkfifo(tmp_path / "a.avi")
+    with pytest.raises(ConfigurationError, match="not a regular file"):
+        read_views(tmp_path / "a.avi", BOARD)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,12 @@
 """Sources of frames: recordings made here, and a UVC camera behind a stand-in for OpenCV."""
 
 import math
+import os
+import re
+import struct
+import zlib
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -18,7 +23,7 @@ from camera_recording import (
 from camera_scenes import rms
 
 from drivers.marker_camera.detector import MarkerDetector
-from drivers.marker_camera.image_files import video_frames
+from drivers.marker_camera.image_files import folder_images, video_frames
 from drivers.marker_camera.image_source import RecordingEnded, SourceFailure
 from drivers.marker_camera.settings import MarkerCameraSettings, SourceSettings
 from drivers.marker_camera.sighting import Sight
@@ -172,6 +177,37 @@ def test_file_that_is_no_video_is_named(tmp_path):
     (tmp_path / "a.avi").write_text("no video")
     with pytest.raises(SourceFailure, match="not a video"):
         next(video_frames(tmp_path / "a.avi"))
+
+
+def huge_png():
+    """Return a PNG of 900 million black pixels in less than a megabyte."""
+    parts = [b"\x89PNG\r\n\x1a\n"]
+    packed = zlib.compressobj(9)
+    rows = [packed.compress(bytes(30_001)) for _ in range(30_000)]
+    header = struct.pack(">IIBBBBB", 30_000, 30_000, 8, 0, 0, 0, 0)
+    for kind, data in ((b"IHDR", header), (b"IDAT", b"".join(rows) + packed.flush())):
+        parts += [struct.pack(">I", len(data)), kind, data]
+        parts.append(struct.pack(">I", zlib.crc32(kind + data)))
+    return b"".join(parts)
+
+
+def test_an_image_that_would_fill_the_memory_is_none(tmp_path):
+    (tmp_path / "a.png").write_bytes(huge_png())
+    Path("/proc/self/clear_refs").write_text("5")
+    before = Path("/proc/self/status").read_text()
+    with pytest.raises(SourceFailure, match="not an image"):
+        next(folder_images(tmp_path))
+    most = [int(re.search(r"VmHWM:\s+(\d+)", text)[1])
+            for text in (before, Path("/proc/self/status").read_text())]  # fmt: skip
+    assert most[1] - most[0] < 200_000  # kB
+
+
+@pytest.mark.parametrize("play", [video_frames, folder_images])
+def test_a_pipe_is_no_recording_and_not_waited_for(play, tmp_path):
+    pipe = tmp_path / ("a.avi" if play is video_frames else "a.png")
+    os.mkfifo(pipe)
+    with pytest.raises(SourceFailure, match="not a regular file"):
+        next(play(pipe if play is video_frames else tmp_path))
 
 
 def test_recording_of_another_size_is_refused():

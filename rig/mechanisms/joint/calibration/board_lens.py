@@ -15,6 +15,7 @@ import numpy as np
 
 from rig.calibration.arrays import Array
 from rig.calibration.recording import CalibrationRefused
+from rig.hal.image_files import check_video, read_grey
 from rig.mechanisms.joint.calibration.board_lens_fit import LENS, fit_weighted
 
 LEAST_VIEWS: Final = 6
@@ -250,13 +251,18 @@ def project(views: Views, lens: Intrinsics) -> Array:
 
 def _images(source: Path) -> tuple[Sequence[Path], Iterator[tuple[str, Any]]]:
     """Return the files and the grey images of a folder or a video."""
+    if source.is_dir():
+        paths = sorted(p for p in source.iterdir() if p.is_file() and _is_image(p))
+        read = ((p.name, read_grey(p)) for p in paths)
+        return paths, ((name, image) for name, image in read if image is not None)
+    check_video(source)
+    return [source], _frames(source)
+
+
+def _is_image(path: Path) -> bool:
     import cv2
 
-    if source.is_dir():
-        paths = sorted(p for p in source.iterdir() if cv2.haveImageReader(str(p)))
-        read = ((p.name, cv2.imread(str(p), cv2.IMREAD_GRAYSCALE)) for p in paths)
-        return paths, ((name, image) for name, image in read if image is not None)
-    return [source], _frames(source)
+    return bool(cv2.haveImageReader(str(path)))
 
 
 def _frames(source: Path) -> Iterator[tuple[str, Any]]:
