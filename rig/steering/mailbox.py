@@ -1,11 +1,15 @@
-"""One small file in the run's folder that two processes map: one writes, the loop reads.
+"""A page of memory that two processes share: one writes, the loop reads.
 
 To look into it takes the loop no system call, and so nothing that could block. The writer's bytes
-may arrive in any order: what is in the box counts only if its checksum fits.
+may arrive in any order: what is in the box counts only if its checksum fits. The memory is of the
+loop's process and sealed: were it a file, whoever shortens it would kill who looks into it. The
+run's folder only says where it is.
 """
 
+import fcntl
 import mmap
 import os
+import stat
 import struct
 import zlib
 from pathlib import Path
@@ -14,6 +18,8 @@ from typing import NamedTuple
 
 BOX = "steering.box"
 _SIZE = 4096
+_SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+_LONGEST_ADDRESS = 64
 _MAGIC = b"rig gain 1\0\0\0\0\0\0"
 _COUNT = struct.Struct("<Q")
 _BODY = struct.Struct("<QIddI")
@@ -43,7 +49,7 @@ class Wish(NamedTuple):
 
 
 class Mailbox:
-    """The file, mapped; for its owner alone.
+    """The memory, mapped; for its owner alone.
 
     Parameters
     ----------
@@ -61,16 +67,32 @@ class Mailbox:
     """
 
     def __init__(self, run: Path, *, create: bool = False) -> None:
-        flags = os.O_RDWR | (os.O_CREAT | os.O_EXCL if create else 0)
-        descriptor = os.open(run / BOX, flags | os.O_NOFOLLOW, 0o600)
+        self._descriptor: int | None = None
+        if create:
+            self._map = self._make(run / BOX)
+            return
+        descriptor = os.open(_place_of(run / BOX), os.O_RDWR | os.O_NONBLOCK)
         try:
-            if create:
-                os.write(descriptor, _MAGIC.ljust(_SIZE, b"\0"))
+            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+                raise ValueError(f"{run / BOX} leads to no mailbox")
             self._map = mmap.mmap(descriptor, _SIZE)
         finally:
             os.close(descriptor)
         if self._map[: len(_MAGIC)] != _MAGIC:
-            raise ValueError(f"{run / BOX} is no mailbox")
+            raise ValueError(f"{run / BOX} leads to no mailbox")
+
+    def _make(self, path: Path) -> mmap.mmap:
+        """Return new memory, once the folder says where it is."""
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+        address = os.open(path, flags, 0o600)
+        try:
+            self._descriptor = memory = os.memfd_create(BOX, os.MFD_ALLOW_SEALING | os.MFD_CLOEXEC)
+            os.write(memory, _MAGIC.ljust(_SIZE, b"\0"))
+            fcntl.fcntl(memory, fcntl.F_ADD_SEALS, _SEALS)
+            os.write(address, f"{os.getpid()} {memory}\n".encode())
+        finally:
+            os.close(address)
+        return mmap.mmap(memory, _SIZE)
 
     def beats(self) -> int:
         """Return how often somebody has said that he holds on."""
@@ -107,6 +129,9 @@ class Mailbox:
     def close(self) -> None:
         """Let go of the memory. Idempotent."""
         self._map.close()
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
 
     def __enter__(self) -> "Mailbox":
         return self
@@ -118,3 +143,16 @@ class Mailbox:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+
+def _place_of(path: Path) -> str:
+    """Return where the memory is, as its process is asked for it."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        words = os.read(descriptor, _LONGEST_ADDRESS).split()
+    finally:
+        os.close(descriptor)
+    if len(words) != 2 or not all(word.isdigit() for word in words):
+        raise ValueError(f"{path} leads to no mailbox")
+    process, number = words
+    return f"/proc/{process.decode()}/fd/{number.decode()}"

@@ -72,16 +72,16 @@ class Viewer:
         self._events = 0
         self._described = 0
         self._bad = 0
+        self._changing: asyncio.Task[None] | None = None
 
     async def serve(self) -> None:
         """Send and listen until the page is gone."""
         pushing = asyncio.create_task(self._push())
         listening = asyncio.create_task(self._listen())
-        self._changing = asyncio.create_task(asyncio.sleep(0.0))
         try:
             await asyncio.wait({pushing, listening}, return_when=asyncio.FIRST_COMPLETED)
         finally:
-            tasks = (pushing, listening, self._changing)
+            tasks = [pushing, listening, *([self._changing] if self._changing else [])]
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
@@ -163,7 +163,7 @@ class Viewer:
                 raise BadMessage("this page may look, and not steer")
             case "hold":
                 self._studio.steer(request)
-            case "gain" if not self._changing.done():
+            case "gain" if self._changing is not None and not self._changing.done():
                 await self._say({"type": "steered", "message": "one change after another"})
             case "gain":  # not waited for: whoever holds on says so meanwhile
                 self._changing = asyncio.create_task(self._change(request))

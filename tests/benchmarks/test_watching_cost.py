@@ -85,15 +85,17 @@ def memory(run):
 def test_a_page_costs_little(tmp_path, table):
     with watched_run(tmp_path, "cylinder-sine", "--on", "sim", steer=False) as run:
         one, [rate] = watch(run, 1)
-        five, _ = watch(run, 5)
+        five, rates = watch(run, 5)
         took = memory(run)
     table(
         what=f"{COLUMNS} channels x 10 s at 10 Hz, scene at 30 Hz",
-        core_for_one=one, core_for_five=five, bytes_per_second=rate, memory=took,
+        core_for_one=one, core_for_five=five, bytes_per_second=rate, least_of_five=min(rates),
+        memory=took,
     )  # fmt: skip
     assert one <= 0.25
     assert five <= 0.4
-    assert rate <= 2e6
+    assert max(rate, *rates) <= 2e6
+    assert min(rates) >= 0.8 * rate  # none was left out
     assert took <= 150e6
 
 

@@ -269,6 +269,27 @@ def test_an_answer_has_its_bounds_whatever_is_asked_for(run):
     asked(work())
 
 
+@pytest.mark.parametrize("value", ["1e300", "-1", "NaN", "1e999", '"50"', "true", "null"])
+def test_a_gain_beyond_reason_is_refused_also_as_the_first_message(run, value):
+    wish = f'{{"type": "gain", "key": "position_rate", "value": {value}, "ramp": 1, "sure": true}}'
+
+    async def work():
+        async with aiohttp.ClientSession() as session:
+            page, _ = await opened(session, run, run.steer.partition("#")[2])
+            await page.send_str(wish)
+            while True:
+                message = await page.receive(WAIT)
+                if message.type is aiohttp.WSMsgType.TEXT:
+                    told = message.json()
+                    if told["type"] in ("steered", "refused"):
+                        break
+            await page.close()
+        assert re.search("has to be 2 … 250|value is not what it may be|no JSON", told["message"])
+
+    asked(work())
+    assert "tuning" not in (run.folder / "events.jsonl").read_text()
+
+
 def test_fifty_pages_look_on_and_the_next_ones_are_told_when_it_is_too_much(run):
     async def look(session, seconds):
         page, _ = await opened(session, run, run.token)

@@ -2,8 +2,10 @@
 
 import itertools
 import math
+import os
 import random
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -157,6 +159,12 @@ def test_one_gain_at_a_time(box):
     assert law.settings.velocity_rate == Cascade.Settings().velocity_rate
 
 
+def memory_of(folder):
+    """Return the box's memory, as a file."""
+    process, number = (folder / BOX).read_text().split()
+    return Path(f"/proc/{process}/fd/{number}")
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_whatever_stands_in_the_box_only_a_whole_wish_is_heard(tmp_path, box, seed):
     """Torn in any way, and any noise: 3000 pieces of it, and no gain changes."""
@@ -164,7 +172,7 @@ def test_whatever_stands_in_the_box_only_a_whole_wish_is_heard(tmp_path, box, se
     law, gains = build(Cascade, box)
     before = law.settings
     for _ in range(3000):
-        with (tmp_path / BOX).open("r+b") as stream:
+        with memory_of(tmp_path).open("r+b") as stream:
             stream.seek(chance.randrange(16, 70))
             stream.write(chance.randbytes(chance.randrange(1, 40)))
         go(gains, 1)
@@ -175,15 +183,15 @@ def test_whatever_stands_in_the_box_only_a_whole_wish_is_heard(tmp_path, box, se
 def test_a_wish_that_arrives_byte_by_byte_is_heard_once(tmp_path, box):
     law, gains = build(Cascade, box)
     box.post(0, 60.0, 0.2)
-    content = (tmp_path / BOX).read_bytes()
-    with (tmp_path / BOX).open("r+b", buffering=0) as stream:
+    content = memory_of(tmp_path).read_bytes()
+    with memory_of(tmp_path).open("r+b", buffering=0) as stream:
         stream.seek(16)
         stream.write(bytes(64))
     go(gains, 3)
     order = list(range(16, 80))
     random.Random(1).shuffle(order)
     for place in order:
-        with (tmp_path / BOX).open("r+b", buffering=0) as stream:
+        with memory_of(tmp_path).open("r+b", buffering=0) as stream:
             stream.seek(place)
             stream.write(content[place : place + 1])
         go(gains, 1)
@@ -238,6 +246,37 @@ def test_nobody_else_may_write_into_the_box(tmp_path, box):
     (tmp_path / "other" / BOX).symlink_to(tmp_path / BOX)
     with pytest.raises(OSError, match="symbolic links"):
         Mailbox(tmp_path / "other")
+
+
+@pytest.mark.parametrize("damage", ["shortened", "emptied", "removed"])
+def test_nobody_takes_the_memory_away_from_under_the_loop(tmp_path, box, damage):
+    """Of a file that is shortened a process that has mapped it dies at its next look."""
+    _, gains = build(Cascade, box)
+    with memory_of(tmp_path).open("r+b") as memory, pytest.raises(PermissionError):
+        os.truncate(memory.fileno(), 0)
+    if damage == "removed":
+        (tmp_path / BOX).unlink()
+    else:
+        os.truncate(tmp_path / BOX, 3 if damage == "shortened" else 0)
+    go(gains, 10)
+    with pytest.raises((OSError, ValueError)):
+        Mailbox(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", "1", "1 2 3", "a b", "-1 0", "../../1 0", "0 0", "1" * 90])
+def test_what_leads_to_no_mailbox_is_none(tmp_path, text):
+    (tmp_path / BOX).write_text(text)
+    with pytest.raises((OSError, ValueError)):
+        Mailbox(tmp_path)
+
+
+def test_the_memory_of_something_else_is_no_mailbox(tmp_path):
+    with (tmp_path / "other").open("w+b") as other:
+        other.write(bytes(4096))
+        other.flush()
+        (tmp_path / BOX).write_text(f"{os.getpid()} {other.fileno()}")
+        with pytest.raises(ValueError, match="leads to no mailbox"):
+            Mailbox(tmp_path)
 
 
 def test_a_gain_that_began_beyond_its_bounds_comes_back_without_a_jump_and_may_return(box):
