@@ -61,7 +61,9 @@ _DAY = 86_400.0
 @click.option("--operator", default=None, help="Who calibrates; default: the user's name.")
 @click.option("--temperature", help="For the record, as in '23 degC'.")
 @click.option("--supply", help="Supply pressure, for the record, as in '7 bar'.")
-@click.option("--valid-for", type=click.IntRange(1), default=365, show_default=True, help="Days.")
+@click.option(
+    "--valid-for", type=click.IntRange(1, 36500), default=365, show_default=True, help="Days."
+)
 @click.option("--history", "history_of", metavar="DEVICE", help="Show every kept calibration.")
 @click.option(
     "--restore", "restored", metavar="DEVICE[/DATE]",

@@ -45,7 +45,9 @@ EXIT_FAILED = 3
 @click.option("--anew", is_flag=True, help="Begin again, whatever has passed before.")
 @click.option("--dry-run", is_flag=True, help="Show the steps; open nothing.")
 @click.option("--operator", default=None, help="Who tests; default: the user's name.")
-@click.option("--valid-for", type=click.IntRange(1), default=365, show_default=True, help="Days.")
+@click.option(
+    "--valid-for", type=click.IntRange(1, 36500), default=365, show_default=True, help="Days."
+)
 @yes_option
 @out_option
 @set_option

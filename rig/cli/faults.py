@@ -88,7 +88,7 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
 @click.option(
     "--quiet",
     "hours",
-    type=click.FloatRange(0.0, min_open=True),
+    type=click.FloatRange(0.0, 1e5, min_open=True),
     metavar="HOURS",
     help="Break nothing for so many simulated hours: whatever stops a rig then is a false trip.",
 )
@@ -115,7 +115,7 @@ def list_kinds(rig: str, configs: Path | None, as_json: bool) -> int:
 )
 @click.option(
     "--workers",
-    type=click.IntRange(1),
+    type=click.IntRange(1, 1024),
     default=os.cpu_count() or 1,
     show_default=True,
     help="How many processes.",

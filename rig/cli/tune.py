@@ -33,7 +33,7 @@ if TYPE_CHECKING:
               help="Of twelve candidates each.")  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True,
               help="Of the plants and of the search.")  # fmt: skip
-@click.option("--workers", type=click.IntRange(1), help="Processes; default: every core.")
+@click.option("--workers", type=click.IntRange(1, 1024), help="Processes; default: every core.")
 @click.option("--dry-run", is_flag=True, help="Search and judge, but put nothing in force.")
 @click.option("--replace", is_flag=True, help="Put in force what is found, though it be worse.")
 @click.option("--operator", default=None, help="Who tunes; default: the user's name.")

@@ -112,6 +112,8 @@ class SweepRequest:
             raise ConfigurationError("--serial runs here, --dask elsewhere: leave out one")
         if not 0 <= self.workers <= 1024:
             raise ConfigurationError(f"--workers {self.workers}: expected 1 to 1024")
+        if self.draw_seed < 0:
+            raise ConfigurationError(f"draw_seed is {self.draw_seed}: expected 0 or more")
         return self
 
 

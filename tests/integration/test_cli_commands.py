@@ -365,3 +365,16 @@ def test_compare_varies_a_setting_and_leaves_out_what_is_refused(tmp_path, capsy
     assert code == 2 and "at 26 mm" in err
     code, _, err = compare(capsys, tmp_path, "--vary", "reference.amplitude")
     assert code == 2 and "two values" in err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["calibrate", "cylinder", "encoders", "--dry-run", "--valid-for", "99999999999"],
+        ["commission", "cylinder", "--dry-run", "--valid-for", "99999999999"],
+        ["faults", "run", "cylinder", "--quiet", "1e300"],
+    ],
+)
+def test_a_time_that_nobody_lives_to_see_is_refused(words, capsys):
+    assert invoke(words) == 2
+    assert "is not in the range" in capsys.readouterr().err
