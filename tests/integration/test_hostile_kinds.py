@@ -29,7 +29,10 @@ from mistakes import (
 )
 
 SLACK = 2.0  # s of the processor beyond what the healthy file takes
-QUICK = ("calibration of before", "answers", "readings", "sweep", "journal", "twists", "latch")
+QUICK = (
+    "calibration of before", "answers", "readings", "sweep", "journal", "twists", "latch", "urdf",
+    "Denavit-Hartenberg", "eds",
+)  # fmt: skip
 PLANNED_ANEW = {"footprints": 12.0}  # s: other footprints are another walk, and the first is kept
 
 
