@@ -29,7 +29,8 @@ export class Events {
     entry.className = event.kind;
     const [time, text] = [document.createElement("time"), document.createElement("span")];
     time.textContent = event.t === null ? "–" : `${number(event.t, 4)} s`;
-    text.textContent = event.kind === "state" ? event.message.replace("->", "→") : event.message;
+    const isChange = event.kind === "state" || event.kind === "tuning";
+    text.textContent = isChange ? event.message.replace("->", "→") : event.message;
     entry.append(time, text);
     entry.addEventListener("click", () => event.t !== null && this.go(event.t));
     return entry;
