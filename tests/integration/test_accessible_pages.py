@@ -141,7 +141,7 @@ def test_a_run_that_is_watched_and_steered_has_nothing_that_axe_finds(tmp_path):
 
 def shown(page):
     end = time.monotonic() + 20.0
-    while not page.evaluate("board.columns.length > 0 && board.table().count > 0"):
+    while not page.evaluate("board.columns.length > 0 && board.rows.table.count > 0"):
         assert time.monotonic() < end
         time.sleep(0.05)
 
