@@ -152,6 +152,8 @@ def give_verdict(case: Case, ending: CaseEnding, subject: Subject) -> Verdict:
         misnamed=tripped and must is not Must.RIDE and not stopping and not named,
         false_trip=tripped and (must is Must.RIDE or not happened),
         late=late,
+        # An exception of ours says nothing of a fault, but where the law itself raised one.
+        crashed=ending.code == OURS and not any(item.row.spoils_law for item in case.breaks),
         period=subject.period,
     )
 

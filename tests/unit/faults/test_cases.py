@@ -13,7 +13,7 @@ from rig.faults.catalogue import KINDS, kind_named, kinds_for, refused_for
 from rig.faults.kind import Must, Place, Plight, Sizes
 from rig.faults.scenario_file import case_of, load_scenario
 from rig.faults.subject import Subject
-from rig.faults.verdict import FAULTED, CaseEnding, give_verdict
+from rig.faults.verdict import FAULTED, OURS, CaseEnding, give_verdict
 from rig.hal import ConfigurationError
 from rig.hal.world import Frames
 
@@ -318,6 +318,16 @@ def test_a_law_that_nobody_follows_yet_has_no_time(later):
         assert verdict_after(case, begins + within - 1e-3, felt).late is False
         assert verdict_after(case, begins + within + 1e-3, felt).late is True
         assert verdict_after(case, begins + 60.0, never).late is False
+
+
+@pytest.mark.parametrize(
+    ("kind", "crashed"), [("frame_loss", True), ("wire_cut", True), ("controller_raises", False)]
+)
+def test_a_bug_of_the_program_is_no_pass_whatever_need_not_be_seen(kind, crashed):
+    (case,) = draw_once(SUBJECT, (kind,), 7, 1)
+    ending = CaseEnding(OURS, f"ZeroDivisionError: {case.first.where}", 1.0, 1.01, (), (1.0,))
+    verdict = give_verdict(case, ending, SUBJECT)
+    assert verdict.crashed is crashed
 
 
 def test_what_need_not_be_seen_is_never_late():
