@@ -21,16 +21,7 @@ if TYPE_CHECKING:
     from rig.faults.verdict import Verdict
 
 CAMPAIGNS = Path("faults")
-RIGS = (
-    "cylinder",
-    "cylinder-valves",
-    "joint",
-    "arm",
-    "arm-odrive",
-    "legs",
-    "legs-balance",
-    "legs-can",
-)
+RIGS = ("cylinder", "joint", "arm", "arm-odrive", "legs", "legs-can")
 FULL = 6
 """How often each fault is drawn on each rig with ``--full``."""
 

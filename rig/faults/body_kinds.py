@@ -4,11 +4,15 @@ Corrections of balance stay within the plan's margin, whatever is felt, so that 
 must not make anything fall. What a cell or a waist alone can be seen to do wrong stops the run.
 """
 
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from rig.faults.kind import FaultKind, Magnitudes, Must, Place, Sizes, ride, safe
 from rig.faults.subject import Subject
-from rig.faults.world_kinds import inject, of_device
+from rig.faults.world_kinds import inject
+from rig.faults.world_kinds import of_device as of_any_device
 
 _CELL = ("feet", "load cell")
 _BOUNDED = "what it lies moves the waist within the margin that the plan has to spare"
@@ -37,6 +41,19 @@ def _whole(known: str, sensor: str, subject: Subject) -> list[Place]:
         if device != "plant" and any(channel.startswith(sensor) for channel in channels)
     )
     return [Place("plant", " ".join(devices), devices)] if devices else []
+
+
+def _felt(places: Callable[[Subject], Sequence[Place]], subject: Subject) -> list[Place]:
+    """Return the places of those sensors that a device of the rig reads."""
+    devices = [names for device, names in subject.channels.items() if device != "plant"]
+    read = {channel for names in devices for channel in names}
+    return [place for place in places(subject) if place.axis in read]
+
+
+def of_device(*words: Any, **more: Any) -> FaultKind:
+    """Return a row of one sensor, where a device reads it; see `world_kinds.of_device`."""
+    kind = of_any_device(*words, **more)
+    return replace(kind, places=partial(_felt, kind.places))
 
 
 KINDS = (

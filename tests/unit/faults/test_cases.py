@@ -81,6 +81,8 @@ def test_sensors_of_a_body_are_broken_one_by_one_and_named_by_their_device():
     assert musts == [Must.RIDE, Must.EITHER, Must.SAFE]
     assert "cell_frozen" not in possible
     assert "feet_frozen" not in kinds_for(SUBJECT)
+    unread = replace(body, channels={"plant": ("knee", *cells, *leans)})
+    assert not [name for name in kinds_for(unread) if name.startswith(("cell", "lean", "feet"))]
 
 
 def test_a_frozen_monitor_must_be_seen_where_an_inner_loop_rests_on_it():
