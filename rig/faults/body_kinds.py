@@ -7,12 +7,10 @@ must not make anything fall. What a cell or a waist alone can be seen to do wron
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from rig.faults.kind import FaultKind, Magnitudes, Must, Place, Sizes, ride, safe
 from rig.faults.subject import Subject
-from rig.faults.world_kinds import inject
-from rig.faults.world_kinds import of_device as of_any_device
+from rig.faults.world_kinds import inject, of_device
 
 _CELL = ("feet", "load cell")
 _BOUNDED = "what it lies moves the waist within the margin that the plan has to spare"
@@ -47,16 +45,10 @@ def _felt(places: Callable[[Subject], Sequence[Place]], subject: Subject) -> lis
     """Return the places of those sensors that a device of the rig reads."""
     devices = [names for device, names in subject.channels.items() if device != "plant"]
     read = {channel for names in devices for channel in names}
-    return [place for place in places(subject) if place.axis in read]
+    return [place for place in places(subject) if not place.axis or place.axis in read]
 
 
-def of_device(*words: Any, **more: Any) -> FaultKind:
-    """Return a row of one sensor, where a device reads it; see `world_kinds.of_device`."""
-    kind = of_any_device(*words, **more)
-    return replace(kind, places=partial(_felt, kind.places))
-
-
-KINDS = (
+_ROWS = (
     FaultKind(name="feet_frozen", what="All load cells repeat what they bear.",
               places=partial(_whole, "feet_frozen", "right_front"),
               apply=partial(inject, "feet_frozen"),
@@ -87,3 +79,5 @@ KINDS = (
     of_device("gyro_noisy", "One rate of the waist scatters.", ride, 1.0, ("waist",),
               magnitude=Magnitudes(0.01, 1.0, "rad/s"), why=_BOUNDED),
 )  # fmt: skip
+
+KINDS = tuple(replace(row, places=partial(_felt, row.places)) for row in _ROWS)
