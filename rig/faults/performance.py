@@ -217,6 +217,8 @@ class Performance(Watcher):
         try:
             end = item.row.apply(stage, item.place(self.subject), item.sizes)
         except ValueError as error:  # of the simulation: nothing that the program did
+            if isinstance(error, OSError):  # of a stream that is gone, as it was meant to be
+                raise
             self._refused = f"the simulation refuses {item.kind} at {item.where}: {error}"
             return
         if end is not None and item.lasts < float("inf"):
