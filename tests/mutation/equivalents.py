@@ -237,6 +237,12 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "it only saves the second half, which asks for more",
     ),
     Equivalent(
+        "rig/mechanisms/pneumatic/alarms/pressures.py",
+        'supply = ", or the supply pressure is lost" if channel.mean < channel.usual else ""',
+        "channel.mean < channel.usual -> channel.mean <= channel.usual",
+        "asked of a channel whose mean is off what is usual only",
+    ),
+    Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
         "if way > stroke:",
         "way > stroke -> way >= stroke",
