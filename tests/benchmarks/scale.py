@@ -1,0 +1,178 @@
+"""How costs grow: devices on a bus, channels in a log, length of a run. Prints a table, draws it.
+
+    python tests/benchmarks/scale.py [--figure .readme/scale.png]
+
+Processor time each, so that neighbours of this machine matter little; the least of a few rounds.
+Slopes are those of straight lines through the logarithms: 1 is linear.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+from bench_rig import armed_rig, run
+from test_cycle_cost import CycleCosts
+from test_log_cost import record
+
+import rig
+from rig.assembly import REGISTRY, Backend
+from rig.config import find_configs, load_profile
+from rig.hal.columns import Column
+from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.runtime.log import read_log
+from rig.runtime.recorder import LogRecorder
+
+ENCODERS = (0, 1, 3, 5, 7, 10)
+"""Beside the three devices of the pair, all on one bus of 1 Mbit/s."""
+RATE = 250.0
+"""Of that loop, Hz. Beyond 13 devices the bus is full, and the profile refused."""
+CHANNELS = (10, 30, 100, 300, 1000)
+MINUTES = (1, 4, 15, 60)
+"""Of a run at 1 kHz, whose log has the columns of the pair's."""
+ROUNDS = 3
+ONE = """
+import resource, sys, time
+from pathlib import Path
+import rig.export, rig.report.regenerate
+began = time.process_time()
+{work}
+spent, status = time.process_time() - began, Path("/proc/self/status").read_text()
+print(spent, int(status.partition("VmHWM:")[2].split()[0]) / 1024)
+"""
+WORKS = {
+    "export --format csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[1] + '/out.csv')",
+    "export --format npz": "rig.export.export_run(sys.argv[1], 'npz', sys.argv[1] + '/out.npz')",
+    "report": "rig.report.regenerate.write_report(sys.argv[1])",
+}
+
+
+def say(line):
+    """Print a line at once."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def slope(x, y):
+    """Return the exponent of a power law through points."""
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def cycle_costs(folder):
+    """Return the median cost of a cycle, s, by the nodes on the bus."""
+    wired = AntagonisticPair.wiring
+    extras = dict.fromkeys((f"extra-{k}" for k in range(max(ENCODERS))), "agonist")
+    AntagonisticPair.wiring = staticmethod(lambda settings: {**wired(settings), **extras})
+    costs = []
+    for count in ENCODERS:
+        more = [
+            f"devices.extra-{k}={{driver: cia406, bus: can0, node: {0x30 + k}, stroke: 60 mm, "
+            "max_speed: 1 m/s}"
+            for k in range(count)
+        ]
+        words = [f"loop.rate={RATE:g} Hz", *more]
+        profile = load_profile("cylinder", REGISTRY, words, find_configs())
+        best = np.inf
+        for number in range(ROUNDS):
+            with armed_rig(Backend.VIRTUAL, profile) as its:
+                clock = CycleCosts(its.clock)
+                run(its, folder / f"cycle-{count}-{number}.mcap", 14.0, clock=clock)
+            best = min(best, float(np.median(clock.costs)))
+        costs.append(best)
+    return [3 + count for count in ENCODERS], costs
+
+
+def log_costs(folder):
+    """Return the cost of a row, s, by its channels."""
+    costs = []
+    for count in CHANNELS:
+        columns = [Column(f"group{n // 5}.value{n}", "m", "a number") for n in range(count)]
+        rows = [tuple(0.1 * k + n for n in range(count)) for k in range(500)]
+        files = [folder / f"log-{count}-{k}.mcap" for k in range(ROUNDS + 1)]
+        rounds = [record(file, columns, rows) for file in files]
+        costs.append(min(rounds[1:]))
+    return list(CHANNELS), costs
+
+
+def lengthen(source, folder, minutes):
+    """Make a run folder whose log goes on for so long: rows of a recorded run, over and over."""
+    folder.mkdir()
+    for path in source.iterdir():
+        if path.is_file() and path.name not in ("log.mcap", "report.html", "metrics.json"):
+            (folder / path.name).write_bytes(path.read_bytes())
+    log = read_log(source / "log.mcap")
+    period = float(np.median(np.diff(log.t)))
+    with LogRecorder(folder / "log.mcap", log.columns, wall_clock_ns=0) as recorder:
+        for k in range(round(60 * minutes / period)):
+            recorder.write(k, k * period, log.values[k % len(log.t)].tolist())
+    return folder
+
+
+def length_costs(folder):
+    """Return time (s) and memory (MB) of what is done with a run, by its minutes."""
+    source = rig.run("cylinder-sine", on="sim", report=False, out=folder / "runs").path
+    found = {name: [] for name in WORKS}
+    for minutes in MINUTES:
+        long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
+        for name, work in WORKS.items():
+            words = [sys.executable, "-c", ONE.format(work=work), str(long)]
+            done = subprocess.run(words, capture_output=True, text=True, check=False)
+            if done.returncode:
+                say(f"{name}, {minutes} min: {done.stderr.strip().splitlines()[-1]}")
+                found[name].append((np.nan, np.nan))
+            else:
+                found[name].append(tuple(map(float, done.stdout.split()[-2:])))
+    return found
+
+
+def draw(path, cycles, logs, lengths):
+    """Draw the curves."""
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, 4, figsize=(14, 3.6), layout="constrained")
+    for axis, (x, y), what in (
+        (axes[0], cycles, "devices on a bus"),
+        (axes[1], logs, "channels of a log"),
+    ):
+        axis.plot(x, 1e6 * np.array(y), "o-")
+        axis.set(xlabel=what, ylabel="us a cycle", ylim=(0, None))
+    for name, rows in lengths.items():
+        seconds, memory = np.array(rows).T
+        axes[2].plot(MINUTES, seconds, "o-", label=name)
+        axes[3].plot(MINUTES, memory, "o-", label=name)
+    axes[2].set(xlabel="length of a run at 1 kHz, min", ylabel="s", xscale="log", yscale="log")
+    axes[3].set(xlabel="length of a run at 1 kHz, min", ylabel="MB", xscale="log", ylim=(0, None))
+    axes[2].legend()
+    for axis in axes:
+        axis.grid(alpha=0.3)
+    figure.savefig(path, dpi=110)
+
+
+def main():
+    """Measure, and say it."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--figure", type=Path, help="where the curves are drawn")
+    asked = parser.parse_args()
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        cycles, logs = cycle_costs(folder), log_costs(folder)
+        for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
+            row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
+            say(f"{what}: {row}; slope {slope(x, y):.2f}")
+        lengths = length_costs(folder)
+    for name, rows in lengths.items():
+        row = "  ".join(
+            f"{m}: {s:.1f} s, {mb:.0f} MB" for m, (s, mb) in zip(MINUTES, rows, strict=True)
+        )
+        say(f"{name}, by minutes: {row}; slope {slope(MINUTES, [s for s, _ in rows]):.2f}")
+    if asked.figure is not None:
+        draw(asked.figure, cycles, logs, lengths)
+    say(f"it took {time.monotonic() - began:.0f} s")
+
+
+if __name__ == "__main__":
+    main()
