@@ -240,7 +240,7 @@ EQUIVALENTS: tuple[Equivalent, ...] = (
         "rig/mechanisms/pneumatic/alarms/pressures.py",
         'supply = ", or the supply pressure is lost" if channel.mean < channel.usual else ""',
         "channel.mean < channel.usual -> channel.mean <= channel.usual",
-        "asked of a channel whose mean is off what is usual only",
+        "the mean is just the usual one before anything was off only, when nothing is strange",
     ),
     Equivalent(
         "rig/mechanisms/pneumatic/cut_wire.py",
