@@ -5,8 +5,10 @@ sent, turn by turn; the cycle's lateness and the ticks that it missed are compar
 """
 
 import asyncio
+import contextlib
 import os
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -25,6 +27,7 @@ pytestmark = pytest.mark.benchmark
 
 COLUMNS, SECONDS = 40, 10.0
 ROUNDS = 3
+GROUP, RATE, SETTLE = "udp_multicast:239.74.163.51", 200.0, 4.0
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
@@ -141,6 +144,44 @@ def test_the_cycle_is_not_disturbed(tmp_path, table):
     ratio = median(watched) / median(alone)
     table(what="p99 of a cycle's work", alone=median(alone), watched=median(watched), ratio=ratio)
     assert ratio <= 1.05
+
+
+def test_no_more_ticks_are_missed(tmp_path, table):
+    """On the wall clock and over sockets, on which another process emulates the rig."""
+    words = ["--set", f"loop.rate={RATE:g} Hz"]
+    missed, late = {"alone": [], "watched": []}, {"alone": [], "watched": []}
+    with emulated("cylinder", GROUP, *words):
+        for turn in range(2 * ROUNDS):
+            how = ("alone", "watched")[turn % 2]
+            where = ("cylinder-sine", "--on", GROUP, *words)
+            with watched_run(tmp_path / f"{turn}", *where, steer=False) as run:
+                time.sleep(SETTLE)
+                if how == "watched":
+                    watch(run, 5, stalled=2)
+                else:
+                    time.sleep(SECONDS)
+            log = read_log(run.folder / "log.mcap")
+            here = log.t > log.t[-1] - 0.9 * SECONDS
+            missed[how].append(int(np.sum(np.diff(log.cycle[here].astype(np.int64)) - 1)))
+            late[how].append(float(np.percentile(log.column("timing.lateness")[here], 99)))
+    for how, counts in missed.items():
+        table(what=f"ticks missed of {0.9 * SECONDS * RATE:.0f}, {how}",
+              rounds=" ".join(map(str, counts)), wake_up_p99=median(late[how]))  # fmt: skip
+    assert sum(missed["watched"]) <= 1.05 * sum(missed["alone"]) + 1
+
+
+@contextlib.contextmanager
+def emulated(rig, on, *words):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rig", "simulate", rig, "--on", on, *words],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        assert any("Ctrl-C" in line for line in process.stderr), "it has not begun"
+        yield
+    finally:
+        process.terminate()
+        process.communicate()
 
 
 def work_of(folder):
