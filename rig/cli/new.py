@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from rig.hal.drawn_profile import DrawnProfile
     from rig.scaffolding.packages import PackageKind
 
-_KINDS = ("experiment", "rig", "controller", "driver")
-_FOR_MECHANISMS = "a mechanism takes more than a file: rig/README.md of the program says what"
+_PACKAGES = ("controller", "driver", "mechanism")
+_KINDS = ("experiment", "rig", *_PACKAGES)
 
 
 @click.command()
-@click.argument("kind", type=click.Choice([*_KINDS, "mechanism"]))
+@click.argument("kind", type=click.Choice(_KINDS))
 @click.argument("name")
 @click.option("--rig", help="Of an experiment: whose it is. Default: cylinder.")
 @click.option("--like", metavar="NAME", help="The experiment or rig to begin with.")
@@ -43,25 +43,23 @@ def new(
     tip: str | None,
     configs: Path | None,
 ) -> int:
-    """Write files to begin with, under NAME: an experiment, a rig, a controller or a driver.
+    """Write files to begin with, under NAME: an experiment, rig, controller, driver or mechanism.
 
-    An experiment and a rig are one commented file each. A controller (for the pair of cylinders)
-    and a driver (a sensor on an analogue input, which is logged) are packages with a test, a
-    profile and an experiment that runs at once; another package's law or driver needs no change
-    of this program. A rig from --urdf or --dh has the dimensions, ranges and speeds of a six-joint
-    arm with a spherical wrist; what else it is made of is refused with the reason. A rig from
-    --scan has the node numbers and identities of whoever answers, for the devices of --like;
-    nothing is changed on the buses.
+    An experiment and a rig are one commented file each. A controller (for the pair of cylinders),
+    a driver (a sensor on an analogue input, which is logged) and a mechanism (an axis on a servo
+    drive, with its physics) are packages with a test, a profile and an experiment that runs at
+    once; what another package has needs no change of this program. A rig from --urdf or --dh has
+    the dimensions, ranges and speeds of a six-joint arm with a spherical wrist; what else it is
+    made of is refused with the reason. A rig from --scan has the node numbers and identities of
+    whoever answers, for the devices of --like; nothing is changed on the buses.
     """
     from rig.config.names import find_configs
     from rig.hal import ConfigurationError
     from rig.scaffolding.files import experiment_text, profile_text
     from rig.scaffolding.names import spell
-    from rig.scaffolding.packages import package_files, write_files
+    from rig.scaffolding.packages import first_experiment, package_files, write_files
 
     spell(name)
-    if kind == "mechanism":
-        raise ConfigurationError(_FOR_MECHANISMS)
     drawn = [(form, file) for form, file in (("urdf", urdf), ("dh", dh)) if file is not None]
     other = rig is not None or like is not None
     if drawn and (kind != "rig" or other or len(drawn) > 1):
@@ -71,13 +69,14 @@ def new(
     if tip is not None and urdf is None:
         raise click.UsageError("--tip names a link of --urdf")
     notes: tuple[str, ...] = ()
-    if kind in ("controller", "driver"):
+    if kind in _PACKAGES:
         if rig is not None or like is not None:
             raise click.UsageError("--rig and --like are for experiments and rigs")
-        write_files(Path(name), package_files(cast("PackageKind", kind), name))
+        package = cast("PackageKind", kind)
+        write_files(Path(name), package_files(package, name))
         following = [
             f"pip install -e ./{name}",
-            f"cd {name} && rig run {name}-sine --on sim",
+            f"cd {name} && rig run {first_experiment(package, name)} --on sim",
             f"cd {name} && pytest tests",
         ]
     else:

@@ -1,4 +1,4 @@
-"""A package to begin with: a control law or a driver, with its test and an experiment that runs."""
+"""A package to begin with: a law, a driver or a mechanism, with its test and an experiment."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -7,10 +7,14 @@ from typing import Final, Literal
 from rig.hal import ConfigurationError
 from rig.scaffolding.names import Spelling, spell
 
-PackageKind = Literal["controller", "driver"]
+PackageKind = Literal["controller", "driver", "mechanism"]
 
 _TEMPLATES: Final = "rig.scaffolding.templates"
-_PLACEHOLDER: Final = {"controller": spell("my-law"), "driver": spell("my-sensor")}
+_PLACEHOLDER: Final = {
+    "controller": spell("my-law"),
+    "driver": spell("my-sensor"),
+    "mechanism": spell("my-rig"),
+}
 _ENTRY: Final = {
     "controller": """\
 [project.entry-points."rig.additions"]
@@ -18,6 +22,10 @@ _ENTRY: Final = {
 """,
     "driver": """\
 [project.entry-points."rig.drivers"]
+{0} = "{1}.parts:PARTS"
+""",
+    "mechanism": """\
+[project.entry-points."rig.mechanisms"]
 {0} = "{1}.parts:PARTS"
 """,
 }
@@ -44,8 +52,34 @@ devices:
     node: 0x30
     full_scale: 100
 """,
+    "mechanism": """\
+description: A mechanism of our own, on a CiA 402 drive
+mechanism: {0}
+loop:
+  rate: 250 Hz
+buses:
+  can0: {{interface: socketcan, channel: can0, bitrate: 1 Mbit/s}}
+devices:
+  drives:
+    driver: cia402          # or dynamixel, odrive: `rig explain cia402` says what each takes
+    bus: can0
+    joints:
+      axis:
+        node: 1
+        counts_per_turn: 65536
+        gear: 20
+        limits: [-3.2 rad, 3.2 rad]
+        max_speed: 6 rad/s
+{0}:
+  servos: [drives]
+  limits: {{following: 0.1 rad, reading_age: 30 ms, acceleration: 40 rad/s^2}}
+controllers:
+  trimmed: {{}}
+plant:
+  model: {0}
+""",
 }
-_EXPERIMENT: Final = """\
+_SINE: Final = """\
 description: A slow sine, as a first run of {0}
 rig: {0}-rig
 controller: {1}
@@ -54,6 +88,20 @@ metrics:
   tracking_rms: {{max: 3 mm}}
 figures: [tracking, error, pressures]
 """
+_TURNS: Final = """\
+description: There and back, as a first run of {0}
+rig: {0}-rig
+controller: {1}
+reference: {{kind: {0}-turns, angle: 90 deg}}
+approach: 1 s
+figures: [timing]
+"""
+_FIRST: Final = {
+    "controller": ("sine", "{0}", _SINE),
+    "driver": ("sine", "cascade", _SINE),
+    "mechanism": ("turns", "trimmed", _TURNS),
+}
+"""Of the first experiment: what it is called after, the law, and the file."""
 _PROJECT: Final = """\
 [build-system]
 requires = ["hatchling>=1.26"]
@@ -91,15 +139,22 @@ def package_files(kind: PackageKind, name: str) -> dict[Path, str]:
             made[Path("tests", f"test_{spelling.module}.py")] = text
         else:
             made[source / template.name] = text
-    law = name if kind == "controller" else "cascade"
     made[Path("configs", "rigs", f"{name}-rig.yaml")] = _PROFILE[kind].format(name)
-    made[Path("configs", "experiments", f"{name}-sine.yaml")] = _EXPERIMENT.format(name, law)
-    if kind == "controller":
+    _, law, text = _FIRST[kind]
+    made[Path("configs", "experiments", f"{first_experiment(kind, name)}.yaml")] = text.format(
+        name, law.format(name)
+    )
+    if kind != "driver":
         made[Path("tests", "conftest.py")] = (
-            '"""The suites of the rig controller, for this law."""\n\n'
+            '"""The suites of the rig controller, for this package."""\n\n'
             'pytest_plugins = "rig.testing.plugin"\n'
         )
     return made
+
+
+def first_experiment(kind: PackageKind, name: str) -> str:
+    """Return what the experiment of a package is called."""
+    return f"{name}-{_FIRST[kind][0]}"
 
 
 def write_files(folder: Path, made: dict[Path, str]) -> None:

@@ -46,14 +46,18 @@ def project_of(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "name"), [("controller", "slow-pi"), ("driver", "grip-force2")])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [("controller", "slow-pi"), ("driver", "grip-force2"), ("mechanism", "turn-table")],
+)
 def test_a_package_runs_at_once_and_passes_its_own_test(here, kind, name):
     assert invoke(["new", kind, name]) == 0
     folder = here / name
     assert "my_" not in "".join(path.read_text() for path in folder.rglob("*.py"))
     paths = beside_the_source(here / "installed", project_of(folder), folder / "src")
     lab = Lab(folder, paths)
-    run = lab.run(f"{name}-sine", "--on", "sim", "--no-report")
+    [first] = (folder / "configs" / "experiments").iterdir()
+    run = lab.run(first.stem, "--on", "sim", "--no-report")
     assert (run / "log.mcap").exists()
     tested = lab.python_run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
     assert tested.returncode == 0, tested.stdout
@@ -66,7 +70,7 @@ def test_a_package_runs_at_once_and_passes_its_own_test(here, kind, name):
         (("controller", "Fast"), "no name for files"),
         (("controller", "../x"), "no name for files"),
         (("driver", "class"), "no name for files"),
-        (("mechanism", "seesaw"), "rig/README.md"),
+        (("mechanism", "seesaw", "--like", "crank"), "for experiments and rigs"),
         (("experiment", "mine", "--rig", "nobody"), "no experiment is of the rig"),
         (("rig", "mine", "--like", "cylindr"), "did you mean cylinder?"),
         (("controller", "mine", "--like", "x"), "for experiments and rigs"),
