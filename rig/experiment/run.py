@@ -250,14 +250,17 @@ def _run(
     try:
         with contextlib.ExitStack() as stack:
             stack.enter_context(rig)
-            stack.callback(stop.shield)  # first on the way out: closing is not to be torn
+            stack.enter_context(stop.shielding_the_end())  # first on the way out
             states.move(RigState.IDLE)
             loop = _make_loop(plan, rig, states, watcher)
             priority = 0 if rig.backend.is_simulated else plan.profile.loop.priority
+            stop.shield()  # of the collector's call-backs one would swallow it
             with (
                 LogRecorder(folder.log_path, log_columns(rig)) as recorder,
                 real_time(priority, plan.profile.loop.cpu) as refused,
+                stop.shielding_the_end(),
             ):
+                stop.expose()
                 for sentence in refused:
                     watcher.said(sentence)
                     events(None, "real-time", sentence, {})

@@ -2,6 +2,8 @@
 
 import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from time import monotonic
 from types import FrameType
 
@@ -41,6 +43,14 @@ class StopRequests:
     def shield(self) -> None:
         """Only count from now on: what runs next must not be interrupted."""
         self.shielded = True
+
+    @contextmanager
+    def shielding_the_end(self) -> Iterator[None]:
+        """Shield whatever comes after the block: a second request must not tear what closes."""
+        try:
+            yield
+        finally:
+            self.shield()
 
     def expose(self) -> None:
         """Let requests interrupt again; one that came meanwhile does so now."""

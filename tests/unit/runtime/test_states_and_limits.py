@@ -1,5 +1,6 @@
 """The state machine, the stop requests and the one choke point of commands."""
 
+import contextlib
 import math
 import os
 import random
@@ -84,6 +85,27 @@ def test_a_request_while_nothing_may_be_interrupted_interrupts_as_soon_as_it_may
     with pytest.raises(KeyboardInterrupt):
         stop.expose()
     assert not stop.shielded
+
+
+@pytest.mark.parametrize("ends", [None, RuntimeError])
+def test_what_closes_after_a_block_is_not_torn_by_a_second_request(ends):
+    closed = []
+
+    @contextlib.contextmanager
+    def closes():
+        try:
+            yield
+        finally:
+            os.kill(os.getpid(), signal.SIGINT)
+            closed.append(True)
+
+    with StopRequests() as stop, contextlib.suppress(*(() if ends is None else (ends,))):
+        with closes(), stop.shielding_the_end():
+            assert not stop.shielded
+            if ends is not None:
+                raise ends
+        assert stop.shielded
+    assert closed and stop.count == 1
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from rig.scaffolding.templates.mechanism.types import (
 
 @dataclass(frozen=True, slots=True)
 class TrimmedSettings:
-    """How much of the error that the drives leave is taken out.
+    """Gain and bound of the trim.
 
     Parameters
     ----------

@@ -24,11 +24,11 @@ class MyRigReference(NamedTuple):
 
 
 class MyRigCommand(NamedTuple):
-    """What the drives are told: angles (rad) and speeds (rad/s)."""
+    """Angles (rad) and speeds (rad/s) that the drives are told."""
 
     positions: Vector
     velocities: Vector
 
 
 class MyRigModel(NamedTuple):
-    """What laws are told of the mechanics, of what the profile says: nothing yet."""
+    """The mechanics as the profile has them, for laws: nothing yet."""
