@@ -25,18 +25,18 @@ from rig.experiment.ending import (
 from rig.experiment.fault_latch import FaultLatch
 from rig.experiment.fitness import refuse_unfit
 from rig.experiment.hindsight import Said, after_run
-from rig.experiment.metrics import Metric, MetricError, all_passed, evaluate
-from rig.experiment.new_folder import create_folder, log_columns, write_evaluation
+from rig.experiment.metrics import Metric, all_passed
+from rig.experiment.new_folder import create_folder, log_columns
 from rig.experiment.permission import check_permitted
-from rig.experiment.plan import Plan, constants_of
+from rig.experiment.plan import Plan
 from rig.experiment.post_mortem import whose_value
 from rig.experiment.rehearsal import rehearse
+from rig.experiment.results import write_results
 from rig.experiment.stopwatch import Stopwatch
 from rig.experiment.watcher import Watcher
-from rig.hal import ContractBroken, RigError
+from rig.hal import RigError
 from rig.run_facts import RunStatus
-from rig.run_folder import RunFolder, RunFolderError
-from rig.runtime.log import Log, LogError, read_log
+from rig.run_folder import RunFolder
 from rig.runtime.loop import Loop, Outcome
 from rig.runtime.phases import Timings
 from rig.runtime.realtime import real_time
@@ -176,7 +176,7 @@ def run_experiment(
             if frame_log is not None:
                 counts["frames"] = frame_log.facts(rig.clock)
                 _keep_frames(plan, folder, watcher, frame_log.close(), str(frames))
-            metrics, unmeasured, ending = _finish(plan, folder, ending, stopwatch)
+            metrics, unmeasured, ending = write_results(plan, folder, ending, stopwatch)
             for error in unmeasured:
                 _Events(folder)(None, "measure", str(error), {})
             if backend.is_simulated and stopwatch.facts:
@@ -337,59 +337,6 @@ def _judge(
         how = "stopped" if outcome.stopped == 1 else "stopped at once"
         return Ending(RunStatus.ABORTED, EXIT_INTERRUPTED, f"{how} by the operator, made safe")
     return Ending(RunStatus.OK, EXIT_OK)
-
-
-def _finish(
-    plan: Plan, folder: RunFolder, ending: Ending, stopwatch: Stopwatch
-) -> tuple[list[Metric], list[RigError], Ending]:
-    """Write metrics and timing of whatever was recorded.
-
-    Returns
-    -------
-    metrics : list of Metric
-        Those that could be computed.
-    unmeasured : list of RigError
-        What the plan's own measures failed by.
-    ending : Ending
-        Of a run that could or could not be written down.
-    """
-    from rig.report.timing import summarise_timing
-
-    metrics: list[Metric] = []
-    unmeasured: list[RigError] = []
-    if not folder.log_path.exists():
-        return metrics, unmeasured, ending
-    try:
-        log = read_log(folder.log_path)
-        if plan.motion.watches:  # what it came to is known only now
-            write_evaluation(plan, folder)
-        if len(log.cycle):
-            folder.write_timing({**summarise_timing(log), **stopwatch.facts})
-        if ending.status is RunStatus.OK:
-            metrics, unmeasured = _measure(plan, log)
-            folder.write_metrics(metrics)
-    except (RunFolderError, LogError) as error:
-        return metrics, unmeasured, ending.losing(str(error))
-    return metrics, unmeasured, ending
-
-
-def _measure(plan: Plan, log: Log) -> tuple[list[Metric], list[RigError]]:
-    """Compute the metrics; return them, and what those of the plan's own measures failed by."""
-    mechanism, motion = plan.profile.mechanism, plan.motion
-    wanted = plan.experiment.metrics
-    own = {name: spec for name, spec in wanted.items() if spec.measure in plan.measures}
-    installed = {name: spec for name, spec in wanted.items() if name not in own}
-    constants = constants_of(plan.profile)
-    metrics = evaluate(
-        log, motion.segments, installed, motion.facts, mechanism, constants=constants
-    )
-    unmeasured: list[RigError] = []
-    for name, spec in own.items():
-        try:
-            metrics += evaluate(log, motion.segments, {name: spec}, measures=plan.measures)
-        except (MetricError, ContractBroken) as error:
-            unmeasured.append(error)
-    return metrics, unmeasured
 
 
 class _Events:
