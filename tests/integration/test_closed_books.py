@@ -83,7 +83,7 @@ def test_whatever_comes_between_two_steps_is_written_down(tmp_path, monkeypatch,
         "connect": (run_module.Rig, "__enter__"),
         "arm": (run_module.Rig, "arm"),
         "judge": (run_module, "_judge"),
-        "report": (run_module, "_finish"),
+        "report": (run_module, "write_results"),
         "watch": (Watcher, "started"),
         "build": (run_module, "Stopwatch"),
     }
