@@ -42,17 +42,18 @@ def main() -> int:
         path for path in SAFETY_CORE if not asked.words or any(word in path for word in asked.words)
     ]
     mutants = [mutant for path in paths for mutant in mutants_of(ROOT, path)]
-    keys = {(mutant.path, mutant.text, mutant.change) for mutant in mutants}
+    keys = Counter(map(_key, mutants))
     listed = {equivalent[:3] for equivalent in EQUIVALENTS if equivalent.path in paths}
-    wrong = [f"no such mutant: {' | '.join(key)}" for key in sorted(listed - keys)]
+    wrong = [f"no such mutant: {' | '.join(key)}" for key in sorted(listed - set(keys))]
     if asked.sample is not None:
         mutants = random.Random(asked.seed).sample(mutants, min(asked.sample, len(mutants)))
     survived = _survivors(mutants, {p: SAFETY_CORE[p] for p in paths}, asked.workers)
-    seen = {(mutant.path, mutant.text, mutant.change) for mutant in mutants}
+    # A line may have a change twice, of which one is equivalent: a sample may lack that one.
+    seen = {key for key, count in Counter(map(_key, mutants)).items() if count == keys[key]}
     for mutant in survived:
-        if (mutant.path, mutant.text, mutant.change) not in listed:
+        if _key(mutant) not in listed:
             wrong.append(f"survived: {mutant.path}:{mutant.line} | {mutant.change}")
-    alive = {(mutant.path, mutant.text, mutant.change) for mutant in survived}
+    alive = set(map(_key, survived))
     wrong += [f"killed: {' | '.join(key)}" for key in sorted(listed & seen - alive)]
     total, left = (Counter(mutant.path for mutant in some) for some in (mutants, survived))
     for path in sorted(total):
@@ -61,6 +62,10 @@ def main() -> int:
     seconds = time.monotonic() - began
     print(f"{len(mutants)} mutants, {len(survived)} survived, {seconds:.0f} s")  # noqa: T201
     return 1 if wrong else 0
+
+
+def _key(mutant):
+    return mutant.path, mutant.text, mutant.change
 
 
 def _survivors(mutants, tests, workers):
