@@ -62,6 +62,19 @@ class Installed(Generic[Own, Seen]):
         """What the device is really like, as far as settings say."""
         return self.settings if self.nominal is None else self.nominal
 
+    def require_plant_order(self) -> None:
+        """Refuse channels in another order than the plant's, for a device without a bus.
+
+        Raises
+        ------
+        ConfigurationError
+            They stand in another one.
+        """
+        if list(self.channels) != sorted(self.channels):
+            raise ConfigurationError(
+                f"{self.name}: without a bus, its channels stand in the plant's order"
+            )
+
 
 class Wiring(NamedTuple, Generic[Settings, Port, Node]):
     """Makes the two simulated forms of a device on a bus.

@@ -6,7 +6,7 @@ from drivers.sim.nodes.cia401 import EmulatedCia401
 from drivers.sim.nodes.cia401_wiring import emulated_module, monitor_resolution
 from drivers.sim.valve_port import ValvePort
 from drivers.sim.wiring import Installed, Wiring
-from rig.hal import Clock, ConfigurationError
+from rig.hal import Clock
 
 
 class SpoolsOnOutputs:
@@ -54,10 +54,7 @@ def simulate_valves(
 ) -> SimulatedValves:
     """Return simulated valves with the ranges and resolution of the wired ones."""
     settings = of.settings
-    if list(of.channels) != sorted(of.channels):
-        raise ConfigurationError(
-            f"{of.name}: without a bus, its channels stand in the plant's order"
-        )
+    of.require_plant_order()
     return SimulatedValves(
         of.name,
         tuple(settings.channels),

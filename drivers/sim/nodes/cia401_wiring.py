@@ -72,10 +72,7 @@ def simulate_cia401(
 ) -> SimulatedRegulators:
     """Return simulated regulators with the range and resolution of the wired ones."""
     settings = of.settings
-    if list(of.channels) != sorted(of.channels):
-        raise ConfigurationError(
-            f"{of.name}: without a bus, its channels stand in the plant's order"
-        )
+    of.require_plant_order()
     return SimulatedRegulators(
         of.name,
         tuple(settings.channels),
