@@ -1,1 +1,1 @@
-"""Files to begin with: an experiment, a rig, a control law or a driver of one's own."""
+"""Files to begin with: an experiment, a rig, a law, a driver or a mechanism of one's own."""
