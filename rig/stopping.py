@@ -52,10 +52,9 @@ def request_stop(run: str | Path, *, at_once: bool) -> int:
                 if not _has_open(process, path / EVENTS):
                     continue
                 signal.pidfd_send_signal(descriptor, signal.SIGINT)
-                if at_once:  # another signal: two of one kind may come as one
+                if at_once:
                     sleep(_BETWEEN)
-                    with contextlib.suppress(ProcessLookupError):  # it has ended by the first
-                        signal.pidfd_send_signal(descriptor, signal.SIGTERM)
+                    _press_again(process, descriptor, path / EVENTS)
                 return process
         except ProcessLookupError:
             continue
@@ -76,6 +75,17 @@ def wait_for_end(run: str | Path, timeout: float, step: float = 0.05) -> bool:
             return True
         sleep(step)
     return False
+
+
+def _press_again(process: int, descriptor: int, events: Path) -> None:
+    """Send another signal, for two of one kind may come as one.
+
+    Where nothing moved yet the first one was enough: the run has ended, and whoever draws its
+    report is not to be killed by the second.
+    """
+    if process in _candidates(events):
+        with contextlib.suppress(ProcessLookupError):
+            signal.pidfd_send_signal(descriptor, signal.SIGTERM)
 
 
 @contextlib.contextmanager
