@@ -1,7 +1,9 @@
 """Text of a file that somebody else may have written: no pipe that waits, no endless device."""
 
 import csv
+import math
 import os
+import re
 import stat
 from pathlib import Path
 from typing import Final
@@ -12,6 +14,7 @@ MOST: Final = 1 << 24
 """Bytes that a file of a motion may have."""
 _LONGEST: Final = 10_000
 """Characters of a line of a table."""
+_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 
 def read_lines(path: Path) -> list[str]:
@@ -67,3 +70,8 @@ def read_table(path: Path) -> list[list[str]]:
         return list(csv.reader(read_table_lines(path), skipinitialspace=True))
     except csv.Error as error:
         raise InfeasibleMotion(f"{path}: {error}.") from error
+
+
+def number_in(cell: str) -> float:
+    """Return a cell's number, NaN if it is none as tables have them: Python alone reads 1_000."""
+    return float(cell) if _NUMBER.fullmatch(cell.strip()) else math.nan

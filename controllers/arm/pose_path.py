@@ -16,7 +16,7 @@ from controllers.arm.geometry import SixAngles
 from controllers.arm.kinematics import Dimensions
 from controllers.arm.trajectory import ArmPath, Trajectory
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_table
+from controllers.text_file import number_in, read_table
 
 Length = Annotated[float, Unit("m")]
 Place = tuple[Length, Length, Length]
@@ -128,10 +128,7 @@ def _scale(path: Path, name: list[str]) -> float:
 
 def _number(path: Path, line: int, row: list[str], column: int) -> float:
     text = row[column] if column < len(row) else ""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = number_in(text)
     if not math.isfinite(value):
         raise InfeasibleMotion(f"{path}, line {line}: {text!r} is no number.")
     return value

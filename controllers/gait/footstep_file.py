@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from controllers.gait.footprints import MOST_STEPS, Footstep
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_table_lines
+from controllers.text_file import number_in, read_table_lines
 
 _LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}
 _ANGLES = {"rad": 1.0, "deg": math.pi / 180.0, "mrad": 1e-3}
@@ -131,10 +131,7 @@ def _value(where: str, cell: str, column: _Column) -> float | None:
     quantity = _COLUMNS[column.name]
     if not cell and quantity.optional:
         return None
-    try:
-        number = float(cell)
-    except ValueError:
-        number = math.nan
+    number = number_in(cell)
     if math.isnan(number):
         raise InfeasibleMotion(f"{where}: {cell!r} is no number.")
     value = number * column.scale

@@ -140,6 +140,11 @@ def _calibrate(
     try:
         for sentence in preview(procedure, profile, excitation, files):
             click.echo(sentence, err=True)
+        if options["readings"] is not None:  # what is wrong with it is said before anything moves
+            read_instruments(
+                procedure, profile, folders,
+                simulated=backend.is_simulated, readings=options["readings"],
+            )  # fmt: skip
         if options["dry_run"]:
             return 0
         if excitation is None:  # nothing moves, so nobody is asked

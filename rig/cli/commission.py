@@ -60,6 +60,7 @@ def commission(rig: str, **options: Any) -> int:
     and say the same again. Simulated hands do in a simulation what a person does at a rig.
     """
     from rig.assembly import REGISTRY, Backend, backend_of, build_rig, check_profile
+    from rig.commissioning.record import read_answers
     from rig.commissioning.session import CommissioningFacts, begin, steps_of
     from rig.commissioning.session import commission as commission_rig
     from rig.commissioning.site import Site
@@ -71,6 +72,8 @@ def commission(rig: str, **options: Any) -> int:
     profile = load_profile(rig, REGISTRY, options["overrides"], search)
     check_profile(profile)
     steps = steps_of(profile)
+    if options["answers"] is not None:  # what is wrong with it is said before anything moves
+        read_answers(options["answers"])
     if options["dry_run"]:
         return _show(profile, steps, as_json=options["as_json"])
     on, backend = options["on"], backend_of(options["on"])

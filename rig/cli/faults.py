@@ -277,11 +277,12 @@ def _scenario_job(path: Path, configs: Path | None) -> Job:
     from rig.faults.scenario_file import case_of, load_scenario
     from rig.faults.survey import experiments_of, survey
 
-    scenario = load_scenario(path)
+    located = load_scenario(path)
+    scenario = located.scenario
     calibrates = scenario.when.phase is Moment.CALIBRATION
     among = experiments_of(scenario.rig, configs)[:1] if calibrates else (scenario.experiment,)
     subject = survey(scenario.rig, among, configs)
-    return case_of(scenario, subject, str(path)), subject
+    return case_of(located, subject, str(path)), subject
 
 
 def _keep(folder: Path, title: str, verdicts: Sequence[Verdict]) -> Path:

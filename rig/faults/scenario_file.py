@@ -4,7 +4,7 @@ import difflib
 from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 from annotated_types import Ge, Gt, Unit
 
@@ -15,7 +15,6 @@ from rig.config.settings import build
 from rig.faults.case import Break, Case, Moment
 from rig.faults.catalogue import KINDS, kind_named, kinds_for
 from rig.faults.subject import Subject
-from rig.hal import ConfigurationError
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +88,22 @@ class Scenario:
     seed: Annotated[int, Ge(0)] = 0
 
 
-def load_scenario(path: Path) -> Scenario:
+class LocatedScenario(NamedTuple):
+    """A scenario, and where in its file each part of it stands."""
+
+    scenario: Scenario
+    root: Node
+
+
+class _Unfit(Exception):
+    """The rig, or the phase, has nothing that could break so: the key that says it, and why."""
+
+    def __init__(self, keys: tuple[str, ...], why: str, hint: str | None = None) -> None:
+        super().__init__(why)
+        self.keys, self.why, self.hint = keys, why, hint
+
+
+def load_scenario(path: Path) -> LocatedScenario:
     """Load a scenario; strict as every file.
 
     Raises
@@ -108,7 +122,7 @@ def load_scenario(path: Path) -> Scenario:
             _check_name(root, ("then", "fault"), scenario.then.fault, problems)
     problems.raise_if_any()
     assert scenario is not None
-    return scenario
+    return LocatedScenario(scenario, root)
 
 
 def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems) -> None:
@@ -118,22 +132,28 @@ def _check_name(root: Node, keys: tuple[str, ...], name: str, problems: Problems
         problems.add(place.mark, f"no fault is called {shown(name)}", nearest(name, tuple(KINDS)))
 
 
-def case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
+def case_of(located: LocatedScenario, subject: Subject, source: str) -> Case:
     """Return the case that a scenario tells of a rig.
 
     Raises
     ------
-    ConfigurationError
+    ProfileError
         The rig has nothing that could break so: nothing is left out silently.
     """
+    try:
+        return _case_of(located.scenario, subject, source)
+    except _Unfit as unfit:
+        problems = Problems()
+        place, _ = located.root.descend(unfit.keys)
+        problems.add(place.mark, unfit.why, unfit.hint)
+        raise problems.error() from unfit
+
+
+def _case_of(scenario: Scenario, subject: Subject, source: str) -> Case:
     _check_stretch(scenario, subject)
-    first = _break(scenario.fault, scenario.where, scenario.magnitude, scenario.lasts, subject)
     then = scenario.then
-    second = (
-        None
-        if then is None
-        else _break(then.fault, then.where, then.magnitude, then.lasts, subject)
-    )
+    first = _break(scenario, subject, ())
+    second = None if then is None else _break(then, subject, ("then",))
     return Case(
         scenario.rig,
         scenario.experiment,
@@ -153,41 +173,44 @@ def _check_stretch(scenario: Scenario, subject: Subject) -> None:
     """Refuse what cannot be expressed in a calibration or a rehearsal."""
     phase, known = scenario.when.phase, tuple(subject.procedures)
     if phase is Moment.CALIBRATION and scenario.experiment not in known:
-        raise ConfigurationError(
-            f"no procedure that moves {subject.rig} is called {scenario.experiment!r}; "
-            f"{nearest(scenario.experiment, known) or 'there is ' + (', '.join(known) or 'none')}"
+        raise _Unfit(
+            ("experiment",),
+            f"no procedure that moves {subject.rig} is called {scenario.experiment!r}",
+            nearest(scenario.experiment, known) or "there is none",
         )
     if phase is Moment.REHEARSAL:
         if scenario.then is not None:
-            raise ConfigurationError("a rehearsal takes too short for a second fault")
+            raise _Unfit(("then",), "a rehearsal takes too short for a second fault")
         if not kind_named(scenario.fault).is_rehearsable:
-            raise ConfigurationError(
+            raise _Unfit(
+                ("fault",),
                 f"{scenario.fault} cannot be expressed in a rehearsal: it touches no device and "
-                "no bus, so only the program and its computer can fail in it"
+                "no bus, so only the program and its computer can fail in it",
             )
 
 
-def _break(
-    kind: str, where: str, magnitude: float | None, lasts: float | None, subject: Subject
-) -> Break:
+def _break(asked: Scenario | Next, subject: Subject, at: tuple[str, ...]) -> Break:
+    """Return what breaks; `at`: the keys that lead to it."""
+    kind, where, magnitude, lasts = asked.fault, asked.where, asked.magnitude, asked.lasts
     if kind not in kinds_for(subject):
-        raise ConfigurationError(f"{subject.rig} has nothing that could suffer {kind}")
+        raise _Unfit((*at, "fault"), f"{subject.rig} has nothing that could suffer {kind}")
     row = kind_named(kind)
     if magnitude is not None and row.magnitude is None:
-        raise ConfigurationError(f"{kind} has no magnitude")
+        raise _Unfit((*at, "magnitude"), f"{kind} has no magnitude")
     if lasts is not None and row.lasts is None:
-        raise ConfigurationError(f"{kind} is for good: it cannot last {lasts:g} s")
+        raise _Unfit((*at, "lasts"), f"{kind} is for good: it cannot last {lasts:g} s")
     places = [place.where for place in row.places(subject)]
     if row.magnitude is not None:
         if magnitude is None:
-            raise ConfigurationError(f"{kind} needs a magnitude, {row.magnitude}")
+            raise _Unfit((*at, "fault"), f"{kind} needs a magnitude, {row.magnitude}")
         if not row.magnitude.low <= abs(magnitude) <= row.magnitude.high:
-            raise ConfigurationError(f"{kind}: magnitude {magnitude:g} is outside {row.magnitude}")
+            why = f"{kind}: magnitude {magnitude:g} is outside {row.magnitude}"
+            raise _Unfit((*at, "magnitude"), why)
     if not where and len(places) > 1:
-        raise ConfigurationError(f"{kind} needs its place, where: {' or '.join(places)}")
+        raise _Unfit((*at, "fault"), f"{kind} needs its place, where: {' or '.join(places)}")
     made = Break(kind, where or (places[0] if len(places) == 1 else ""), magnitude, lasts or inf)
     try:
         made.place(subject)
     except ValueError as error:
-        raise ConfigurationError(str(error)) from error
+        raise _Unfit((*at, "where"), str(error)) from error
     return made

@@ -67,6 +67,14 @@ def test_what_is_broken_off_changes_nothing_and_can_be_gone_on_with(configs, cap
     assert all(f"{path}/log.mcap" in " ".join(text.split()) for path in runs)
 
 
+def test_readings_that_are_none_are_refused_before_anything_moves(configs, capsys):
+    file = configs / "readings.csv"
+    file.write_text("caliper agonist,nowhere,3 mm\ncaliper,1,2 mm\n")
+    assert calibrate(configs, "encoders", "--yes", "--on", "sim", "--readings", str(file)) == 2
+    assert "readings.csv:2:1: " in capsys.readouterr().err
+    assert not (configs.parent / "runs").exists()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("rig", "procedure"),

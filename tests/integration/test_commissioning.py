@@ -4,6 +4,7 @@ import pytest
 from planted import PLANTED, drawn_unit, no_dump_valve, rig_with
 
 from rig.assembly import REGISTRY
+from rig.cli import invoke
 from rig.commissioning.operator import SimulatedOperator
 from rig.commissioning.session import CommissioningFacts, begin, commission, steps_of
 from rig.commissioning.site import Site
@@ -88,3 +89,10 @@ def test_what_has_passed_is_not_done_again(tmp_path):
     changed = unit("cylinder-low-speed", 1)
     other = begin(changed, [tmp_path], CommissioningFacts("virtual"), anew=False)
     assert other["steps"] == {}
+
+
+def test_answers_that_are_none_are_refused_before_anything_is_opened(tmp_path, capsys):
+    file = tmp_path / "answers.yaml"
+    file.write_text("- pressed\n")
+    assert invoke(["commission", "cylinder", "--dry-run", "--answers", str(file)]) == 2
+    assert "answers.yaml has no keys and answers" in capsys.readouterr().err

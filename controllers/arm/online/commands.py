@@ -13,7 +13,7 @@ from annotated_types import Gt, Interval, Unit
 from controllers.arm.geometry import SixAngles
 from controllers.arm.on_direction.numbers import Six
 from controllers.motion import InfeasibleMotion
-from controllers.text_file import read_table
+from controllers.text_file import number_in, read_table
 
 Time = Annotated[float, Unit("s")]
 Speed = Annotated[float, Unit("m/s")]
@@ -217,10 +217,7 @@ def _columns(path: Path, header: list[str]) -> list[tuple[str, float]]:
 
 
 def _number(path: Path, line: int, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+    value = number_in(text)
     if not math.isfinite(value):
         raise InfeasibleMotion(f"{path}, line {line}: {text!r} is no number.")
     return value

@@ -213,17 +213,17 @@ def test_a_file_says_what_breaks(tmp_path):
         ("plant antagonist", "antagonist", "there is plant agonist, plant antagonist"),
         ("phase: release", "phase: relax", "case.yaml:6:15"),
         ("seed: 7", "seed: -7", "case.yaml:3:7"),
-        ("fault: wire_cut", "fault: blocked", "nothing that could suffer blocked"),
-        ("where: plant antagonist", "where: plant agonist\nlasts: 1 s", "it cannot last 1 s"),
-        ("where: plant antagonist", "where: plant agonist\nmagnitude: 3", "has no magnitude"),
+        ("fault: wire_cut", "fault: blocked", "case.yaml:4:8: cylinder has nothing"),
+        ("where: plant antagonist", "where: plant agonist\nlasts: 1 s", "case.yaml:6:8: "),
+        ("where: plant antagonist", "where: plant agonist\nmagnitude: 3", "case.yaml:6:12: "),
         ("seed: 7", "sed: 7", "case.yaml:3:1"),
-        ("phase: release", "phase: calibration", "no procedure that moves cylinder is called"),
-        ("phase: release", "phase: rehearsal", "too short for a second fault"),
+        ("phase: release", "phase: calibration", "case.yaml:2:13: no procedure"),
+        ("phase: release", "phase: rehearsal", "case.yaml:7:7: a rehearsal takes"),
         (
             "when: {phase: release, after: 31 ms}\nthen: {fault: silent, where: encoder, "
             "lasts: 20 ms, after: 4 ms}",
             "when: {phase: rehearsal}",
-            "wire_cut cannot be expressed in a rehearsal",
+            "case.yaml:4:8: wire_cut cannot be expressed in a rehearsal",
         ),
     ],
 )  # fmt: skip

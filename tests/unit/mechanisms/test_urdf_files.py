@@ -88,6 +88,12 @@ def test_a_document_type_is_refused_before_it_is_used(read, doctype):
         (TEXT.replace("<limit", '<mimic joint="axis 1"/><limit', 1), "axis 1 follows another"),
         (TEXT.replace('lower="-3.0"', 'lower="3.0"', 1), "the range of axis 1 is empty"),
         (TEXT.replace('lower="-3.0"', 'lower="nan"', 1), "'nan', no number"),
+        (
+            TEXT.replace('velocity="2.5"', 'velocity="1e-12"', 1),
+            "velocity of axis 1 is 1e-12 rad/s",
+        ),
+        (TEXT.replace('velocity="2.5"', 'velocity="-2.5"', 1), "is -2.5 rad/s, and of a robot"),
+        (TEXT.replace('effort="40"', 'effort="1e300"', 1), "effort of axis 1 is 1e.300 N m"),
         (TEXT.replace('lower="-3.0"', 'lower="${-pi}"', 1), r"'\$\{-pi\}', no number"),
         (TEXT.replace('parent link="root"', 'parent link="tool"'), "they end nowhere"),
         (TEXT.replace('xyz="', 'xyz="1e9 '), "xyz of origin of axis 1 is '1e9 "),

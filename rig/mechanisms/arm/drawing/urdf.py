@@ -26,6 +26,8 @@ _LONGEST: Final = 200
 """Characters of a name or a value."""
 _FARTHEST: Final = 100.0
 _SHORTEST: Final = 1e-6
+_DRIVEN: Final = {"velocity": (1e-3, 1e2, "rad/s"), "effort": (1e-3, 1e5, "N m")}
+"""What a joint of a robot may have at most: from the slowest and weakest to the greatest."""
 _FLANGE: Final = "tool0"
 """What ROS-Industrial calls the flange of every arm."""
 _KEPT: Final = ("origin", "parent", "child", "axis", "limit", "mimic")
@@ -197,8 +199,14 @@ def _limits(file: Path, joint: _Joint) -> tuple[float, float, float | None, floa
             f"{file}, line {joint.line}: the range of {joint.name} is empty "
             f"({lower:g} to {upper:g} rad)"
         )
-    speed, effort = values.get("velocity", 0.0), values.get("effort", 0.0)
-    return lower, upper, speed if speed > 0.0 else None, effort if effort > 0.0 else None
+    for name, (least, most, unit) in _DRIVEN.items():
+        value = values.get(name, 0.0)
+        if value and not least <= value <= most:
+            raise DrawingError(
+                f"{file}, line {joint.line}: {name} of {joint.name} is {value:g} {unit}, and of a "
+                f"robot from {least:g} to {most:g} {unit}"
+            )
+    return lower, upper, values.get("velocity") or None, values.get("effort") or None
 
 
 class _Reader:

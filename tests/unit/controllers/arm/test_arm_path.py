@@ -111,6 +111,7 @@ def test_a_file_says_places_in_its_units_and_rotations(tmp_path):
         ("x, y, z\n0, 0, 0\n1, 0, 0\n", "the unit of x is missing"),
         ("x (ft), y (m), z (m)\n0, 0, 0\n", "the unit of x is ft"),
         ("x (m), y (m), z (m), qw\n0, 0, 0, 1\n", "all of qw, qx, qy, qz or none"),
+        ("x (m), y (m), z (m)\n0, 0, 0\n0, 1_0, 0\n", "line 3: '1_0' is no number"),
         ("x (m), y (m), z (m)\n0, 0, 0\n0, nan, 0\n", "line 3: 'nan' is no number"),
         ("x (m), y (m), z (m)\n0, 0, 0\n0, 1\n", "line 3: '' is no number"),
         ("x (m), y (m), z (m)\n0, 0, 0\n0, 0, 0\n", "place 2 of the path is place 1 again"),

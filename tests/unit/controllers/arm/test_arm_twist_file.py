@@ -44,6 +44,8 @@ HEADER = "t (s), vx (m/s), vy (m/s), vz (m/s)\n"
         ("t (s), vx (m/s), vx (m/s), vz (m/s)\n", "'vx (m/s)' is there twice"),
         ("t (s), speed (m/s), vy (m/s), vz (m/s)\n", "'speed (m/s)' is unknown"),
         (HEADER + "0, 1, 0, x\n", "line 2: 'x' is no number"),
+        (HEADER + "0, 1, 0, 1_0\n", "line 2: '1_0' is no number"),
+        (HEADER + "0, 1, 0, ٣\n", "line 2: '٣' is no number"),
         (HEADER + "0, 1, 0, nan\n", "line 2: 'nan' is no number"),
         (HEADER + "0, 1, 0\n", "line 2: 3 values, the header has 4"),
         (HEADER + "0, 1, 0, 0\n", "the last of two rows says the end"),

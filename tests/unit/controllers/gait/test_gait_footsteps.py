@@ -266,8 +266,9 @@ WRONG = {
     "foot, x (mm), y (mm)\nright, 3\n": r"line 2: 2 cells under a header of 3",
     "foot, x (mm), y (mm)\nmiddle, 3, 4\n": r"line 2, foot: 'middle' is neither right nor left",
     "foot, x (mm), y (mm)\nright, three, 4\n": r"line 2, x: 'three' is no number",
+    "foot, x (mm), y (mm)\nright, 1_000, 4\n": r"line 2, x: '1_000' is no number",
     "foot, x (mm), y (mm)\nright, nan, 4\n": r"line 2, x: 'nan' is no number",
-    "foot, x (mm), y (mm)\nright, inf, 4\n": r"line 2, x: inf mm is outside -1e\+05 … 1e\+05 mm",
+    "foot, x (mm), y (mm)\nright, inf, 4\n": r"line 2, x: 'inf' is no number",
     "foot, x (mm), y (mm), pitch (deg)\n\nleft, 1, 2, 45\n": r"line 3, pitch: 45 deg is outside",
     "foot, x (mm), y (mm)\n": r"0 footprints; there may be 1 to 200",
 }
