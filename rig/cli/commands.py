@@ -80,6 +80,10 @@ def _report(error: BaseException) -> int:
         if isinstance(error, ConfigurationError):
             _tell_of_broken_packages(str(error))
             return 2
+        from rig.run_folder import RunFolderError
+
+        if isinstance(error, RunFolderError):  # of a run that has ended: no rig has failed
+            return 2
         return 3 if isinstance(error, DeviceError) else 4
     import traceback
 

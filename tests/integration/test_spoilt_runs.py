@@ -157,3 +157,14 @@ def test_a_folder_that_says_no_format_is_of_the_first(folder, capsys):
     assert manifest.pop("format") == FORMAT
     (folder / "manifest.json").write_text(json.dumps(manifest))
     assert invoke(["replay", str(folder)]) == 0
+
+
+@pytest.mark.parametrize("name", ["metrics.json", "report.html", "figures"])
+def test_a_report_that_cannot_be_written_is_no_fault_of_a_rig(name, folder, tmp_path, capsys):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    (folder / name).unlink(missing_ok=True)
+    (folder / name).symlink_to(outside)
+    assert invoke(["report", str(folder)]) == 2
+    assert "it is a link to" in capsys.readouterr().err
+    assert list(outside.iterdir()) == []

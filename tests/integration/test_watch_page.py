@@ -219,6 +219,20 @@ def test_a_link_leads_to_a_moment_and_what_is_shown_can_be_saved(two_runs, tmp_p
         for row in saved[:: len(saved) // 20]:
             assert row[column] == pytest.approx(logged_at(one, row[0]), rel=1e-6)
 
+        # Each button says what came of it; without leave nothing is copied.
+        link = page.locator("#link")
+        link.click()
+        sync_api.expect(link).to_have_text(re.compile("^(not )?copied$"))
+        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+        sync_api.expect(link).to_have_text("link")
+        link.click()
+        sync_api.expect(link).to_have_text("copied")
+        copied = page.evaluate("navigator.clipboard.readText()")
+        assert copied.startswith(f"{address}&t={t:.4f}&w=0.5")
+        page.locator("#save").click()
+        sync_api.expect(page.locator("#save")).to_have_text("layout kept")
+        sync_api.expect(page.locator("#save")).to_have_text("save layout")
+
         # The other run is what it is, and not the first one once more.
         place = page.evaluate(
             f"board.rows.other.columns.findIndex((k) => board.columns[k][0] === '{PLOTTED}')"

@@ -3,7 +3,15 @@
 import { layout } from "./layouts.js";
 import { Pane } from "./scope.js";
 
+const TOLD = 1500; // ms, for which a button says what came of it
 const element = (id) => document.getElementById(id);
+
+function answer(name, text) {
+  const button = element(name);
+  const usual = button.dataset.usual ??= button.textContent;
+  button.textContent = text;
+  setTimeout(() => { button.textContent = usual; }, TOLD);
+}
 
 // What the buttons and keys of the page do; nothing while there is no server.
 export function listen(board) {
@@ -43,6 +51,7 @@ export function listen(board) {
       title: pane.title, xy: pane.isXY, names: pane.columns.map((k) => board.columns[k][0]),
     }));
     localStorage.setItem(board.key, JSON.stringify(kept));
+    answer("save", "layout kept");
   });
   arrange("reset", () => {
     localStorage.removeItem(board.key);
@@ -52,8 +61,11 @@ export function listen(board) {
     const [from, to] = moment.window;
     const place = `&t=${moment.head.toFixed(4)}&w=${(to - from).toFixed(4)}`;
     // Whoever is sent a link may look, also if this page may steer.
-    navigator.clipboard?.writeText(`${location.origin}/#${board.described.look}${place}`);
+    const copied = navigator.clipboard?.writeText(`${location.origin}/#${board.described.look}${place}`);
     history.replaceState(null, "", `#${board.token}${place}`);
+    const isRefused = () => answer("link", "not copied");
+    if (copied) copied.then(() => answer("link", "copied"), isRefused);
+    else isRefused();
   });
   document.addEventListener("keydown", (event) => {
     if (event.key === " " && event.target === document.body) {

@@ -1,40 +1,20 @@
 // One pane of the scope: traces of one quantity over time, or one over another.
 
-import { color, prepare, watermark } from "./look.js";
+import { drawBounds, drawEvents, drawTrigger, frame, line } from "./axes.js";
+import { prepare, watermark } from "./look.js";
+import { PLANNED, brief } from "./names.js";
 import { save } from "./save.js";
+import { range, trace } from "./traces.js";
 import { Trigger } from "./trigger.js";
+import { number, shown } from "./units.js";
 import { drawXY } from "./xy.js";
-import { number, shown, tick, ticks } from "./units.js";
 
 const LEFT = 50;
 const RIGHT = 12;
 const TOP = 6;
 const BOTTOM = 20;
 const INKS = 8;
-const MOST_BOUNDS = 4;
 const UNSEEN = 1e-5; // of the height of a pane
-const PLANNED = /^(reference|plan|applied|command)\./;
-const SHORT = { reference: " ref", plan: "", applied: " sent", command: " asked" };
-
-// Names as short as they can be told apart: without the group, and without what all begin with.
-function brief(columns) {
-  const bare = columns.map(([k, name]) => [k, name, name.replace(/^[^.]*\./, "").split("_")]);
-  let same = 0;
-  const [, , first] = bare[0] ?? [0, "", []];
-  const different = new Set(bare.map(([, , words]) => words.join("_"))).size > 1;
-  while (different && bare.every(([, , words]) => words.length > same + 1 && words[same] === first[same])) {
-    same += 1;
-  }
-  const told = bare.map(([k, name, words]) => {
-    const group = PLANNED.exec(name);
-    const text = words.slice(same).join(" ");
-    return [k, name, group ? `${text}${SHORT[group[1]]}` : text];
-  });
-  return new Map(told.map(([k, name, text]) => {
-    const isTwice = told.some(([other, , like]) => other !== k && like === text);
-    return [k, isTwice ? `${text}, ${name.replace(/\..*/, "")}` : text];
-  }));
-}
 
 export class Pane {
   // `board` knows the columns, their bounds and the events, and what the window is.
@@ -210,184 +190,28 @@ export class Pane {
     const [from, to] = this.board.moment.window;
     const first = Math.max(table.rowAt(from) - 1, 0);
     const last = Math.min(table.rowAt(to) + 1, table.count);
-    const range = this.range(table, first, last);
+    const span = range(this.board, this.seen, table, first, last);
     const x = (t) => area.x + (t - from) / (to - from) * area.w;
-    const y = (value) => area.y + (range[1] - value) / (range[1] - range[0]) * area.h;
-    this.frame(context, area, [from, to], range, x, y, "s");
-    this.drawEvents(context, area, x, from, to);
+    const y = (value) => area.y + (span[1] - value) / (span[1] - span[0]) * area.h;
+    frame(context, area, [from, to], span, x, y, "s");
+    drawEvents(this.board.events.all, context, area, x, from, to);
     context.save();
     context.beginPath();
     context.rect(area.x, area.y, area.w, area.h);
     context.clip();
     const other = this.board.rows.other;
     context.globalAlpha = 0.45;
-    for (const k of this.seen) {
-      this.trace(context, other, k, other.rowAt(from), other.rowAt(to), x, y, 0.9);
+    const drawn = this.seen.map((k) => ({ k, channel: this.board.columns[k], ink: this.inks.get(k) }));
+    for (const one of drawn) {
+      trace(context, other, one, other.rowAt(from), other.rowAt(to), x, y, 0.9);
     }
     context.globalAlpha = 1;
-    for (const k of this.seen) this.trace(context, table, k, first, last, x, y);
+    for (const one of drawn) trace(context, table, one, first, last, x, y);
     context.restore();
-    this.drawBounds(context, area, range, y);
-    this.upwards = range;
-    if (this.trigger) this.drawTrigger(context, area, y(this.trigger.level));
-    this.line(context, area, x(this.board.moment.head), "quiet");
-    if (this.board.cursor !== null) this.line(context, area, x(this.board.cursor), "ink");
-  }
-
-  range(table, first, last) {
-    let [low, high] = [Infinity, -Infinity];
-    for (const k of this.seen) {
-      const column = table.values[table.place.get(k)];
-      if (!column) continue;
-      const scale = shown(this.board.columns[k])[0];
-      for (let row = first; row < last; row += 1) {
-        const value = column[row] * scale;
-        if (value < low) low = value;
-        if (value > high) high = value;
-      }
-    }
-    if (low > high) return [-1, 1];
-    const room = Math.max(0.07 * (high - low), 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-9);
-    return [low - room, high + room];
-  }
-
-  frame(context, area, across, up, x, y, unit) {
-    context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
-    context.strokeStyle = color("grid");
-    context.fillStyle = color("quiet");
-    context.lineWidth = 1;
-    context.textAlign = "right";
-    context.textBaseline = "middle";
-    const rungs = ticks(...up, Math.max(2, area.h / 34));
-    for (const value of rungs) {
-      const at = Math.round(y(value)) + 0.5;
-      context.beginPath();
-      context.moveTo(area.x, at);
-      context.lineTo(area.x + area.w, at);
-      context.stroke();
-      context.fillText(tick(value, rungs), area.x - 6, at);
-    }
-    context.textAlign = "center";
-    context.textBaseline = "top";
-    const stops = ticks(...across, Math.max(2, area.w / 90));
-    for (const value of stops) {
-      const at = Math.round(x(value)) + 0.5;
-      context.beginPath();
-      context.moveTo(at, area.y);
-      context.lineTo(at, area.y + area.h);
-      context.stroke();
-      if (at < area.x + area.w - 34) context.fillText(tick(value, stops), at, area.y + area.h + 4);
-    }
-    context.textAlign = "right";
-    context.fillText(unit, area.x + area.w, area.y + area.h + 4);
-  }
-
-  drawBounds(context, area, range, y) {
-    const drawn = new Set();
-    const all = new Set(this.seen.flatMap((k) => this.board.bounds.get(k) ?? []));
-    all.delete(null);
-    if (all.size > MOST_BOUNDS) return; // of six joints nobody could tell whose they are
-    for (const k of this.seen) {
-      const bound = this.board.bounds.get(k);
-      if (!bound) continue;
-      const [scale, unit] = shown(this.board.columns[k]);
-      for (const limit of bound) {
-        if (limit === null) continue;
-        const value = limit * scale;
-        if (drawn.has(value)) continue;
-        drawn.add(value);
-        context.strokeStyle = context.fillStyle = color("limit");
-        if (value > range[0] && value < range[1]) {
-          context.setLineDash([6, 4]);
-          context.beginPath();
-          context.moveTo(area.x, y(value));
-          context.lineTo(area.x + area.w, y(value));
-          context.stroke();
-          context.setLineDash([]);
-        } else {
-          const above = value >= range[1];
-          context.textAlign = "right";
-          context.textBaseline = above ? "top" : "bottom";
-          const text = `${above ? "▲" : "▼"} limit ${number(value)} ${unit}`;
-          const long = context.measureText(text).width + 6;
-          context.fillStyle = color("card");
-          context.fillRect(area.x + area.w - long, above ? area.y : area.y + area.h - 15, long, 15);
-          context.fillStyle = color("limit");
-          context.fillText(text, area.x + area.w - 4, above ? area.y + 2 : area.y + area.h - 2);
-        }
-      }
-    }
-  }
-
-  drawEvents(context, area, x, from, to) {
-    for (const event of this.board.events.all) {
-      if (event.t === null || event.t < from || event.t > to) continue;
-      const ink = { fault: "alarm", tuning: "trace-3", limit: "reference" }[event.kind] ?? "quiet";
-      // Only what is rare crosses the whole pane; the others are marks at its foot.
-      const whole = event.kind === "fault" || event.kind === "tuning";
-      const foot = whole ? area : { ...area, y: area.y + area.h - 7, h: 7 };
-      this.line(context, foot, x(event.t), ink);
-    }
-  }
-
-  line(context, area, at, ink) {
-    if (at < area.x || at > area.x + area.w) return;
-    context.strokeStyle = color(ink);
-    context.lineWidth = 1;
-    context.beginPath();
-    context.moveTo(at, area.y);
-    context.lineTo(at, area.y + area.h);
-    context.stroke();
-  }
-
-  drawTrigger(context, area, at) {
-    context.strokeStyle = context.fillStyle = color("good");
-    context.setLineDash([2, 3]);
-    context.beginPath();
-    context.moveTo(area.x, at);
-    context.lineTo(area.x + area.w, at);
-    context.stroke();
-    context.setLineDash([]);
-    context.textAlign = "left";
-    context.textBaseline = "bottom";
-    context.fillText(`hold ${this.trigger.way} ${number(this.trigger.level)}`, area.x + 4, at - 2);
-  }
-
-  // Where there are more rows than pixels, each pixel gets the least and the greatest of its rows.
-  trace(context, table, k, first, last, x, y, width = null) {
-    const column = table.values[table.place.get(k)];
-    if (!column || last <= first) return;
-    const [scale] = shown(this.board.columns[k]);
-    const planned = PLANNED.test(this.board.columns[k][0]);
-    context.strokeStyle = color(this.inks.get(k));
-    context.lineWidth = width ?? (planned ? 1.5 : 1.7);
-    context.setLineDash(planned ? [7, 5] : []);
-    context.lineJoin = "round";
-    context.beginPath();
-    let [pixel, low, high, open] = [null, 0, 0, false];
-    const flush = () => {
-      if (pixel === null) return;
-      if (open) context.lineTo(pixel, y(low));
-      else context.moveTo(pixel, y(low));
-      if (high !== low) context.lineTo(pixel, y(high));
-      open = true;
-    };
-    for (let row = first; row < last; row += 1) {
-      const value = column[row] * scale;
-      if (Number.isNaN(value)) {
-        flush();
-        [pixel, open] = [null, false];
-        continue;
-      }
-      const at = Math.round(x(table.t[row]) * 2) / 2;
-      if (at !== pixel) {
-        flush();
-        [pixel, low, high] = [at, value, value];
-      } else if (value < low) low = value;
-      else if (value > high) high = value;
-    }
-    flush();
-    context.stroke();
-    context.setLineDash([]);
+    drawBounds(this.board, this.seen, context, area, span, y);
+    this.upwards = span;
+    if (this.trigger) drawTrigger(this.trigger, context, area, y(this.trigger.level));
+    line(context, area, x(this.board.moment.head), "quiet");
+    if (this.board.cursor !== null) line(context, area, x(this.board.cursor), "ink");
   }
 }

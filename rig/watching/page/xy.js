@@ -1,5 +1,6 @@
 // One channel over another: the first across, the second up; in equal scales if they can be.
 
+import { frame } from "./axes.js";
 import { color } from "./look.js";
 import { shown } from "./units.js";
 
@@ -33,7 +34,7 @@ export function drawXY(pane, context, table, area) {
   const up = [my - 0.5 * py * area.h, my + 0.5 * py * area.h];
   const x = (value) => area.x + (value - across[0]) / px;
   const y = (value) => area.y + (up[1] - value) / py;
-  pane.frame(context, area, across, up, x, y, unit);
+  frame(context, area, across, up, x, y, unit);
   for (const [a, b] of pairs) {
     const [[u, us], [v, vs]] = [read(a), read(b)];
     context.strokeStyle = color(pane.inks.get(a));
