@@ -23,7 +23,7 @@ UNSTABLE: Final = 200.0
 """Cost of gains that are not stable, and more the farther they are from it."""
 _WORST: Final = 0.5
 """Weight of the worst plant beside the nominal one."""
-_PER_SENSITIVITY: Final = 3.0
+_PER_SENSITIVITY: Final = 10.0
 _PER_REVERSAL: Final = 1.0 / REVERSALS
 
 

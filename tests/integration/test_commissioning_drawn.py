@@ -2,7 +2,8 @@
 
 import pytest
 from drawn_rigs import drawn_pair
-from test_commissioning import perform, unit
+from planted import PLANTED
+from test_commissioning import find, perform, unit
 
 from rig.assembly import REGISTRY
 from rig.commissioning.session import steps_of
@@ -53,3 +54,28 @@ def test_no_healthy_cylinder_of_a_thousand_is_refused_its_first_motion(tmp_path)
     for seed in range(1000):
         stopped = first_motion(tmp_path, unit("cylinder", seed))
         assert stopped is None, f"seed {seed}: {stopped}"
+
+
+SOLD = ("cylinder-real", "cylinder-valves", "joint-real")
+"""On regulators as they are sold and mounted, and on valves."""
+
+
+@pytest.mark.parametrize("rig", SOLD)
+def test_a_drawn_rig_on_regulators_as_sold_passes_every_step(tmp_path, rig):
+    stopped, record, _ = perform(tmp_path, unit(rig, 4), seed=4)
+    assert stopped is None
+    assert len(record["digest"]) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(5, 12))
+@pytest.mark.parametrize("rig", SOLD)
+def test_no_drawn_rig_on_regulators_as_sold_is_refused(tmp_path, rig, seed):
+    stopped, _, _ = perform(tmp_path, unit(rig, seed), seed=seed)
+    assert stopped is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("plant", PLANTED, ids=lambda plant: plant.__name__)
+def test_a_defect_is_found_on_regulators_as_sold(tmp_path, plant):
+    find(tmp_path, "cylinder-real", plant, 1)

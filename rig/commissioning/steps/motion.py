@@ -86,6 +86,10 @@ class FirstMotion(AcceptanceStep):
     uncalibrated : callable, optional
         ``uncalibrated(site)`` returns the site's profile as far as it can be used before any
         calibration; by default whole.
+    strays : callable, optional
+        ``strays(site)`` returns how far beyond its way the rig may go, SI: twice its way is
+        permitted anyhow. Seals that let go slide on until late regulators have taken their pressure
+        back, whatever the law.
     """
 
     name = "first-motion"
@@ -97,6 +101,7 @@ class FirstMotion(AcceptanceStep):
         plan: Callable[[Profile], Planned],
         prepare: Callable[[Site, Rig], None] = lambda site, rig: None,
         uncalibrated: Callable[[Site], Profile] = lambda site: site.profile,
+        strays: Callable[[Site], float] = lambda site: 0.0,
     ) -> None:
         way = format_quantity(moved.travel, moved.unit)
         each = "each axis of it " if moved.all else ""
@@ -105,6 +110,7 @@ class FirstMotion(AcceptanceStep):
         self._plan_motion = plan
         self._prepare = prepare
         self._uncalibrated = uncalibrated
+        self._strays = strays
 
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
@@ -121,10 +127,11 @@ class FirstMotion(AcceptanceStep):
         columns, travel, unit, each = self._moved
         went = {name: float(np.ptp(log.column(name)[runs])) for name in columns}
         judged = went if each else {"": max(went.values())}
+        farthest = travel + max(travel, self._strays(site))
         measured = []
         for name, way in judged.items():
             what = " ".join(("moved by", name.removeprefix("reading."))).strip()
-            moved = MeasuredValue(what, way, unit, 0.5 * travel, 2.0 * travel)
+            moved = MeasuredValue(what, way, unit, 0.5 * travel, farthest)
             why = f"it does not go as far as it was sent{_TUNED}"
             measured.append(require_within("first motion", moved, why))
         return StepResult(tuple(measured), {"run": str(result.path)})

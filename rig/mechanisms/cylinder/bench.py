@@ -20,7 +20,7 @@ from rig.hal.bench import Lend, Trial, TuningBench, Unknown
 from rig.hal.closed_loop import ClosedLoop
 from rig.hal.plant import LentPlant
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
-from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase
+from rig.mechanisms.cylinder.references import PairMotion, Sine, SineTone, Staircase, Step
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.cylinder.watch import CHANNELS
 from rig.mechanisms.pneumatic.cost import reversals_of
@@ -34,7 +34,7 @@ from rig.mechanisms.pneumatic.valves.unknowns import VALVE_UNKNOWNS
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Kernel = Callable[..., int]
-Step = Callable[..., Output]
+LawStep = Callable[..., Output]
 
 _SETTLING: Final = 1.0
 """At base pressure before control begins, s."""
@@ -151,13 +151,14 @@ class PairBench(TuningBench):
 
 
 def _usual(settings: CylinderSettings) -> tuple[PairMotion, ...]:
-    """Return what a pair is tuned for if nobody says: slow and fast sines, and holds."""
+    """Return what a pair is tuned for if nobody says: slow and fast sines, holds, and steps."""
     lower, upper = settings.limits.position
     half = 0.25 * (upper - lower)
     middle = 0.5 * (lower + upper)
     tones = (SineTone(0.1, 2), SineTone(0.2, 2), SineTone(0.5, 3))
     levels = tuple(middle + share * half for share in (0.0, 0.3, 0.8, 0.0, -0.1))
-    return Sine(half, tones), Staircase(levels, rise=0.5, dwell=2.0)
+    steps = Step(0.5 * half, dwell=2.0)
+    return Sine(half, tones), Staircase(levels, rise=0.5, dwell=2.0), steps
 
 
 def _limits(settings: CylinderSettings, period: float) -> Array:
@@ -169,7 +170,7 @@ def _limits(settings: CylinderSettings, period: float) -> Array:
 
 
 @cache
-def _loop(step: Step, kind: "np.dtype[np.void]", exchange: Callable[..., None]) -> Kernel:
+def _loop(step: LawStep, kind: "np.dtype[np.void]", exchange: Callable[..., None]) -> Kernel:
     """Return the loop of a law on a plant, compiled."""
     import numba
 

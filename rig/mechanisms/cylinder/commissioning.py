@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.mechanisms.cylinder.references import Staircase
-from rig.mechanisms.pneumatic.commissioning.course import pneumatic_course
+from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
 
 _TRAVEL = 1e-3
 """Of the first motion, m."""
@@ -19,4 +19,5 @@ def steps() -> Sequence[AcceptanceStep]:
     """Return the steps in their order."""
     there_and_back = Staircase(levels=(0.0, _TRAVEL, 0.0), rise=2.0, dwell=1.0)
     moved = Moved(("reading.position",), _TRAVEL, "m")
-    return pneumatic_course(FirstMotion(moved, by_law("staircase", there_and_back, _LAW)))
+    motion = by_law("staircase", there_and_back, _LAW)
+    return pneumatic_course(FirstMotion(moved, motion, strays=following))

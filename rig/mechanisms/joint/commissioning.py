@@ -14,7 +14,7 @@ from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.config import Profile
 from rig.hal import DevicePicker, LinearEncoder
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
-from rig.mechanisms.pneumatic.commissioning.course import pneumatic_course
+from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
 
 _TILT: Final = radians(4.6)
 """Of the first motion: a wire goes 2 mm."""
@@ -36,6 +36,7 @@ def steps() -> Sequence[AcceptanceStep]:
             Moved(rods, _TRAVEL, "m"),
             by_law("poses", there_and_back, _LAW),
             uncalibrated=_from_upright,
+            strays=following,
         )
     )
 

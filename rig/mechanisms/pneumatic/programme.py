@@ -13,6 +13,8 @@ Followed = TypeVar("Followed")
 
 _APPROACH: Final = 1.0
 """Between two motions, s."""
+_JUMP: Final = 1e-3
+"""A reference that moves farther within a cycle jumps, m or in unit vectors."""
 
 
 class Programme(NamedTuple):
@@ -75,8 +77,14 @@ class Programme(NamedTuple):
         places = self.references.shape[1] // 3
         return not np.any(self.references[first:end, places:])
 
+    def jumps(self, first: int) -> bool:
+        """Return whether the reference stands somewhere else in a cycle than it did before."""
+        places = self.references.shape[1] // 3
+        here, before = self.references[first, :places], self.references[max(first - 1, 0), :places]
+        return bool(np.any(np.abs(here - before) > _JUMP))
+
     def rms(self, errors: Array) -> dict[str, float]:
-        """Return the rms error of each stretch that moves, and of all holds together.
+        """Return the rms error of each stretch that moves, of all holds, and of all steps.
 
         Parameters
         ----------
@@ -85,7 +93,9 @@ class Programme(NamedTuple):
         """
         squares: dict[str, list[Array]] = {}
         for name, first, end in self.stretches:
-            key = "hold" if self.rests(first, end) else name
+            key = name
+            if self.rests(first, end):
+                key = "step" if self.jumps(first) else "hold"
             squares.setdefault(key, []).append(np.sum(errors[first:end] ** 2, axis=1))
         return {
             name: float(np.sqrt(np.mean(np.concatenate(parts)))) for name, parts in squares.items()

@@ -4,25 +4,39 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Final, NamedTuple
 
-from rig.assembly import Rig
+from rig.assembly import REGISTRY, Rig
 from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
 from rig.commissioning.site import Site
-from rig.hal import DevicePicker, PressureRegulator, Vector
+from rig.commissioning.step import Defect
+from rig.hal import DevicePicker, LinearEncoder, PressureRegulator, Vector
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
+from rig.mechanisms.pneumatic.valves.regulating import as_regulators, regulating_kind
 
 LOWEST: Final = 8e3
 """Setpoint of the first steps, Pa gauge: less than 20 kPa even from a regulator whose scale is
 wrong by a factor of two."""
-HIGHER: Final = 14e3
-"""Setpoint where the scale was found right at `LOWEST`, Pa gauge."""
+LEVELS: Final = (LOWEST, 11e3, 14e3)
+"""Setpoints until monitors answer, Pa gauge. A regulator holds some kPa at least and has
+hysteresis, so the first may not move it; one whose scale is twice too large answers there."""
+HIGHER: Final = LEVELS[-1]
+"""The highest of them, Pa gauge."""
 SEEN: Final = 2e3
 """Least rise of a monitor that is one, Pa: well above noise and hysteresis."""
+_MUCH: Final = 0.9
+"""A monitor that rose by more than this share of its setpoint need not be given more."""
 SETTLE: Final = 1.0
 """Until a setpoint is reached, s."""
 _AVERAGED: Final = 0.2
 """Over so long a monitor is averaged, s."""
+
+
+class Climbed(NamedTuple):
+    """The setpoints at which every monitor answered, or the highest; and their rises, Pa."""
+
+    setpoints: Vector
+    rises: Vector
 
 
 class Chambers(NamedTuple):
@@ -62,6 +76,37 @@ class Chambers(NamedTuple):
     def set_all(self, pressure: float, duration: float = SETTLE) -> None:
         """Give every chamber the same setpoint, so that forces balance; see `set`."""
         self.set((pressure,) * len(self.regulators.channels), duration)
+
+    def climb(self) -> Climbed:
+        """Raise all setpoints until every monitor answers, but none that shows as much already.
+
+        A setpoint whose scale is too large stays so where it was first seen.
+        """
+        setpoints, rises = [0.0] * len(self.zeros), (0.0,) * len(self.zeros)
+        for level in LEVELS:
+            setpoints = [
+                before if rise > _MUCH * before > 0.0 else level
+                for before, rise in zip(setpoints, rises, strict=True)
+            ]
+            self.set(setpoints)
+            rises = self.rises()
+            if min(rises) >= SEEN:
+                break
+        return Climbed(tuple(setpoints), rises)
+
+    def bring_up(self) -> Vector:
+        """Climb, and return by how much the monitors rose, Pa.
+
+        Raises
+        ------
+        Defect
+            One does not answer.
+        """
+        rises = self.climb().rises
+        if min(rises) < SEEN:
+            channel = self.regulators.channels[rises.index(min(rises))]
+            raise Defect(channel, f"its monitor shows nothing of {HIGHER / 1e3:g} kPa")
+        return rises
 
     def rises(self) -> Vector:
         """Return by how much each monitor shows more than vented, Pa; averaged."""
@@ -115,12 +160,15 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
 
 
 def regulators_of(rig: Rig) -> PressureRegulator:
-    """Return the regulators of a rig's mechanism."""
+    """Return the regulators of a rig's mechanism, also those that are made of valves."""
     settings = rig.profile.mechanism_settings
     assert isinstance(settings, PneumaticSettings)
-    return DevicePicker("commissioning", rig.devices)(
-        "regulators", settings.regulators, PressureRegulator
-    )
+    pick = DevicePicker("commissioning", rig.devices)
+    feed = pick("regulators", settings.regulators, regulating_kind(settings))
+    wired = REGISTRY.load("mechanism", rig.profile.mechanism).wiring(settings)
+    encoders = {channel: pick("encoder", name, LinearEncoder) for name, channel in wired.items()}
+    rods = [encoders[channel] for channel in feed.channels]
+    return as_regulators(feed, rods, settings, rig.profile.loop.period)
 
 
 def true_pressures(world: BreakableWorld, channels: Sequence[str]) -> dict[str, float]:

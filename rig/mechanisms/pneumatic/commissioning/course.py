@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.identity import OnTheBus, SettingsReadBack
 from rig.commissioning.steps.load import Load
@@ -12,6 +13,7 @@ from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, Re
 from rig.mechanisms.pneumatic.commissioning.reactions import REACTING
 from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
 from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
+from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 
 def pneumatic_course(motion: FirstMotion | None = None) -> Sequence[AcceptanceStep]:
@@ -36,3 +38,10 @@ def pneumatic_course(motion: FirstMotion | None = None) -> Sequence[AcceptanceSt
         Load(),
         *(() if motion is None else (motion,)),
     )
+
+
+def following(site: Site) -> float:
+    """Return how far a rod may be from its reference, m: what the profile permits for a moment."""
+    settings = site.profile.mechanism_settings
+    assert isinstance(settings, PneumaticSettings)
+    return settings.limits.following

@@ -33,8 +33,7 @@ class ChamberEnergy(Energy):
 
     def bring_up(self) -> None:
         """See `Energy.bring_up`."""
-        self._chambers.set_all(LOWEST)
-        self._rises = self._chambers.rises()
+        self._rises = self._chambers.bring_up()
 
     def has_gone(self) -> bool:
         """See `Energy.has_gone`."""
@@ -68,7 +67,7 @@ def _energised(site: Site) -> Iterator[Energy]:
 
 REACTING = Reacting(
     _energised,
-    "Every chamber gets 8 kPa",
+    "Every chamber gets 8 to 14 kPa",
     "the chambers are vented",
     _KEPT,
 )
