@@ -17,9 +17,9 @@ _QUIET: Final = 0.1e-3
 """More motion than this in a hold is hunting, SI."""
 _FINEST: Final = 1e-6
 """Errors below this are none, SI."""
-LOST: Final = 100.0
+LOST: Final = 1000.0
 """Cost of gains that lose a plant, and more the earlier they do."""
-UNSTABLE: Final = 200.0
+UNSTABLE: Final = 2000.0
 """Cost of gains that are not stable, and more the farther they are from it."""
 _WORST: Final = 0.5
 """Weight of the worst plant beside the nominal one."""

@@ -38,7 +38,7 @@ _FIRST_LOOK: Final = 4
 """So many generations look anywhere; the best of them is where the search begins."""
 _PLACES: Final = 400
 """From so many places those are chosen."""
-_BAD: Final = 300.0
+_BAD: Final = 3000.0
 """Cost of gains that a law refuses."""
 
 
