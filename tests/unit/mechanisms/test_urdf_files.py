@@ -134,3 +134,13 @@ def test_a_name_that_no_screen_shows_is_refused(read, text):
     with pytest.raises(DrawingError, match="more than 200 characters") as refused:
         read(TEXT.replace(text, f'{key}={value[:-1]}{"x" * 100_000}"'))
     assert len(str(refused.value)) < 1000
+
+
+def test_a_link_that_two_joints_lead_to_and_a_joint_without_links_are_refused(read):
+    second = (
+        '<joint name="other" type="fixed"><parent link="link 1"/><child link="link 3"/></joint>'
+    )
+    with pytest.raises(DrawingError, match=r"other leads to link 3, and so does axis \d of line"):
+        read(TEXT.replace("</robot>", second + "</robot>"))
+    with pytest.raises(DrawingError, match="other names no parent link"):
+        read(TEXT.replace("</robot>", '<joint name="other" type="fixed"/></robot>'))

@@ -69,7 +69,7 @@ def read_urdf(file: Path, tip: str | None = None) -> Chain:
         It cannot be read, or six turning joints lead to no such link.
     """
     joints = _Reader(file).joints
-    by_child = {joint.child: joint for joint in joints}
+    by_child = _by_child(file, joints)
     way = _way_to(file, tip or _only_tip(file, joints, by_child), by_child)
     moving = [joint for joint in way if joint.kind != "fixed"]
     for joint in moving:
@@ -82,6 +82,23 @@ def read_urdf(file: Path, tip: str | None = None) -> Chain:
             f"{file}: {len(moving)} joints lead to {way[-1].child} ({names}); an arm has six"
         )
     return _placed(file, way, moving)
+
+
+def _by_child(file: Path, joints: list[_Joint]) -> dict[str, _Joint]:
+    """Return the joints by the links that they lead to: each by one joint alone."""
+    found: dict[str, _Joint] = {}
+    for joint in joints:
+        for end in ("parent", "child"):
+            if not joint.parts.get(end, {}).get("link"):
+                raise DrawingError(f"{file}, line {joint.line}: {joint.name} names no {end} link")
+        if joint.child in found:
+            other = found[joint.child]
+            raise DrawingError(
+                f"{file}, line {joint.line}: {joint.name} leads to {joint.child}, and so does "
+                f"{other.name} of line {other.line}"
+            )
+        found[joint.child] = joint
+    return found
 
 
 def _only_tip(file: Path, joints: list[_Joint], by_child: dict[str, _Joint]) -> str:
