@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from rig.tuning.score import STRAYED
 from rig.tuning.workbench import Request, Workbench
 
 SLOW = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 6)]
@@ -29,9 +30,11 @@ def drawn(bench, seed):
 def test_drawn_valves_are_tracked_and_held_without_shaking(bench, seed):
     trial = bench._coarse.trial(bench.settings, drawn(bench, seed), seed)
     assert trial.lasted == 1.0
-    assert max(trial.errors.values()) < 0.45e-3  # regulators come to 0.75 mm at best
+    followed = {name: error for name, error in trial.errors.items() if name != "step"}
+    assert max(followed.values()) < 0.45e-3  # regulators come to 0.6 mm at best
+    assert trial.errors["step"] < 1.5e-3  # of 5 mm at once
     assert trial.reversals < 25.0
-    assert trial.strayed < 0.3
+    assert trial.strayed < STRAYED
 
 
 def test_the_loop_keeps_its_distance_from_instability(bench):
