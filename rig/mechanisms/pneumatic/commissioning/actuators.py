@@ -20,11 +20,13 @@ _STEP, _HIGHEST = 8e3, 20e3
 """From the level that was answered to the next one, and no further, Pa."""
 _FIRST: Final = (0.25, 1.4)
 """Gauge over setpoint where the monitor first answers: hysteresis and offsets are part of it."""
+_THEN: Final = (0.7, 1.35)
+"""The same at the next level, of which they are a smaller part."""
 _LOOP: Final = (0.1, 2.4)
 """The same of a loop around a valve, whose least openings are not known yet: what its sensor
 shows is held to the gauge."""
-_SLOPE: Final = (0.55, 1.6)
-"""The same of the step from there: offsets cancel, hysteresis and repeatability are left."""
+_SHOWN: Final = (0.7, 1.3)
+"""Rise of the monitor over that of the gauge, from the one level to the next."""
 _LATE, _CREEPS = 0.02, 0.5
 """So much later than expected a regulator may answer, and the loop around a valve, which creeps
 where next to nothing flows, s."""
@@ -40,7 +42,8 @@ class RegulatorsAlone(AcceptanceStep):
     def perform(self, site: Site) -> StepResult:
         """See `AcceptanceStep.perform`."""
         measured: list[MeasuredValue] = []
-        first = _FIRST if site.profile.mechanism_settings.valves is None else _LOOP
+        has_valves = site.profile.mechanism_settings.valves is not None
+        first, then = (_LOOP, _LOOP) if has_valves else (_FIRST, _THEN)
         with energised(site) as chambers:
             channels = chambers.regulators.channels
         for number, channel in enumerate(channels):
@@ -53,7 +56,7 @@ class RegulatorsAlone(AcceptanceStep):
             step = min(_STEP, _HIGHEST - level)
             high = _fill(site, number, level + step)
             given, rise = high.gauge - low.gauge, high.rises[number] - low.rises[number]
-            measured.append(_setpoint_scale(channel, given, step, _SLOPE))
+            measured.append(_setpoint_scale(channel, high.gauge, level + step, then))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
 
@@ -112,7 +115,7 @@ def _setpoint_scale(
 def _monitor_scale(channel: str, rise: float, gauge: float) -> MeasuredValue:
     """Return by how much the monitor rose over the gauge; raise if a scale is wrong."""
     name = f"{channel}: monitor over gauge, as it rises"
-    value = MeasuredValue(name, rise / max(gauge, 1.0), "1", *_SLOPE)
+    value = MeasuredValue(name, rise / max(gauge, 1.0), "1", *_SHOWN)
     return require_within(channel, value, "wrong scale of its monitor")
 
 
