@@ -24,7 +24,7 @@ HIGHER: Final = LEVELS[-1]
 """The highest of them, Pa gauge."""
 SEEN: Final = 2e3
 """Least rise of a monitor that is one, Pa: well above noise and hysteresis."""
-_MUCH: Final = 0.9
+_MUCH: Final = 0.6
 """A monitor that rose by more than this share of its setpoint need not be given more."""
 SETTLE: Final = 1.0
 """Until a setpoint is reached, s."""
