@@ -49,7 +49,7 @@ def test_gains_are_found_put_in_force_and_the_same_however_often_it_was_broken_o
     used = load_profile("cylinder", REGISTRY, (), [place / "configs"]).controllers["pid"]
     assert used.proportional == found["proportional"]
     assert "tuned for cylinder-step: other motions may need other gains" in said
-    for word in ("error, hold", "reversals", "drawn plants", "proportional"):
+    for word in ("error, step", "reversals", "drawn plants", "proportional"):
         assert word in table
     (figure,) = (place / "whole").glob("*/tuning.png")
     assert figure.stat().st_size > 10_000
