@@ -5,7 +5,7 @@ import { number, shown, tick, ticks } from "./units.js";
 
 const MOST_BOUNDS = 4;
 
-export function frame(context, area, across, up, x, y, unit) {
+export function frame(context, area, span, up, x, y, unit) {
   context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
   context.strokeStyle = color("grid");
   context.fillStyle = color("quiet");
@@ -15,21 +15,15 @@ export function frame(context, area, across, up, x, y, unit) {
   const rungs = ticks(...up, Math.max(2, area.h / 34));
   for (const value of rungs) {
     const at = Math.round(y(value)) + 0.5;
-    context.beginPath();
-    context.moveTo(area.x, at);
-    context.lineTo(area.x + area.w, at);
-    context.stroke();
+    across(context, area, at);
     context.fillText(tick(value, rungs), area.x - 6, at);
   }
   context.textAlign = "center";
   context.textBaseline = "top";
-  const stops = ticks(...across, Math.max(2, area.w / 90));
+  const stops = ticks(...span, Math.max(2, area.w / 90));
   for (const value of stops) {
     const at = Math.round(x(value)) + 0.5;
-    context.beginPath();
-    context.moveTo(at, area.y);
-    context.lineTo(at, area.y + area.h);
-    context.stroke();
+    upright(context, area, at);
     if (at < area.x + area.w - 34) context.fillText(tick(value, stops), at, area.y + area.h + 4);
   }
   context.textAlign = "right";
@@ -53,10 +47,7 @@ export function drawBounds(board, seen, context, area, range, y) {
       context.strokeStyle = context.fillStyle = color("limit");
       if (value > range[0] && value < range[1]) {
         context.setLineDash([6, 4]);
-        context.beginPath();
-        context.moveTo(area.x, y(value));
-        context.lineTo(area.x + area.w, y(value));
-        context.stroke();
+        across(context, area, y(value));
         context.setLineDash([]);
       } else {
         const above = value >= range[1];
@@ -88,21 +79,29 @@ export function line(context, area, at, ink) {
   if (at < area.x || at > area.x + area.w) return;
   context.strokeStyle = color(ink);
   context.lineWidth = 1;
-  context.beginPath();
-  context.moveTo(at, area.y);
-  context.lineTo(at, area.y + area.h);
-  context.stroke();
+  upright(context, area, at);
 }
 
 export function drawTrigger(trigger, context, area, at) {
   context.strokeStyle = context.fillStyle = color("good");
   context.setLineDash([2, 3]);
-  context.beginPath();
-  context.moveTo(area.x, at);
-  context.lineTo(area.x + area.w, at);
-  context.stroke();
+  across(context, area, at);
   context.setLineDash([]);
   context.textAlign = "left";
   context.textBaseline = "bottom";
   context.fillText(`hold ${trigger.way} ${number(trigger.level)}`, area.x + 4, at - 2);
+}
+
+function across(context, area, at) {
+  context.beginPath();
+  context.moveTo(area.x, at);
+  context.lineTo(area.x + area.w, at);
+  context.stroke();
+}
+
+function upright(context, area, at) {
+  context.beginPath();
+  context.moveTo(at, area.y);
+  context.lineTo(at, area.y + area.h);
+  context.stroke();
 }
