@@ -1,6 +1,6 @@
 """Drawn Cartesian paths past and through singularities, under every kind of law.
 
-    python tests/benchmarks/arm_paths.py 300 [--from SEED] [--ours]
+    python tests/benchmarks/arm_paths.py 300 [--from SEED] [--ours] [--into FILE]
 
 Near misses of 0 to 10 mm, exact hits, dwells and turn-backs, at shoulder, elbow, wrist or two of
 them at once, on the paper's arm. A plan is judged by kinematics of the tests' own; the least time
@@ -8,6 +8,7 @@ of its curve under the same limits is a linear programme's, which shares nothing
 """
 
 import argparse
+import json
 import math
 import sys
 from collections import Counter, defaultdict
@@ -204,16 +205,32 @@ def rival(law, settings, path):
     return "off its path" if off_path(path, plan) > 1e-4 else "done"
 
 
+def judged(count, first, rivals, file):
+    """Yield what ``judge`` says of each seed; those in the file are read from it, others added."""
+    known = {}
+    if file is not None and file.exists():
+        rows = [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+        known = {row[0]: row[1:] for row in rows}
+    for seed in range(first, first + count):
+        if seed not in known:
+            known[seed] = judge(seed, rivals)
+            if file is not None:
+                with file.open("a", encoding="utf-8") as out:
+                    out.write(json.dumps([seed, *known[seed]]) + "\n")
+        yield known[seed]
+
+
 def main():
     """Write the table."""
     parser = argparse.ArgumentParser()
     parser.add_argument("count", type=int)
     parser.add_argument("--from", dest="first", type=int, default=0)
     parser.add_argument("--ours", action="store_true", help="leave the rivals out")
+    parser.add_argument("--into", type=Path, help="a file of results, to go on from")
     asked = parser.parse_args()
     outcomes, worst, rivals = defaultdict(Counter), defaultdict(float), defaultdict(Counter)
-    for seed in range(asked.first, asked.first + asked.count):
-        kind, outcome, found, others = judge(seed, () if asked.ours else RIVALS)
+    names = () if asked.ours else RIVALS
+    for kind, outcome, found, others in judged(asked.count, asked.first, names, asked.into):
         outcomes[kind][outcome] += 1
         for name, value in found.items():
             told = f"{name} (dwell)" if kind == "dwell" else name

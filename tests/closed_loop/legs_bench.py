@@ -41,6 +41,8 @@ class Walk:
         Takes the rig's clock and returns the loop's.
     after : float
         How long to look at the robot when the rig is closed, s.
+    timings : Timings
+        Of the run.
     """
 
     def __init__(
@@ -52,6 +54,7 @@ class Walk:
         backend=Backend.VIRTUAL,
         clock=lambda rig_clock: rig_clock,
         after=1.5,
+        timings=TIMINGS,
     ):
         self.plan = plan
         self.period = plan.profile.loop.period
@@ -59,7 +62,7 @@ class Walk:
         rows, stop = [], StopRequests()
         self.happened = None
         if at is not None:
-            self.happened = round((TIMINGS.energise + TIMINGS.approach + at) / self.period)
+            self.happened = round((timings.energise + timings.approach + at) / self.period)
 
         class Recorder:
             def write(_, cycle, t, row):
@@ -89,7 +92,7 @@ class Walk:
                 recorder=Recorder(),
                 events=lambda *_: None,
                 stop=stop,
-                timings=TIMINGS,
+                timings=timings,
             )
         self.rig = rig
         columns = (*RUN_COLUMNS, *rig.mechanism.columns, *TIMING_COLUMNS, *rig.truth_columns)

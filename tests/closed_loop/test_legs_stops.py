@@ -6,7 +6,7 @@ from legs_bench import BRISK, IN_MID_SHIFT, IN_MID_SWING, Walk, make_plan
 
 from controllers.gait.leg_postures import mismatch
 from rig.assembly import Backend
-from rig.runtime.phases import Phase
+from rig.runtime.phases import Phase, Timings
 from rig.runtime.states import RigState
 
 LATE = {50, 333, 600}
@@ -96,3 +96,52 @@ def test_stop_keeps_both_feet_where_they_are():
     assert np.abs(np.diff(speeds, axis=0)).max() <= np.abs(speeds[0]).max()
     assert not speeds[-1].any()
     assert walk.truth_after["truth.fell"] == 0.0
+
+
+# On the way to the walk ---------------------------------------------------------------------
+
+QUICK = Timings(energise=0.1, approach=0.5)
+"""From 0.19 m to straight knees in half a second: the knees go up to 2.7 rad/s."""
+
+
+def stop_in_approach(rig, at, presses):
+    """Stop at an instant of a quick approach, s."""
+    plan = make_plan("legs-squat", f"rig={rig}")
+
+    def press(_, stop):
+        for _ in range(presses):
+            stop.request()
+
+    return Walk(plan, at - QUICK.approach, press, backend=Backend.SIM, timings=QUICK)
+
+
+@pytest.mark.parametrize("presses", [1, 2], ids=["orderly", "at once"])
+@pytest.mark.parametrize(
+    "rig",
+    [
+        "legs-can",
+        pytest.param("legs", marks=pytest.mark.slow),
+        pytest.param("legs-balance", marks=pytest.mark.slow),
+    ],
+)
+def test_a_stop_on_the_way_to_the_walk_leaves_the_robot_standing(rig, presses):
+    for at in np.random.default_rng(0xA9).uniform(0.02, 0.98, 12) * QUICK.approach:
+        walk = stop_in_approach(rig, at, presses)
+        told = f"stopped at {at:.3f} s of the approach"
+        assert (walk.outcome.stopped, walk.outcome.fault) == (presses, None), told
+        assert walk.truth_after["truth.fell"] == 0.0, told
+        tilt = max(abs(walk.truth_after[f"truth.waist_{angle}"]) for angle in ("roll", "pitch"))
+        assert tilt < np.radians(1.5), told
+
+
+def test_a_stop_on_the_way_to_the_walk_stays_on_that_way():
+    walk = stop_in_approach("legs-can", 0.25, 1)
+    phase, sent = walk.column("phase"), walk.joints("applied.position")
+    way = walk.plan.motion.plan.q[0] - sent[0]
+    longest = np.argmax(np.abs(way))
+    share = (sent[:, longest] - sent[0, longest]) / way[longest]
+    np.testing.assert_allclose(sent, sent[0] + np.outer(share, way), atol=1e-9)
+    assert 0.1 < share[phase == Phase.APPROACH][-1] < share[-1] < 1.0
+    speeds = np.diff(sent, axis=0) / walk.period
+    assert np.abs(np.diff(speeds[phase[1:] == Phase.STOP], axis=0)).max() <= 40.0 * walk.period
+    assert not speeds[-1].any()

@@ -212,6 +212,15 @@ class Legs(PlannedAxes[LegsSettings, LegsState, LegsReference, LegsCommand]):
         law = controller.at_period(share * period)
         return SlowedLaw(law, share, LegsCommand), _planned(settings, reference, law, period, share)
 
+    @property
+    def brakes_itself(self) -> bool:  # type: ignore[override]
+        """Whether `balanced_command` brings a motion to rest: the walk, and not the way to it.
+
+        On that way control brakes, on the planned path: there joints that slow down one by one
+        would tilt the robot until it falls.
+        """
+        return self._followed > 0
+
     def attach(self, controller: Any, motion: Motion[LegsReference]) -> None:
         """Take the motion if it is one that a law has planned."""
         self.motion = motion if isinstance(motion, PlannedGait) else None

@@ -18,7 +18,8 @@ class ServoLimits:
     reading_age : float
         Oldest reading that control may use, s; older is a fault.
     acceleration : float
-        With which a joint is slowed down when the rig stops in mid-motion, rad/s².
+        With which a joint is slowed down when the rig stops in mid-motion, rad/s². On their way to
+        a motion legs stop in `Timings.brake` instead.
     """
 
     following: Annotated[float, Unit("rad"), Interval(ge=1e-4, le=4.0 * math.pi)] = 0.15
