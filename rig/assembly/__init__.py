@@ -3,7 +3,7 @@
 from rig.assembly.build import build_rig, check_fitness, check_profile
 from rig.assembly.buses import bus_loads
 from rig.assembly.on_interfaces import backend_of, parse_interfaces
-from rig.assembly.production import controller_class, make_controller, plan_motion
+from rig.assembly.production import controller_class, make_controller, make_law, plan_motion
 from rig.assembly.registry import REGISTRY, InstalledParts
 from rig.assembly.rig import Backend, Rig
 
@@ -19,6 +19,7 @@ __all__ = [
     "check_profile",
     "controller_class",
     "make_controller",
+    "make_law",
     "parse_interfaces",
     "plan_motion",
 ]

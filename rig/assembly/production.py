@@ -112,7 +112,26 @@ def controller_class(profile: Profile, name: str) -> Callable[..., AnyLaw]:
 
 
 def make_controller(profile: Profile, name: str) -> Any:
+    """Make a controller that a loop can run: `make_law`, compiled.
+
+    Raises
+    ------
+    ConfigurationError
+        The profile has no settings for it.
+    MotionRefused
+        It cannot be had here: a package that it needs is not installed, or the rig's settings
+        leave it no room.
+    """
+    made = make_law(profile, name)
+    made.compile()
+    return made
+
+
+def make_law(profile: Profile, name: str) -> Any:
     """Make a controller with the profile's settings, for the profile's mechanism.
+
+    It is not compiled: what is asked about its loop takes no compiler, whose import alone takes
+    longer than the answer.
 
     Raises
     ------
@@ -136,7 +155,6 @@ def make_controller(profile: Profile, name: str) -> Any:
     check_offers(what, made, view.law)
     if isinstance(made, PlanningLaw):
         made.longest = profile.loop.longest_motion
-    made.compile()
     return made
 
 

@@ -29,14 +29,14 @@ def advice(plan: "Plan") -> str | None:
 
 def loops_of(profile: "Profile") -> tuple[list[Table], list[str]]:
     """Return a table of the loops that a profile's controllers close, and what to do about them."""
-    from rig.assembly import make_controller
+    from rig.assembly import make_law
     from rig.experiment.loop_margins import advice_on, loop_of
     from rig.hal import MotionRefused
 
     rows, sentences = [], []
     for name in profile.controllers:
         try:
-            loop = loop_of(profile, make_controller(profile, name))
+            loop = loop_of(profile, make_law(profile, name))
         except MotionRefused:  # a package that it needs is not installed
             continue
         if loop is None:
