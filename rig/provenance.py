@@ -15,7 +15,6 @@ from typing import TypedDict
 PACKAGES = (
     "rig-controller",
     "canopen",
-    "filterpy",
     "matplotlib",
     "mcap",
     "mujoco",
