@@ -17,8 +17,9 @@ _SEEN = 6e-3
 """From the cut to vented setpoints, s: what the alarms take on the simulated rigs."""
 _LONGEST = 0.5
 """A regulator has vented its chamber by then, s."""
-_HALVINGS = 30
-"""Of the range of pressures: it is then known to a thousandth of a pascal."""
+_MOST_LOOKS = 40
+_NEAR = 1e-2
+"""Of pressures: one that moves less is known, Pa."""
 _PART = 1.0 / 3.0
 """Share of `moving_mass` that is one piston; as much is what two of them move. E."""
 
@@ -87,15 +88,35 @@ def _fastest(
 
 
 def compute_calm_pressure(settings: PneumaticSettings, wires: int) -> float:
-    """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge."""
+    """Return the pressure at which a cut wire just keeps ``limits.speed``, Pa gauge.
+
+    By false position, after Illinois: scipy's root finder takes longer to import than all of
+    `rig check`, and halving takes four times as many looks.
+    """
     low, high = 0.0, settings.limits.pressure[1]
-    for _ in range(_HALVINGS):  # scipy's root finder takes longer to import than all of `rig check`
-        middle = 0.5 * (low + high)
-        if compute_whip(settings, wires, middle).speed > settings.limits.speed:
-            high = middle
+    slow, fast = (_excess(settings, wires, pressure) for pressure in (low, high))
+    if fast <= 0.0:
+        return high
+    was_fast: bool | None = None
+    for _ in range(_MOST_LOOKS):
+        middle = high - fast * (high - low) / (fast - slow)
+        excess = _excess(settings, wires, middle)
+        is_fast = excess > 0.0
+        moved = high - middle if is_fast else middle - low
+        # An end that stays twice would stay for long: half of its excess draws the next look there.
+        halved = 0.5 if is_fast is was_fast else 1.0
+        if is_fast:
+            high, fast, slow = middle, excess, halved * slow
         else:
-            low = middle
+            low, slow, fast = middle, excess, halved * fast
+        was_fast = is_fast
+        if moved < _NEAR:
+            break
     return low
+
+
+def _excess(settings: PneumaticSettings, wires: int, pressure: float) -> float:
+    return compute_whip(settings, wires, pressure).speed - settings.limits.speed
 
 
 def compute_damper(settings: PneumaticSettings, pressure: float) -> float:
