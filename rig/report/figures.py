@@ -1,5 +1,6 @@
 """The figures of one run, drawn from its folder alone."""
 
+import importlib
 import multiprocessing
 import os
 import signal
@@ -111,11 +112,16 @@ def _share_out(draw: Callable[[str], Drawn], names: list[str]) -> Iterator[Drawn
     if workers < 2 or not may_fork:
         yield from map(draw, names)
         return
-    import matplotlib.figure  # noqa: F401  (once, before the copies are made)
-
+    _import_once()
     context = multiprocessing.get_context("fork")
     with ProcessPoolExecutor(workers, context, _begin_copy, (draw,)) as pool:
         yield from pool.map(_draw_in_copy, names)
+
+
+def _import_once() -> None:
+    """Import what draws and writes figures, before copies of this process do so each."""
+    for name in ("figure", "backends.backend_agg", "backends.backend_svg", "backends.backend_pdf"):
+        importlib.import_module(f"matplotlib.{name}")
 
 
 _draws: list[Callable[[str], Drawn]] = []
