@@ -54,6 +54,10 @@ class ReachedPlant(HandledPlant):
         """Move what a channel measures a little by hand; see `HandledPlant.pull`."""
         self._ask("pull", channel, by)
 
+    def bubbling(self) -> tuple[str, ...]:
+        """Return where soap water bubbles; see `HandledPlant.bubbling`."""
+        return tuple(self._ask("bubbling"))
+
     def advance(self, t: float) -> None:
         """Do nothing: its time passes by itself."""
 

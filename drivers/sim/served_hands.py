@@ -110,6 +110,8 @@ class ServedHands:
             return plant.truth_columns
         if what == "truth":
             return [float(value) for value in plant.truth()]
+        if what == "bubbling":
+            return plant.bubbling() if isinstance(plant, HandledPlant) else ()
         if what == "pull":
             if not isinstance(plant, HandledPlant):
                 raise ValueError("the simulated plant has nobody who could pull it")

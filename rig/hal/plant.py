@@ -66,7 +66,14 @@ class HandledPlant(Plant, Protocol):
 
     @abstractmethod
     def pull(self, channel: str, by: float) -> None:
-        """Move what a channel measures a little by hand, without energy: SI, out is positive."""
+        """Move what a channel measures a little by hand, without energy: SI, out is positive.
+
+        A hand moves nothing beyond a mechanical end.
+        """
+
+    def bubbling(self) -> tuple[str, ...]:
+        """Return the channels where soap water bubbles now; default: nothing holds air."""
+        return ()
 
 
 class RestorablePlant(Plant, Protocol):

@@ -202,6 +202,32 @@ def stuck_valve(rig, chance):
     plant.inject("regulator_stuck", float(chance.randrange(2)))
 
 
+def leaking_fitting(rig, chance):
+    plant = rig.clock.world.plant
+    plant.inject(f"{chance.choice(plant.channel_names)}.leak", chance.uniform(2e-11, 2e-10))
+
+
+def rod_stops_short(rig, chance):
+    """Something stands in the way of a rod that is to go further."""
+    plant = rig.clock.world.plant
+    stroke = plant._common.cylinder.stroke
+    jammed, pull = chance.choice(plant.channel_names), plant.pull
+    columns = [name for name, _ in plant.truth_columns]
+    number, home = columns.index(f"extension_{jammed}"), 0.5 * stroke
+    reach = chance.uniform(0.1, 0.3) * stroke
+
+    def blocked(channel, by):
+        here = plant.truth()[number]
+        if (
+            channel != jammed
+            or abs(here + by - home) < reach
+            or abs(here + by - home) < abs(here - home)
+        ):
+            pull(channel, by)
+
+    plant.pull = blocked
+
+
 PLANTED = {
     foreign_node: ("bus", "not in the profile"),
     silent_node: ("bus", "does not answer"),
@@ -224,6 +250,8 @@ PLANTED = {
     setpoint_scale: ("actuators", "wrong scale of its setpoint"),
     monitor_scale: ("actuators", "wrong scale of its monitor"),
     sticky_valve: ("response", "sticky or slow valve"),
+    leaking_fitting: ("leak", "soap water bubbles"),
+    rod_stops_short: ("ends", "does not go as far as the profile permits"),
 }
 """Where each defect is found, and by which words."""
 

@@ -12,6 +12,7 @@ from drivers.sim.nodes.cia406 import EmulatedCia406
 from drivers.sim.nodes.drive_contact import wire_contact
 from drivers.sim.nodes.drive_states import State
 from drivers.sim.nodes.odrive import EmulatedOdrive
+from drivers.sim.plants.leg_sensors import CELLS
 
 
 def drives(rig):
@@ -247,6 +248,53 @@ def stop_ignored(rig, chance):
     machine.command = hear
 
 
+def joint_stops_short(rig, chance):
+    """A cable that is too short stands in the way of a joint."""
+    plant = rig.clock.world.plant
+    bounds = {
+        name: its
+        for entry in rig.profile.devices.values()
+        for name, its in entry.settings.axis_bounds().items()
+    }
+    jammed, pull = chance.choice(sorted(bounds)), plant.pull
+    _, high, _ = bounds[jammed]
+    number = [name for name, _ in plant.truth_columns].index(jammed)
+    start = plant.truth()[number]
+    end = start + chance.uniform(0.1, 0.5) * (high - start)
+    if high - end < math.radians(12.0):
+        end = high - math.radians(15.0)
+
+    def caught(channel, by):
+        if channel != jammed or by < 0.0 or plant.truth()[number] + by < end:
+            pull(channel, by)
+
+    plant.pull = caught
+
+
+def cell_reversed(rig, chance):
+    rig.clock.world.plant.inject(f"{chance.choice(CELLS)}.cell_scale", -1.0)
+
+
+def cell_scale(rig, chance):
+    rig.clock.world.plant.inject(f"{chance.choice(CELLS)}.cell_scale", chance.uniform(1.4, 2.0))
+
+
+def sensors_swapped(rig, names):
+    plant = rig.clock.world.plant
+    one, two = (plant.channel_names.index(name) for name in names)
+    value = plant.channel_value
+    other = {one: two, two: one}
+    plant.channel_value = lambda channel: value(other.get(channel, channel))
+
+
+def cells_swapped(rig, chance):
+    sensors_swapped(rig, chance.sample(CELLS, 2))
+
+
+def lean_axes_swapped(rig, chance):
+    sensors_swapped(rig, ("waist_roll", "waist_pitch"))
+
+
 ANY = {
     silent_node: (("bus", "does not answer"), ("identity", "does not answer")),
     direction_reversed: (("axes", "direction reversed"),),
@@ -262,6 +310,7 @@ ANY = {
     encoder_scale: (("axes", "wrong scale"),),
     blocked: (("axes", "does not turn"), ("axes", "it is blocked"), ("hold", "does not follow")),
     watchdog_off: (("master", "watchdog is off"),),
+    joint_stops_short: (("ends", "range: "),),
 }
 ON_CAN = {foreign_node: (("bus", "not in the profile"),)}
 ON_CIA402 = {
@@ -285,6 +334,12 @@ RIGS = {
         foreign_servo: (("bus", "not in the profile"),),
         other_model: (("identity", "another model"),),
     },
+    "legs-balance": {
+        cell_reversed: (("sensors", "direction reversed"),),
+        cell_scale: (("sensors", "wrong scale of the sensor"),),
+        cells_swapped: (("sensors", "sensors swapped"),),
+        lean_axes_swapped: (("sensors", "sensors swapped"),),
+    },
 }
 """Where each defect may be found, and by which words."""
 
@@ -302,6 +357,9 @@ def prepared(profile, *, torque=False):
     devices = {}
     for name, entry in profile.devices.items():
         settings = entry.settings
+        if not settings.axis_bounds():
+            devices[name] = entry
+            continue
         joints = {its: said(j, k) for k, (its, j) in enumerate(settings.joints.items())}
         devices[name] = dataclasses.replace(
             entry, settings=dataclasses.replace(settings, joints=joints)

@@ -17,6 +17,7 @@ ENOUGH = 1.0
 
 PAIRS = [(rig, plant) for rig, planted in RIGS.items() for plant in planted]
 SOON = {
+    "joint_stops_short",
     "foreign_node", "other_serial", "torque_cap_not_kept", "normally_open", "zero_off",
     "encoder_mirrored", "stop_ignored",
 }  # fmt: skip
@@ -41,7 +42,8 @@ def find(out, rig, plant, seed):
         stopped
     )
     assert record["digest"] == ""
-    assert turned <= ENOUGH, f"{turned:.2f} degrees before: {stopped}"
+    if wanted[0][0] != "ends":  # there hands turn the joints
+        assert turned <= ENOUGH, f"{turned:.2f} degrees before: {stopped}"
 
 
 def named(pair):

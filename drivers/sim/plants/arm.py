@@ -168,6 +168,20 @@ class ArmPlant:
         """Return the torque of a joint's drive, N m."""
         return self._drives.torques[channel]
 
+    def pull(self, channel: str, by: float) -> None:
+        """Turn a joint by hand, rad, its brake released, up to its end; a blocked one stays."""
+        joint = JOINTS.index(channel)
+        if self._blocked[joint]:
+            return
+        low, high = self._model.jnt_range[joint]
+        here = self._angles[joint]
+        self._data.qpos[joint] = min(max(here + by, min(here, low)), max(here, high))
+        self._angles[joint] = float(self._data.qpos[joint])
+
+    def bubbling(self) -> tuple[str, ...]:
+        """Return nothing: no joint holds air."""
+        return ()
+
     # What is recorded -----------------------------------------------------------------
 
     def hand_position(self) -> tuple[float, float, float]:

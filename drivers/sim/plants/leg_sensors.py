@@ -137,6 +137,7 @@ class LegSensors:
         )
         self._scales = np.ones(12)
         self._frozen = np.zeros(12, bool)
+        self._by_hand = np.zeros(12)
         self._shown = np.zeros(12)
         self._late: deque[tuple[float, NDArray[np.float64]]] = deque()
         self._used = False
@@ -158,6 +159,10 @@ class LegSensors:
             late.popleft()
         if late[0][0] <= t - self._settings.delay + 1e-9:
             self._shown = np.where(self._frozen, self._shown, late[0][1])
+
+    def press(self, sensor: str, by: float) -> None:
+        """Press a cell, or lean the waist, by hand: N or rad more from now on."""
+        self._by_hand[SENSORS.index(sensor)] += by
 
     def break_by(self, fault: str, value: float | None) -> None:
         """Break a sensor: see `FAULTS`. `cell_dead` takes the cell's number in `CELLS`.
@@ -211,7 +216,7 @@ class LegSensors:
         # Of a free joint MuJoCo has the angular velocity along the body's own axes.
         true = [*self._cells(), roll, pitch, *self._data.qvel[3:5].tolist()]
         noise = self._noise * self._rng.standard_normal(12)
-        return np.array(true) * self._scales + self._offsets + noise
+        return (np.array(true) + self._by_hand) * self._scales + self._offsets + noise
 
     def _cells(self) -> list[float]:
         data, force = self._data, np.zeros(6)

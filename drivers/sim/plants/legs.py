@@ -204,6 +204,17 @@ class LegsPlant:
         """Return a servo's torque, N m."""
         return float(self._torques.item(channel))
 
+    def pull(self, channel: str, by: float) -> None:
+        """Turn a joint by hand, press a load cell or lean the waist; rad or N."""
+        if channel in SENSORS:
+            self.sensors.press(channel, by)
+        else:
+            self._angles[CHANNELS.index(channel)] += by
+
+    def bubbling(self) -> tuple[str, ...]:
+        """Return nothing: no joint holds air."""
+        return ()
+
     def advance(self, t: float) -> None:
         """Integrate up to `t` (s); what is less than a time step is left for the next call."""
         self._time = t

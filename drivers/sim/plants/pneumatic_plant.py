@@ -19,6 +19,8 @@ _NOISE_BLOCK = 4096
 
 _OFFSET = 50e3
 """How far off a monitor gets, Pa, unless it is said."""
+_BUBBLES = 1e-7
+"""Flow that soap water shows at once, m³/s: 6 cm³ in a minute."""
 _OF_CHANNEL = ("monitor_offset", "monitor_frozen", "leak")
 """Faults that are addressed by channel, ``agonist.leak``, and whose value says how much."""
 
@@ -303,8 +305,18 @@ class PneumaticPlant(ABC):
             self._break_channel(fault, int(number))
 
     def pull(self, channel: str, by: float) -> None:
-        """Pull a rod out by hand, m; its wire gets slack."""
-        self._cells[WIDTH * self.channel_names.index(channel) + EXTENSION] += by
+        """Pull a rod out by hand, m, up to its end; its wire gets slack."""
+        cell = WIDTH * self.channel_names.index(channel) + EXTENSION
+        here, stroke = self._cells[cell], self._common.cylinder.stroke
+        self._cells[cell] = min(max(here + by, min(here, 0.0)), max(here, stroke))
+
+    def bubbling(self) -> tuple[str, ...]:
+        """Return the chambers whose leaks soap water shows now."""
+        return tuple(
+            name
+            for name, channel in zip(self.channel_names, self.channels, strict=True)
+            if channel["leak"] * max(channel["pressure"] - ATMOSPHERE, 0.0) > _BUBBLES
+        )
 
     def set_leaks(self, conductances: Sequence[float]) -> None:
         """Have each chamber leak as it was built: sonic conductances, m³/(s Pa)."""

@@ -10,6 +10,7 @@ from rig.assembly import Rig, check_profile, make_controller, plan_motion
 from rig.commissioning.derating import derated
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
+from rig.commissioning.steps.under_load import judge_load
 from rig.config import Experiment, Profile, ReferenceEntry, format_quantity
 from rig.experiment.plan import Plan
 from rig.experiment.run import run_experiment
@@ -93,7 +94,10 @@ class FirstMotion(AcceptanceStep):
     """
 
     name = "first-motion"
-    expects = "It goes as far as it is sent, and comes to rest."
+    expects = (
+        "It goes as far as it is sent, and comes to rest; with law, log and setpoints the computer "
+        "wakes up in time, and no bus is too full or loses a frame."
+    )
 
     def __init__(
         self,
@@ -134,6 +138,7 @@ class FirstMotion(AcceptanceStep):
             moved = MeasuredValue(what, way, unit, 0.5 * travel, farthest)
             why = f"it does not go as far as it was sent{_TUNED}"
             measured.append(require_within("first motion", moved, why))
+        measured += judge_load(rig.profile, result.path, log)
         return StepResult(tuple(measured), {"run": str(result.path)})
 
     def _plan(self, site: Site) -> Plan:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from rig.commissioning.step import AcceptanceStep
 from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.mechanisms.cylinder.references import Staircase
+from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
 
 _TRAVEL = 1e-3
@@ -20,4 +21,9 @@ def steps() -> Sequence[AcceptanceStep]:
     there_and_back = Staircase(levels=(0.0, _TRAVEL, 0.0), rise=2.0, dwell=1.0)
     moved = Moved(("reading.position",), _TRAVEL, "m")
     motion = by_law("staircase", there_and_back, _LAW)
-    return pneumatic_course(FirstMotion(moved, motion, strays=following))
+    return pneumatic_course(FirstMotion(moved, motion, strays=following), _way)
+
+
+def _way(settings: CylinderSettings) -> float:
+    """Return how far a rod goes from home where the profile permits most, m."""
+    return max(map(abs, settings.limits.position))

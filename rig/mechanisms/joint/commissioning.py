@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import radians
+from math import pi, radians
 from typing import Final
 
+from controllers.spherical_joint.exact_wire import ExactWires
+from controllers.spherical_joint.poses import axis_from_tilt, natural_rotation
 from rig.assembly import REGISTRY
 from rig.commissioning.bench import StepBench
 from rig.commissioning.operator import Task
@@ -14,6 +16,7 @@ from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.config import Profile
 from rig.hal import DevicePicker, LinearEncoder
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
+from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
 
 _TILT: Final = radians(4.6)
@@ -22,6 +25,8 @@ _TRAVEL: Final = 2e-3
 """How far the rod of that wire goes, m: less is lost in what friction leaves of a pose."""
 _LAW: Final = "pid-friction"
 """It needs no gains that were tuned for these regulators; see the pair's own test."""
+_SECTORS: Final = 16
+"""Directions in which the ring is tilted on paper, once round."""
 _LOOK: Final = 0.1
 """For so long the encoders are looked at, s."""
 
@@ -37,8 +42,27 @@ def steps() -> Sequence[AcceptanceStep]:
             by_law("poses", there_and_back, _LAW),
             uncalibrated=_from_upright,
             strays=following,
-        )
+        ),
+        _way,
     )
+
+
+def _way(settings: JointSettings) -> float:
+    """Return how far a rod goes from home where the profile permits the ring to tilt most, m."""
+    wires = ExactWires(settings.geometry)
+    upright = wires.lengths(natural_rotation(axis_from_tilt(0.0, 0.0)))
+    ways = [
+        abs(length - home)
+        for k in range(_SECTORS)
+        for length, home in zip(
+            wires.lengths(
+                natural_rotation(axis_from_tilt(settings.limits.tilt, 2.0 * pi * k / _SECTORS))
+            ),
+            upright,
+            strict=True,
+        )
+    ]
+    return max(ways)
 
 
 _UPRIGHT: Final = Task(

@@ -1,6 +1,7 @@
 """The course of the acceptance test of any mechanism with pneumatic cylinders."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep
@@ -10,19 +11,23 @@ from rig.commissioning.steps.motion import FirstMotion
 from rig.commissioning.steps.reactions import CablePulled, MasterDies, StopReaction
 from rig.commissioning.steps.stop import EmergencyStopContact
 from rig.mechanisms.pneumatic.commissioning.actuators import RegulatorsAlone, ResponseTimes
+from rig.mechanisms.pneumatic.commissioning.ends import RodsToTheirEnds
+from rig.mechanisms.pneumatic.commissioning.leak import LeaksOfChambers
 from rig.mechanisms.pneumatic.commissioning.reactions import REACTING
 from rig.mechanisms.pneumatic.commissioning.sensors import EncodersByHand
 from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 
-def pneumatic_course(motion: FirstMotion | None = None) -> Sequence[AcceptanceStep]:
+def pneumatic_course(motion: FirstMotion, way: Callable[[Any], float]) -> Sequence[AcceptanceStep]:
     """Return the steps in their order, each on what the ones before have proven.
 
     Parameters
     ----------
-    motion : FirstMotion, optional
+    motion : FirstMotion
         The mechanism's own, which comes last.
+    way : callable
+        ``way(settings)`` returns how far a rod goes from home where the profile permits most, m.
     """
     return (
         OnTheBus(),
@@ -35,8 +40,10 @@ def pneumatic_course(motion: FirstMotion | None = None) -> Sequence[AcceptanceSt
         EncodersByHand(),
         RegulatorsAlone(),
         ResponseTimes(),
+        LeaksOfChambers(),
+        RodsToTheirEnds(way),
         Load(),
-        *(() if motion is None else (motion,)),
+        motion,
     )
 
 

@@ -113,9 +113,17 @@ class Axes(NamedTuple):
 
 
 @contextmanager
-def listened(site: Site) -> Iterator[Axes]:
-    """Connect a rig for a step that needs no torque, and read its axes."""
-    rig = site.make_rig(gentle(site.profile))
+def listened(site: Site, profile: Profile | None = None) -> Iterator[Axes]:
+    """Connect a rig for a step that needs no torque, and read its axes.
+
+    Parameters
+    ----------
+    site : Site
+        The rig's.
+    profile : Profile, optional
+        As it is connected; default: gentle.
+    """
+    rig = site.make_rig(profile or gentle(site.profile))
     with rig:
         bear(site, rig)
         rig.arm(torque=False)
