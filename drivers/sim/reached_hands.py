@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, NoReturn, TypeAlias
 
 from drivers.sim.served_hands import MOST, hands_address
-from rig.hal import ConnectionFailed, HandledPlant, Vector
+from rig.hal import AiryPlant, ConnectionFailed, HandledPlant, Vector
 from rig.hal.world import BreakableWorld, Frames
 
 Answer: TypeAlias = Any
@@ -27,7 +27,7 @@ def reach_hands(channel: str) -> "ReachedWorld | None":
     return ReachedWorld(link)
 
 
-class ReachedPlant(HandledPlant):
+class ReachedPlant(HandledPlant, AiryPlant):
     """The plant of a world in another process, as hands and eyes reach it.
 
     Parameters
@@ -55,7 +55,7 @@ class ReachedPlant(HandledPlant):
         self._ask("pull", channel, by)
 
     def bubbling(self) -> tuple[str, ...]:
-        """Return where soap water bubbles; see `HandledPlant.bubbling`."""
+        """Return where soap water bubbles; see `AiryPlant.bubbling`."""
         return tuple(self._ask("bubbling"))
 
     def advance(self, t: float) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from drivers.sim.emulated_rig import EmulatedRig
-from rig.hal import HandledPlant
+from rig.hal import AiryPlant, HandledPlant
 
 MOST: Final = 65536
 """Bytes of a request or an answer."""
@@ -111,7 +111,7 @@ class ServedHands:
         if what == "truth":
             return [float(value) for value in plant.truth()]
         if what == "bubbling":
-            return plant.bubbling() if isinstance(plant, HandledPlant) else ()
+            return plant.bubbling() if isinstance(plant, AiryPlant) else ()
         if what == "pull":
             if not isinstance(plant, HandledPlant):
                 raise ValueError("the simulated plant has nobody who could pull it")

@@ -44,12 +44,20 @@ from rig.hal.freeze import Freeze
 from rig.hal.mechanism import Margin, Mechanism
 from rig.hal.motion import Fact, Motion, Segment
 from rig.hal.picking import DevicePicker, pick_device
-from rig.hal.plant import HandledPlant, MeasuredPlant, PhysicsSettings, Plant, RestorablePlant
+from rig.hal.plant import (
+    AiryPlant,
+    HandledPlant,
+    MeasuredPlant,
+    PhysicsSettings,
+    Plant,
+    RestorablePlant,
+)
 from rig.hal.reading import Reading
 from rig.hal.targets import Targets
 
 __all__ = [
     "Address",
+    "AiryPlant",
     "BusLoad",
     "BusSettings",
     "Buses",

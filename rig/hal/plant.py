@@ -71,9 +71,14 @@ class HandledPlant(Plant, Protocol):
         A hand moves nothing beyond a mechanical end.
         """
 
+
+@runtime_checkable
+class AiryPlant(Plant, Protocol):
+    """A plant whose channels hold air, as an acceptance test has a person look for leaks."""
+
+    @abstractmethod
     def bubbling(self) -> tuple[str, ...]:
-        """Return the channels where soap water bubbles now; default: nothing holds air."""
-        return ()
+        """Return the channels where soap water bubbles now."""
 
 
 class RestorablePlant(Plant, Protocol):

@@ -178,10 +178,6 @@ class ArmPlant:
         self._data.qpos[joint] = min(max(here + by, min(here, low)), max(here, high))
         self._angles[joint] = float(self._data.qpos[joint])
 
-    def bubbling(self) -> tuple[str, ...]:
-        """Return nothing: no joint holds air."""
-        return ()
-
     # What is recorded -----------------------------------------------------------------
 
     def hand_position(self) -> tuple[float, float, float]:

@@ -11,6 +11,7 @@ from drivers.sim.plants.legs_model import (
     JOINTS,
     LegDeviations,
     LegDimensions,
+    attitude,
     build_model,
     knee_at_height,
     lowest_corner,
@@ -211,10 +212,6 @@ class LegsPlant:
         else:
             self._angles[CHANNELS.index(channel)] += by
 
-    def bubbling(self) -> tuple[str, ...]:
-        """Return nothing: no joint holds air."""
-        return ()
-
     def advance(self, t: float) -> None:
         """Integrate up to `t` (s); what is less than a time step is left for the next call."""
         self._time = t
@@ -282,7 +279,7 @@ class LegsPlant:
             x,
             y,
             z,
-            *_attitude(*position[3:]),
+            *attitude(*position[3:]),
             x - self._origin,
             *self._slips,
             *self._loads,
@@ -358,8 +355,8 @@ class LegsPlant:
                 here = math.hypot(x - anchor[0], y - anchor[1])
                 self._slips[foot] = self._slipped[foot] + here
         if not self._fell:
-            _, _, height, *attitude = self._waist.tolist()
-            roll, pitch, _ = _attitude(*attitude)
+            _, _, height, *turned = self._waist.tolist()
+            roll, pitch, _ = attitude(*turned)
             lean = math.acos(max(-1.0, min(1.0, math.cos(roll) * math.cos(pitch))))
             low = 0.5 * self.settings.initial_hip_height
             self._fell = lean > self.settings.fallen_tilt or height < low
@@ -399,11 +396,3 @@ def _gravity(roll: float, pitch: float) -> tuple[float, float, float]:
     """Return gravity as seen from ground that is inclined, m/s²."""
     down = _GRAVITY * math.cos(pitch)
     return (_GRAVITY * math.sin(pitch), -down * math.sin(roll), -down * math.cos(roll))
-
-
-def _attitude(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a quaternion, rad."""
-    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
-    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return roll, pitch, yaw

@@ -316,3 +316,11 @@ def knee_at_height(thigh: float, shank: float, height: float) -> tuple[float, fl
     at_hip = math.acos((thigh**2 + height**2 - shank**2) / (2.0 * thigh * height))
     at_ankle = math.acos((shank**2 + height**2 - thigh**2) / (2.0 * shank * height))
     return -at_hip, at_hip + at_ankle, -at_ankle
+
+
+def attitude(w: float, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a quaternion, rad."""
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(max(-1.0, min(1.0, 2.0 * (w * y - z * x))))
+    yaw = math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return roll, pitch, yaw

@@ -7,6 +7,7 @@ from rig.commissioning.steps.motion import FirstMotion, Moved, by_law
 from rig.mechanisms.cylinder.references import Staircase
 from rig.mechanisms.cylinder.settings import CylinderSettings
 from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
+from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _TRAVEL = 1e-3
 """Of the first motion, m."""
@@ -24,6 +25,7 @@ def steps() -> Sequence[AcceptanceStep]:
     return pneumatic_course(FirstMotion(moved, motion, strays=following), _way)
 
 
-def _way(settings: CylinderSettings) -> float:
+def _way(settings: PneumaticSettings) -> float:
     """Return how far a rod goes from home where the profile permits most, m."""
+    assert isinstance(settings, CylinderSettings)
     return max(map(abs, settings.limits.position))

@@ -18,6 +18,7 @@ from rig.hal import DevicePicker, LinearEncoder
 from rig.mechanisms.joint.references.poses import JointPose, JointPoses
 from rig.mechanisms.joint.settings import JointSettings
 from rig.mechanisms.pneumatic.commissioning.course import following, pneumatic_course
+from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _TILT: Final = radians(4.6)
 """Of the first motion: a wire goes 2 mm."""
@@ -47,8 +48,9 @@ def steps() -> Sequence[AcceptanceStep]:
     )
 
 
-def _way(settings: JointSettings) -> float:
+def _way(settings: PneumaticSettings) -> float:
     """Return how far a rod goes from home where the profile permits the ring to tilt most, m."""
+    assert isinstance(settings, JointSettings)
     wires = ExactWires(settings.geometry)
     upright = wires.lengths(natural_rotation(axis_from_tilt(0.0, 0.0)))
     ways = [

@@ -1,7 +1,6 @@
 """The course of the acceptance test of any mechanism with pneumatic cylinders."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep
@@ -19,7 +18,9 @@ from rig.mechanisms.pneumatic.commissioning.supply import SupplyAndDump
 from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 
-def pneumatic_course(motion: FirstMotion, way: Callable[[Any], float]) -> Sequence[AcceptanceStep]:
+def pneumatic_course(
+    motion: FirstMotion, way: Callable[[PneumaticSettings], float]
+) -> Sequence[AcceptanceStep]:
     """Return the steps in their order, each on what the ones before have proven.
 
     Parameters

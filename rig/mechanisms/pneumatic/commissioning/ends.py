@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from rig.assembly import REGISTRY
 from rig.calibration.instruments import parse_reading
@@ -13,6 +13,7 @@ from rig.commissioning.site import Site
 from rig.commissioning.step import AcceptanceStep, Defect, MeasuredValue, StepResult, require_within
 from rig.commissioning.steps.ends import Ends, watch_ends
 from rig.hal import DeviceFault, DevicePicker, LinearEncoder
+from rig.mechanisms.pneumatic.settings import PneumaticSettings
 
 _NUDGE: Final = 0.2e-3
 """How far a simulated hand moves a rod in a cycle, m."""
@@ -38,7 +39,7 @@ class RodsToTheirEnds(AcceptanceStep):
     )
     expects = "Its encoder follows from end to end, and the way that the profile permits is there."
 
-    def __init__(self, way: Callable[[Any], float]) -> None:
+    def __init__(self, way: Callable[[PneumaticSettings], float]) -> None:
         self._way = way
 
     def perform(self, site: Site) -> StepResult:

@@ -13,7 +13,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
-from rig.hal import HandledPlant
+from rig.hal import AiryPlant
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.commissioning.chambers import Chambers, energised, true_pressures
 
@@ -66,7 +66,7 @@ def _lock(
 ) -> list[tuple[str, Task, Task]]:
     """Lock the air of every chamber that has a valve in; return the tasks to read its gauge."""
     regulators = chambers.regulators
-    shut = getattr(regulators, "lockable", ()) or (False,) * len(setpoints)
+    shut = regulators.lockable or (False,) * len(setpoints)
     if not any(shut):
         return []
     found = []
@@ -95,4 +95,4 @@ def _gauge(channel: str, when: str) -> Task:
 
 def _bubbling(world: BreakableWorld) -> str:
     plant = world.plant
-    return ", ".join(plant.bubbling()) if isinstance(plant, HandledPlant) else "none"
+    return ", ".join(plant.bubbling()) if isinstance(plant, AiryPlant) else "none"
