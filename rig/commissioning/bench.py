@@ -15,11 +15,18 @@ class StepBench:
     ----------
     rig : Rig
         Connected and armed.
+
+    Attributes
+    ----------
+    each_cycle : callable
+        Gives this cycle's setpoints, once its readings are there; does nothing by default. A loop
+        that is closed in this program must not pause: a valve keeps its last opening.
     """
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
         self._period = rig.profile.loop.period
+        self.each_cycle: Callable[[], None] = _nothing
         # A camera moves nothing, and is read by a mechanism alone.
         entries = rig.profile.devices
         self._on_buses = [rig.devices[name] for name in entries if entries[name].bus is not None]
@@ -45,6 +52,7 @@ class StepBench:
                 device.check(now)
             for bus in rig.buses.values():
                 bus.check(now)
+        self.each_cycle()
         for bus in rig.buses.values():
             bus.transmit(now)
         rig.clock.sleep_until(now + self._period)
@@ -59,7 +67,8 @@ class StepBench:
         return True
 
     def make_safe(self) -> None:
-        """Take the safe setpoints in the next cycle."""
+        """Take the safe setpoints from the next cycle on."""
+        self.each_cycle = _nothing
         for device in self.rig.devices.values():
             device.make_safe()
 
@@ -93,6 +102,10 @@ class StepBench:
             for bus in self.rig.buses.values():
                 bus.transmit(now)
             clock.sleep_until(now + self._period)
+
+
+def _nothing() -> None:
+    """Leave the setpoints as they are."""
 
 
 @contextmanager

@@ -14,6 +14,9 @@ SOON = 0.5
 PATIENCE = 60.0
 """How long a person is waited for, s."""
 
+GLANCE = 15.0
+"""How long a person may take to read a gauge that does not stay, s."""
+
 
 class Site(NamedTuple):
     """The place of a step.
@@ -50,3 +53,7 @@ class Site(NamedTuple):
     def patience(self, rig: Rig) -> float:
         """Return how long somebody is waited for, s."""
         return PATIENCE if self.world_of(rig) is None else SOON
+
+    def glance(self, rig: Rig) -> float:
+        """Return how long something is kept for somebody to read it, s."""
+        return GLANCE if self.world_of(rig) is None else 0.0

@@ -16,8 +16,13 @@ from rig.mechanisms.pneumatic.commissioning.chambers import (
     gauges,
 )
 
-_STEP, _HIGHEST = 8e3, 20e3
-"""From the level that was answered to the next one, and no further, Pa."""
+_STEP: Final = 8e3
+"""From a level that was answered to the next one at most, Pa."""
+_HIGHEST, _STEEPEST = 18.5e3, 2.1
+"""No gauge may show more, Pa, and how much steeper than asked for a pressure may rise: of a scale
+that is wrong by a factor of two."""
+_ENOUGH: Final = 15e3
+"""A setpoint or a gauge that is so high tells a scale from hysteresis and offsets, Pa."""
 _FIRST: Final = (0.25, 1.4)
 """Gauge over setpoint where the monitor first answers: hysteresis and offsets are part of it."""
 _THEN: Final = (0.7, 1.35)
@@ -39,7 +44,10 @@ class RegulatorsAlone(AcceptanceStep):
     """Each chamber is filled alone, and the gauges are read."""
 
     name = "actuators"
-    does = "Each chamber alone gets 8 to 14 kPa, then up to 8 kPa more; you read which gauge moves."
+    does = (
+        "Each chamber alone gets 8 to 14 kPa, then more, but never so much that a gauge could go "
+        "beyond 20 kPa; you read which gauge moves."
+    )
     expects = "Its own gauge and its own monitor show what was asked for; no other one moves."
 
     def perform(self, site: Site) -> StepResult:
@@ -56,10 +64,12 @@ class RegulatorsAlone(AcceptanceStep):
                     break
             _find_swapped(channels, number, low)
             measured.append(_setpoint_scale(channel, low.gauge, level, first))
-            step = min(_STEP, _HIGHEST - level)
-            high = _fill(site, number, level + step)
+            high = low
+            while level < _ENOUGH and high.gauge < _ENOUGH:
+                level += min(_STEP, (_HIGHEST - high.gauge) / _STEEPEST)
+                high = _fill(site, number, level)
             given, rise = high.gauge - low.gauge, high.rises[number] - low.rises[number]
-            measured.append(_setpoint_scale(channel, high.gauge, level + step, then))
+            measured.append(_setpoint_scale(channel, high.gauge, level, then))
             measured.append(_monitor_scale(channel, rise, given))
         return StepResult(tuple(measured))
 
@@ -81,11 +91,12 @@ def _fill(site: Site, number: int, pressure: float) -> _Filled:
         chambers.set(setpoints)
         rises = chambers.rises()
         task = gauges(
-            f"actuators.{channels[number]}.{pressure / 1e3:g}",
+            f"actuators.{channels[number]}.{pressure / 1e3:.3g}",
             f"Which gauge shows most ({', '.join(channels)}), and how much? e.g. agonist 8 kPa",
             channels,
         )
         site.operator.do(task, site.world_of(chambers.rig))
+        chambers.bench.run(site.glance(chambers.rig))
     return _Filled(rises, site.operator.answer(task))
 
 
@@ -156,10 +167,11 @@ def _step_times(chambers: Chambers) -> list[tuple[float, float]]:
     bench = chambers.bench
     chambers.set_all(LOWEST)
     low = chambers.rises()
+    chambers.ask((HIGHER,) * len(low))
     start = bench.now
     rows: list[tuple[float, Vector]] = []
     while bench.now - start < 1.0:
-        chambers.cycle(HIGHER)
+        bench.cycle()
         rows.append((bench.now - start, chambers.regulators.pressure().value))
     high = chambers.rises()
     times = []

@@ -39,8 +39,10 @@ class Climbed(NamedTuple):
     rises: Vector
 
 
-class Chambers(NamedTuple):
+class Chambers:
     """The chambers of an energised rig, and their monitors before anything was set.
+
+    What they were last asked for they are asked for in every cycle, until the rig is made safe.
 
     Parameters
     ----------
@@ -48,30 +50,33 @@ class Chambers(NamedTuple):
         The rig's cycle.
     regulators : PressureRegulator
         Armed.
+
+    Attributes
+    ----------
     zeros : tuple of float
         Means of the monitors, vented, Pa gauge.
     """
 
-    bench: StepBench
-    regulators: PressureRegulator
-    zeros: Vector = ()
+    def __init__(self, bench: StepBench, regulators: PressureRegulator) -> None:
+        self.bench = bench
+        self.regulators = regulators
+        self.zeros: Vector = ()
+        self._asked: Vector = (regulators.pressure_range[0],) * len(regulators.channels)
+        bench.each_cycle = lambda: regulators.set_pressure(self._asked)
 
     @property
     def rig(self) -> Rig:
         """The rig."""
         return self.bench.rig
 
-    def cycle(self, pressure: float) -> None:
-        """Give every chamber the same setpoint, Pa gauge, for one cycle."""
-        self.regulators.set_pressure((pressure,) * len(self.regulators.channels))
-        self.bench.cycle()
+    def ask(self, pressures: Sequence[float]) -> None:
+        """Give setpoints from the next cycle on, Pa gauge."""
+        self._asked = tuple(pressures)
 
     def set(self, pressures: Sequence[float], duration: float = SETTLE) -> None:
         """Give setpoints, Pa gauge, for so long, s."""
-        end = self.bench.now + duration
-        while self.bench.now < end:
-            self.regulators.set_pressure(tuple(pressures))
-            self.bench.cycle()
+        self.ask(pressures)
+        self.bench.run(duration)
 
     def set_all(self, pressure: float, duration: float = SETTLE) -> None:
         """Give every chamber the same setpoint, so that forces balance; see `set`."""
@@ -156,7 +161,8 @@ def energised(site: Site, *, supply: bool = True) -> Iterator[Chambers]:
             regulators.shut_supply(True)
         chambers = Chambers(StepBench(rig), regulators)
         chambers.set_all(regulators.pressure_range[0], 0.3)
-        yield chambers._replace(zeros=chambers.means())
+        chambers.zeros = chambers.means()
+        yield chambers
 
 
 def regulators_of(rig: Rig) -> PressureRegulator:

@@ -1,7 +1,7 @@
 """Leaks of the chambers: by soap water, and by the gauge where a valve locks the air in."""
 
 from math import log
-from typing import Final
+from typing import Final, NamedTuple
 
 from rig.calibration.instruments import parse_reading
 from rig.commissioning.operator import Task
@@ -13,7 +13,7 @@ from rig.commissioning.step import (
     require,
     require_within,
 )
-from rig.hal import AiryPlant
+from rig.hal import AiryPlant, Vector
 from rig.hal.world import BreakableWorld
 from rig.mechanisms.pneumatic.commissioning.chambers import Chambers, energised, true_pressures
 
@@ -52,37 +52,49 @@ class LeaksOfChambers(AcceptanceStep):
             "leak: soap water bubbles there; tighten the fitting, or renew tube or seal",
         )  # fmt: skip
         measured = []
-        for channel, before, after in locked:
-            start, end = (parse_reading(site.operator.answer(its), "Pa") for its in (before, after))
-            rate = log(max(start, 1.0) / max(end, 1.0)) / _SHUT
-            value = MeasuredValue(f"{channel}: locked in, it loses", rate, "1/s", high=_RATE)
-            measured.append(require_within(channel, value, "leak: it does not keep its air"))
+        for its in locked:
+            start, end = (
+                parse_reading(site.operator.answer(task), "Pa") for task in (its.before, its.after)
+            )
+            rate = log(max(start, 1.0) / max(end, 1.0)) / its.waited
+            value = MeasuredValue(f"{its.channel}: locked in, it loses", rate, "1/s", high=_RATE)
+            measured.append(require_within(its.channel, value, "leak: it does not keep its air"))
         said = "" if measured else "no chamber has a lock valve: soap water alone tells"
         return StepResult(tuple(measured), {"bubbling": bubbling}, said)
 
 
-def _lock(
-    site: Site, chambers: Chambers, setpoints: tuple[float, ...]
-) -> list[tuple[str, Task, Task]]:
-    """Lock the air of every chamber that has a valve in; return the tasks to read its gauge."""
-    regulators = chambers.regulators
-    shut = regulators.lockable or (False,) * len(setpoints)
+class _Locked(NamedTuple):
+    """A chamber that was locked in: the tasks to read its gauge, and the time between them, s."""
+
+    channel: str
+    before: Task
+    after: Task
+    waited: float
+
+
+def _lock(site: Site, chambers: Chambers, setpoints: Vector) -> list[_Locked]:
+    """Lock the air of every chamber that has a valve in, and have its gauge read twice."""
+    regulators, bench, rig = chambers.regulators, chambers.bench, chambers.rig
+    shut = regulators.lockable
     if not any(shut):
         return []
-    found = []
-    world = site.world_of(chambers.rig)
+    names = [name for name, has_valve in zip(regulators.channels, shut, strict=True) if has_valve]
     regulators.lock(shut)
     chambers.set(setpoints, 0.5)
-    for channel, has_valve in zip(regulators.channels, shut, strict=True):
-        if has_valve:
-            found.append((channel, _gauge(channel, "before"), _gauge(channel, "after")))
-    for _, before, _ in found:
-        site.operator.do(before, world)
-    chambers.set(setpoints, _SHUT)
-    for _, _, after in found:
-        site.operator.do(after, world)
+    tasks, times = [], []
+    for when in ("before", "after"):
+        times.append(bench.now)
+        tasks.append([_gauge(name, when) for name in names])
+        for task in tasks[-1]:
+            site.operator.do(task, site.world_of(rig))
+        bench.run(site.glance(rig))
+        bench.run(_SHUT if when == "before" else 0.0)
     regulators.lock((False,) * len(shut))
-    return found
+    waited = times[1] - times[0]
+    return [
+        _Locked(name, before, after, waited)
+        for name, before, after in zip(names, tasks[0], tasks[1], strict=True)
+    ]
 
 
 def _gauge(channel: str, when: str) -> Task:

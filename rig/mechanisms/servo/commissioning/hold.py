@@ -47,6 +47,7 @@ class HoldStill(AcceptanceStep):
             held = axes.shown()
             holding = Task("hold.still", "Do all joints stand still (yes, no)?", _still)
             site.operator.do(holding, site.world_of(axes.rig))
+            axes.bench.run(site.glance(axes.rig))
         answer = site.operator.answer(holding).strip().lower()
         require(answer in ("y", "yes"), "drives", "a joint moves although it is to be held")
         measured = []
