@@ -22,6 +22,9 @@ FINEST = 4e-3
 """Greatest step of the joints between two samples, rad: the spline through them then misses the
 path by less than 1e-9 m."""
 _COARSEST = 200
+_SHORTEST = 1e-12
+"""Share of the path below which a step is not divided any more: past two near misses at once the
+joints swing within a billionth of it. An instant is known to 1e-16 of it."""
 _UNDECIDED = 1e-7
 """A tool nearer to the forearm's direction than this has no q4 of its own, rad."""
 
@@ -109,7 +112,7 @@ def axis_path_of_line(arm: Dimensions, trajectory: Trajectory) -> AxisPath:
         moved = math.inf if q is None else math.dist(q, joints[-1])
         # A step is good if it is short and where the last two led: then the branch is right.
         if q is None or moved > FINEST or math.dist(q, guess) > 0.1 * FINEST + 0.3 * moved:
-            if step > 1e-9 * last:
+            if step > _SHORTEST * last:
                 step *= 0.5 if q is not None else 0.77
                 continue
             raise InfeasibleMotion(

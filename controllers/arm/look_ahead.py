@@ -23,6 +23,8 @@ _SHORTEST = 0.125
 """Share of `_FINE` to which that period is shortened where the joints go fast."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
+_SHARES = tuple(0.8**k for k in range(20))
+"""Of the commanded speed that are tried until a turn-back fits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,12 +85,29 @@ class LookAhead(ArmLaw[LookAheadSettings]):
 
         if isinstance(trajectory, PoseTrajectory | TurnTrajectory):
             return axis_path_of_line(self.arm, trajectory)
+        share = 1.0
+        if isinstance(trajectory, StraightTrajectory):
+            share = self._share_with_region(trajectory)
+            trajectory = trajectory.slower(share)
         samples, period = self._fine(trajectory, _FINE), _FINE
         longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))
         if longest > FINEST:
             period *= max(FINEST / longest, _SHORTEST)
             samples = self._fine(trajectory, period)
-        return axis_path_of_motion(samples, period)
+        return axis_path_of_motion(samples, period, share)
+
+    def _share_with_region(self, trajectory: StraightTrajectory) -> float:
+        """Return the share of a line's speed at which `esc` turns back on it, from where it starts.
+
+        Slower it needs a narrower region, and the joints' path is the same; how fast it is
+        followed is found afterwards.
+        """
+        esc = Esc(EscSettings(), self.geometry, _FINE)
+        widest = abs(math.sin(trajectory.start[2] + self.arm.elbow_angle))
+        for share in _SHARES:
+            if esc.region(trajectory.slower(share)) < widest:
+                return share
+        return 1.0
 
     def _fine(self, trajectory: Trajectory, period: float) -> list[Sample]:
         """Return the motion of `esc` along the same path."""
@@ -96,11 +115,21 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         return collected(esc.move(trajectory, MotionEnd()), period, self.longest)
 
 
-def axis_path_of_motion(motion: list[Sample], period: float) -> AxisPath:
-    """Return the joint path of a motion that may turn back, with the scales that it has."""
+def axis_path_of_motion(motion: list[Sample], period: float, share: float = 1.0) -> AxisPath:
+    """Return the joint path of a motion that may turn back, with the scales that it has.
+
+    Parameters
+    ----------
+    motion : list of Sample
+        A period apart.
+    period : float
+        s.
+    share : float
+        Of the commanded speed, with which it is done.
+    """
     samples = motion[:-1]
     gone, turned = [0.0], [0.0]
     for a, b in pairwise(samples):
-        gone.append(gone[-1] + 0.5 * period * (a.linear + b.linear))
-        turned.append(turned[-1] + 0.5 * period * (a.angular + b.angular))
+        gone.append(gone[-1] + 0.5 * share * period * (a.linear + b.linear))
+        turned.append(turned[-1] + 0.5 * share * period * (a.angular + b.angular))
     return AxisPath([sample.positions for sample in samples], gone, turned)

@@ -33,7 +33,9 @@ _ACCELERATION_SHARE = 0.98
 """Of the acceleration limits that is used: they are met at the grid's points, not between them."""
 
 
-_ROUNDS = 8
+_ROUNDS = 16
+_LOCAL_ROUNDS = 10
+"""In so many of them a joint is told a lower limit only where it has passed its own."""
 _OVER = 5e-4
 """By how much, relative, a joint may pass a limit between the grid's points."""
 
@@ -72,10 +74,30 @@ class Timing(NamedTuple):
         )
 
 
+class Strain(NamedTuple):
+    """By how much more of its limits each joint is said to need at the points of the grid.
+
+    Parameters
+    ----------
+    rates, accelerations : ndarray, shape (n, 6)
+        1 or more.
+    """
+
+    rates: Array
+    accelerations: Array
+
+
+def grid_of(path: AxisPath) -> Array:
+    """Return the places of a path at which its timing is worked out, rad, shape (n,)."""
+    s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
+    return np.asarray(s[np.concatenate(([True], np.diff(s) > 1e-9))], dtype=np.float64)
+
+
 def retime(
     path: AxisPath,
     rate_limits: Sequence[float] | Array,
     acceleration_limits: Sequence[float] | Array | None,
+    strain: Strain | None = None,
 ) -> Timing:
     """Return the fastest timing.
 
@@ -87,19 +109,23 @@ def retime(
         rad/s.
     acceleration_limits : sequence of float, optional
         rad/s². None: the velocity-limited optimum, which starts, ends and turns at once.
+    strain : Strain, optional
+        At the points of `grid_of`.
     """
-    s = np.unique(np.concatenate((np.linspace(0.0, path.length, _POINTS), path.knots)))
-    s = s[np.concatenate(([True], np.diff(s) > 1e-9))]
+    s = grid_of(path)
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
     limits = _RATE_SHARE * np.array(rate_limits)
+    strained = tangent if strain is None else tangent * strain.rates
     with np.errstate(divide="ignore", over="ignore"):
-        greatest = np.min(limits / np.abs(tangent), axis=1)
+        greatest = np.min(limits / np.abs(strained), axis=1)
         # The hand's own speeds, too.
         greatest = np.minimum(greatest, 1.0 / np.abs(path.way(s, 1)).max(axis=1))
     if acceleration_limits is None:
         speed = greatest
     else:
         allowed = _ACCELERATION_SHARE * np.array(acceleration_limits)
+        if strain is not None:
+            tangent, bend = tangent * strain.accelerations, bend * strain.accelerations
         speed = np.sqrt(reachable(s, greatest**2, tangent, bend, allowed))
     mean = 0.5 * (speed[:-1] + speed[1:])
     t = np.concatenate(([0.0], np.cumsum(np.diff(s) / mean)))
@@ -115,33 +141,43 @@ def retime_within(
     """Return the fastest timing whose samples, a period apart, keep the limits.
 
     `retime` meets them at its grid's points. Past a near miss more may be asked between them: a
-    joint that passes its limit there is told a lower one.
+    joint that passes its limit is told a lower one there, and if that does not do, everywhere.
     """
-    rates = np.array(rate_limits)
-    accelerations = None if acceleration_limits is None else np.array(acceleration_limits)
-    timing = retime(path, rates, accelerations)
+    timing = retime(path, rate_limits, acceleration_limits)
     if period == 0.0:
         return timing
-    told, told_accelerations = rates, accelerations
-    for _ in range(_ROUNDS):
-        t = np.arange(0.0, timing.duration, period)
-        s, speed = timing.at(t)
-        sampled = path.joints(s, 1) * speed[:, None]
-        mean = np.diff(path.joints(s), axis=0) / period
-        over = np.maximum(_most(sampled), _most(mean)) / rates
-        told = told / np.maximum(over, 1.0)
-        if accelerations is not None and told_accelerations is not None:
-            harder = _most(np.diff(sampled, axis=0)) / (period * accelerations)
-            told_accelerations = told_accelerations / np.maximum(harder, 1.0)
-            over = np.maximum(over, harder)
-        if over.max() <= 1.0 + _OVER:
+    grid = grid_of(path)
+    rates, accelerations = (np.ones((len(grid), len(rate_limits))) for _ in range(2))
+    for k in range(_ROUNDS):
+        s, speed = timing.at(np.arange(0.0, timing.duration, period))
+        if len(s) < 2:
             break
-        timing = retime(path, told, told_accelerations)
+        sampled = path.joints(s, 1) * speed[:, None]
+        fastest = np.maximum(np.abs(sampled[:-1]), np.abs(sampled[1:]))
+        mean = np.abs(np.diff(path.joints(s), axis=0)) / period
+        over = np.maximum(fastest, mean) / np.array(rate_limits)
+        harder = np.zeros_like(over)
+        if acceleration_limits is not None:
+            harder = np.abs(np.diff(sampled, axis=0)) / (period * np.array(acceleration_limits))
+        if max(over.max(), harder.max()) <= 1.0 + _OVER:
+            break
+        if k >= _LOCAL_ROUNDS:
+            over, harder = (np.tile(its.max(axis=0), (len(its), 1)) for its in (over, harder))
+        rates *= _at_grid(over, s, grid)
+        accelerations *= _at_grid(harder, s, grid)
+        timing = retime(path, rate_limits, acceleration_limits, Strain(rates, accelerations))
     return timing
 
 
-def _most(values: Array) -> Array:
-    return np.asarray(np.abs(values).max(axis=0, initial=0.0), dtype=np.float64)
+def _at_grid(shares: Array, s: Array, grid: Array) -> Array:
+    """Return the greatest shares of limits between samples at the points of the grid, 1 or more.
+
+    What lies between two samples counts for the next ones on either side: they move a little.
+    """
+    padded = np.vstack((shares[:1], shares, shares[-1:]))
+    wide = np.maximum(np.maximum(padded[:-2], padded[1:-1]), padded[2:])
+    interval = np.clip(np.searchsorted(s, grid, side="right") - 1, 0, len(shares) - 1)
+    return np.asarray(np.maximum(wide[interval], 1.0), dtype=np.float64)
 
 
 def velocity_limited_time(path: AxisPath, rate_limits: Sequence[float]) -> float:

@@ -1,5 +1,6 @@
 """The poses of a path: what its settings mean for an arm of given dimensions."""
 
+import copy
 import math
 
 from controllers.arm.inverse import BRANCHES, Branch, OutOfReach, inverse, reachable, wrist_of_pose
@@ -79,6 +80,16 @@ class StraightTrajectory:
         self.duration = 2.0 * self.out if self.turns_back else self.out
         self.command = Twist(scaled(self.direction, speed), scaled(self._axis, turn_rate))
         """The twist on the way out."""
+
+    def slower(self, share: float) -> "StraightTrajectory":
+        """Return the same line with a share of its speed."""
+        other = copy.copy(self)
+        other.speed, other.turn_rate = share * self.speed, share * self.turn_rate
+        other.out, other.duration = self.out / share, self.duration / share
+        other._rate = share * self._rate
+        linear, angular = self.command
+        other.command = Twist(scaled(linear, share), scaled(angular, share))
+        return other
 
     def pose(self, t: float) -> Pose:
         """Return the pose at a nominal time; after the boundary the hand comes back."""

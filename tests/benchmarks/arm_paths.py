@@ -39,7 +39,7 @@ from controllers.arm.plain import (
 from controllers.motion import InfeasibleMotion
 
 PERIOD = 5e-3
-POINTS = 600
+POINTS = 1200
 ARM = ArmGeometry(**WIDE)
 KINDS = (
     "shoulder missed", "wrist missed", "shoulder hit", "wrist hit", "wrist hit across",
