@@ -117,12 +117,10 @@ class EscPaper(ArmLaw[EscPaperSettings]):
                 "quintic",
                 natural=settings.dwell_slope == "natural",
             )
-        sin_qs = _chosen(
-            self.settings.elbow_region, region_for_speed(self.geometry, trajectory.speed)
-        )
+        sin_qs = self.region(trajectory)
         if not trajectory.turns_back:
             return self._line(trajectory, sin_qs, end)
-        check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
+        check_turn_back(self.geometry, self.arm, trajectory, self.region)
         elbow = trajectory.start[2] + self.arm.elbow_angle
         if math.sin(elbow) < 0.0:
             raise InfeasibleMotion(
@@ -132,6 +130,11 @@ class EscPaper(ArmLaw[EscPaperSettings]):
         check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, 1.0))
         slow = self._passing(trajectory, sin_qs)
         return turn_back(self.arm, trajectory, sin_qs, 1.0, slow, self.period, end)
+
+    def region(self, trajectory: StraightTrajectory) -> float:
+        """Return sin q_s for a line."""
+        eq13 = region_for_speed(self.geometry, trajectory.speed)
+        return _chosen(self.settings.elbow_region, eq13)
 
     def _passing(self, trajectory: StraightTrajectory, sin_qs: float) -> Slowing:
         """Return ``|b_s| |b_w|`` of a motion that turns back.
@@ -288,7 +291,7 @@ class Esc(ArmLaw[EscSettings]):
             timing = retime_within(path, self.geometry.rate_limits, None, self.period)
             return follow_axis_path(trajectory, path, timing, self.period, end)
         sin_qs = self.region(trajectory)
-        check_turn_back(self.geometry, self.arm, trajectory, sin_qs)
+        check_turn_back(self.geometry, self.arm, trajectory, self.region)
         elbow = trajectory.start[2] + self.arm.elbow_angle
         side = 1.0 if math.sin(elbow) > 0.0 else -1.0
         check_start(self.arm, trajectory, elbow_scale(elbow, sin_qs, side))

@@ -10,12 +10,17 @@ from controllers.arm.online.commands import ArmTwists
 from controllers.arm.online.follower import TwistFollower
 from controllers.arm.online.rehearsal import rehearse
 from controllers.arm.plan import ArmPlan, Sample, make_plan
-from controllers.arm.promises import Promises, check_promises
+from controllers.arm.promises import Promises, TooFast, check_promises
+from controllers.arm.slower import slower_path
 from controllers.arm.trajectories import ArmPathSettings, make_trajectory
 from controllers.arm.trajectory import Trajectory
 from controllers.arm.types import AT_REST, ArmCommand, ArmReference, ArmState
 from controllers.base import Chosen, PlanningLaw
 from controllers.motion import InfeasibleMotion, check_length
+
+_TRIES = 6
+"""So many slower motions are tried until one fits."""
+_SLOWEST = 30.0
 
 
 class MotionEnd:
@@ -101,6 +106,21 @@ class ArmLaw(
         InfeasibleMotion
             It cannot be done; the message says by how much.
         """
+        try:
+            plan = self._planned(path)
+        except TooFast as error:
+            raise InfeasibleMotion(f"{error}; {self._fitting(path, error.factor)}.") from error
+        self._follower = self._motion = None
+        return plan
+
+    def _planned(self, path: ArmPathSettings) -> ArmPlan:
+        """Return the plan of a path that keeps what is promised, which is then the law's own.
+
+        Raises
+        ------
+        InfeasibleMotion
+            It cannot be done, `TooFast` if it can more slowly.
+        """
         trajectory = make_trajectory(self.arm, path)
         check_length(trajectory.duration, self.longest)
         end = MotionEnd()
@@ -115,10 +135,29 @@ class ArmLaw(
             end.outcome,
             end.marks,
         )
-        check_promises(self.geometry, trajectory, plan, self.promised(trajectory))
-        self._trajectory, self._follower = trajectory, None
-        self._motion = None
+        check_promises(self.geometry, plan, self.promised(trajectory))
+        self._trajectory = trajectory
         return plan
+
+    def _fitting(self, path: ArmPathSettings, factor: float) -> str:
+        """Say at which speed a path would fit, which is tried.
+
+        What a joint needs at a singularity is not in proportion to the speed: a slower motion may
+        have its samples nearer to it.
+        """
+        for _ in range(_TRIES):
+            slower = slower_path(path, factor)
+            if slower is None or factor > _SLOWEST:
+                break
+            try:
+                self.at_period(self.period)._planned(slower.path)
+            except TooFast as error:
+                factor *= 1.001 * error.factor
+            except InfeasibleMotion:
+                break
+            else:
+                return f"{slower.words} it would fit"
+        return f"no speed was found at which it would fit, down to 1/{_SLOWEST:g} of this one"
 
     def follower(self, *, through: bool) -> TwistFollower:
         """Return what follows twists that come from outside; see `ArmTwists.boundary`.

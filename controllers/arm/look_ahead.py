@@ -23,6 +23,8 @@ _SHORTEST = 0.125
 """Share of `_FINE` to which that period is shortened where the joints go fast."""
 _FINE = 2e-3
 """Period at which a motion through the boundary is sampled for its joint path, s."""
+_LAST = 0.3
+"""Share of a period that the last one has at least."""
 _SHARES = tuple(0.8**k for k in range(20))
 """Of the commanded speed that are tried until a turn-back fits."""
 
@@ -89,12 +91,13 @@ class LookAhead(ArmLaw[LookAheadSettings]):
         if isinstance(trajectory, StraightTrajectory):
             share = self._share_with_region(trajectory)
             trajectory = trajectory.slower(share)
-        samples, period = self._fine(trajectory, _FINE), _FINE
+        period = _FINE
+        samples, duration = self._fine(trajectory, period)
         longest = max(math.dist(a.positions, b.positions) for a, b in pairwise(samples))
         if longest > FINEST:
             period *= max(FINEST / longest, _SHORTEST)
-            samples = self._fine(trajectory, period)
-        return axis_path_of_motion(samples, period, share)
+            samples, duration = self._fine(trajectory, period)
+        return axis_path_of_motion(samples, period, duration, share)
 
     def _share_with_region(self, trajectory: StraightTrajectory) -> float:
         """Return the share of a line's speed at which `esc` turns back on it, from where it starts.
@@ -109,27 +112,37 @@ class LookAhead(ArmLaw[LookAheadSettings]):
                 return share
         return 1.0
 
-    def _fine(self, trajectory: Trajectory, period: float) -> list[Sample]:
-        """Return the motion of `esc` along the same path."""
-        esc = Esc(EscSettings(), self.geometry, period)
-        return collected(esc.move(trajectory, MotionEnd()), period, self.longest)
+    def _fine(self, trajectory: Trajectory, period: float) -> tuple[list[Sample], float]:
+        """Return the motion of `esc` along the same path, and how long it takes, s."""
+        esc, end = Esc(EscSettings(), self.geometry, period), MotionEnd()
+        samples = collected(esc.move(trajectory, end), period, self.longest)
+        return samples, end.duration
 
 
-def axis_path_of_motion(motion: list[Sample], period: float, share: float = 1.0) -> AxisPath:
+def axis_path_of_motion(
+    motion: list[Sample], period: float, duration: float, share: float = 1.0
+) -> AxisPath:
     """Return the joint path of a motion that may turn back, with the scales that it has.
 
     Parameters
     ----------
     motion : list of Sample
-        A period apart.
-    period : float
+        A period apart, but for the last, which is at rest at the end.
+    period, duration : float
         s.
     share : float
         Of the commanded speed, with which it is done.
     """
     samples = motion[:-1]
+    steps = [period] * (len(samples) - 1) + [duration - period * (len(samples) - 1)]
+    if steps[-1] < _LAST * period and len(samples) > 1:  # so near to the end that it says nothing
+        del samples[-1]
+        last = steps.pop()
+        steps[-1] += last
+    scales = [(sample.linear, sample.angular) for sample in samples]
     gone, turned = [0.0], [0.0]
-    for a, b in pairwise(samples):
-        gone.append(gone[-1] + 0.5 * share * period * (a.linear + b.linear))
-        turned.append(turned[-1] + 0.5 * share * period * (a.angular + b.angular))
-    return AxisPath([sample.positions for sample in samples], gone, turned)
+    for step, a, b in zip(steps, scales, [*scales[1:], scales[-1]], strict=True):
+        gone.append(gone[-1] + 0.5 * share * step * (a[0] + b[0]))
+        turned.append(turned[-1] + 0.5 * share * step * (a[1] + b[1]))
+    joints = [sample.positions for sample in samples]
+    return AxisPath([*joints, motion[-1].positions], gone, turned)

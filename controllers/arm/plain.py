@@ -14,6 +14,7 @@ from annotated_types import Ge, Gt, Unit
 from numpy.typing import NDArray
 
 from controllers.arm.decomposition import full_scale, joint_rates
+from controllers.arm.geometry import ArmGeometry
 from controllers.arm.integration import moved
 from controllers.arm.kinematics import forward, jacobian_columns
 from controllers.arm.law import ArmLaw, Motion, MotionEnd
@@ -146,17 +147,22 @@ class DampedLeastSquares(_PoseLaw[DampedSettings]):
     name = "dls"
     promises = Promises(rates=ALL_JOINTS)
 
+    def __init__(self, settings: DampedSettings, model: ArmGeometry, period: float) -> None:
+        super().__init__(settings, model, period)
+        self._used = settings
+        self._tuned_to: Trajectory | None = None
+
     def move(self, trajectory: Trajectory, end: MotionEnd) -> Motion:
         """Yield a sample per period, once the damping is found."""
-        if self.settings.damping is None:
-            self.settings = self._tuned(trajectory)
+        if self.settings.damping is None and trajectory is not self._tuned_to:
+            self._used, self._tuned_to = self._tuned(trajectory), trajectory
         return super().move(trajectory, end)
 
     def rates(self, q: Joints, twist: Twist) -> Joints:
         """Return ``J^T (J J^T + lambda^2)^-1`` times the twist."""
         J = np.array(jacobian_columns(self.arm, q)).T
-        share = 1.0 - abs(np.linalg.det(J)) / self.settings.manipulability
-        damping = self.settings.damping
+        share = 1.0 - abs(np.linalg.det(J)) / self._used.manipulability
+        damping = self._used.damping
         assert damping is not None, "move() has tuned it"
         square = (damping * max(share, 0.0)) ** 2
         wanted = np.array((*twist.linear, *twist.angular))

@@ -1,6 +1,5 @@
 """A plan held against what its law promises, before anything moves."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,9 +7,6 @@ from numpy.typing import NDArray
 
 from controllers.arm.geometry import AXIS_NAMES, ArmGeometry
 from controllers.arm.plan import ArmPlan
-from controllers.arm.trajectories import CircularTrajectory, StraightTrajectory
-from controllers.arm.trajectory import Trajectory
-from controllers.arm.turn_path import TurnTrajectory
 from controllers.motion import InfeasibleMotion
 
 Array = NDArray[np.float64]
@@ -39,19 +35,33 @@ class Promises(NamedTuple):
     path: bool = False
 
 
-def check_promises(
-    geometry: ArmGeometry, trajectory: Trajectory, plan: ArmPlan, promises: Promises
-) -> None:
+class TooFast(InfeasibleMotion):
+    """A plan goes beyond a limit that its law keeps.
+
+    Attributes
+    ----------
+    factor : float
+        So many times as long the motion has to take, at least.
+    """
+
+    def __init__(self, message: str, factor: float) -> None:
+        super().__init__(message)
+        self.factor = factor
+
+
+def check_promises(geometry: ArmGeometry, plan: ArmPlan, promises: Promises) -> None:
     """Raise if a plan does not keep what its law promises.
 
     Raises
     ------
+    TooFast
+        With the joint, the instant, the number and its bound, without a full stop.
     InfeasibleMotion
-        With the joint, the instant, the number, its bound, and how slow the motion had to be.
+        The hand leaves its path.
     """
-    _check(plan, promises.rates, plan.rates, geometry.rate_limits, "rad/s", 1.0, trajectory)
+    _check(plan, promises.rates, plan.rates, geometry.rate_limits, "rad/s", 1.0)
     limits = geometry.acceleration_limits
-    _check(plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5, trajectory)
+    _check(plan, promises.accelerations, plan.accelerations, limits, "rad/s^2", 0.5)
     if promises.path and plan.path_deviation > _OFF_PATH:
         k = int(np.argmax(plan.deviation))
         raise InfeasibleMotion(
@@ -67,7 +77,6 @@ def _check(
     limits: tuple[float, ...],
     unit: str,
     power: float,
-    trajectory: Trajectory,
 ) -> None:
     """Raise if a joint passes a limit; time that passes `k` times slower divides by k^(1/power)."""
     if not joints or not len(values):
@@ -78,28 +87,8 @@ def _check(
     if worst <= 1.0 + _SHARE:
         return
     joint = joints[int(place)]
-    raise InfeasibleMotion(
+    raise TooFast(
         f"after {plan.t[k]:.3f} s {AXIS_NAMES[joint]} would need {abs(values[k, joint]):.4g} "
-        f"{unit}, beyond its limit of {limits[joint]:g} {unit}; "
-        f"{_slower(trajectory, worst**power)}."
+        f"{unit}, beyond its limit of {limits[joint]:g} {unit}",
+        worst**power,
     )
-
-
-def _slower(trajectory: Trajectory, factor: float) -> str:
-    """Return in words what settings make a motion pass more slowly by at least a factor."""
-    if isinstance(trajectory, CircularTrajectory):
-        rate = _floor(trajectory.settings.rate / factor)
-        return f"at a rate of {rate:g} rad/s round the circle it would fit"
-    if isinstance(trajectory, StraightTrajectory) and trajectory.depth is not None:
-        speed = _floor(trajectory.speed / factor)
-        dwell = trajectory.dwell * trajectory.speed / speed
-        return f"at {speed:g} m/s with a dwell of {dwell:.6g} s it would fit"
-    if isinstance(trajectory, TurnTrajectory):
-        return f"at a rate of {_floor(trajectory.rate / factor):g} rad/s it would fit"
-    return f"at {_floor(trajectory.speed / factor):g} m/s it would fit"
-
-
-def _floor(value: float) -> float:
-    """Return the greatest number of four digits that is no greater."""
-    digit = 10.0 ** (math.floor(math.log10(value)) - 3)
-    return math.floor(value / digit) * digit

@@ -81,10 +81,13 @@ class Strain(NamedTuple):
     ----------
     rates, accelerations : ndarray, shape (n, 6)
         1 or more.
+    hand : ndarray, shape (n, 1)
+        The same of the hand's own speeds.
     """
 
     rates: Array
     accelerations: Array
+    hand: Array
 
 
 def grid_of(path: AxisPath) -> Array:
@@ -115,11 +118,11 @@ def retime(
     s = grid_of(path)
     tangent, bend = path.joints(s, 1), path.joints(s, 2)
     limits = _RATE_SHARE * np.array(rate_limits)
-    strained = tangent if strain is None else tangent * strain.rates
+    way = path.way(s, 1)
+    rated, gone = (tangent, way) if strain is None else (tangent * strain.rates, way * strain.hand)
     with np.errstate(divide="ignore", over="ignore"):
-        greatest = np.min(limits / np.abs(strained), axis=1)
-        # The hand's own speeds, too.
-        greatest = np.minimum(greatest, 1.0 / np.abs(path.way(s, 1)).max(axis=1))
+        greatest = np.min(limits / np.abs(rated), axis=1)
+        greatest = np.minimum(greatest, 1.0 / np.abs(gone).max(axis=1))  # the hand's own speeds
     if acceleration_limits is None:
         speed = greatest
     else:
@@ -147,26 +150,45 @@ def retime_within(
     if period == 0.0:
         return timing
     grid = grid_of(path)
-    rates, accelerations = (np.ones((len(grid), len(rate_limits))) for _ in range(2))
+    strain = Strain(*(np.ones((len(grid), width)) for width in (6, 6, 1)))
     for k in range(_ROUNDS):
         s, speed = timing.at(np.arange(0.0, timing.duration, period))
         if len(s) < 2:
             break
-        sampled = path.joints(s, 1) * speed[:, None]
-        fastest = np.maximum(np.abs(sampled[:-1]), np.abs(sampled[1:]))
-        mean = np.abs(np.diff(path.joints(s), axis=0)) / period
-        over = np.maximum(fastest, mean) / np.array(rate_limits)
-        harder = np.zeros_like(over)
-        if acceleration_limits is not None:
-            harder = np.abs(np.diff(sampled, axis=0)) / (period * np.array(acceleration_limits))
-        if max(over.max(), harder.max()) <= 1.0 + _OVER:
+        shares = _shares(path, s, speed, rate_limits, acceleration_limits, period)
+        if max(its.max() for its in shares) <= 1.0 + _OVER:
             break
         if k >= _LOCAL_ROUNDS:
-            over, harder = (np.tile(its.max(axis=0), (len(its), 1)) for its in (over, harder))
-        rates *= _at_grid(over, s, grid)
-        accelerations *= _at_grid(harder, s, grid)
-        timing = retime(path, rate_limits, acceleration_limits, Strain(rates, accelerations))
+            shares = Strain(*(np.tile(its.max(axis=0), (len(its), 1)) for its in shares))
+        strain = Strain(
+            *(told * _at_grid(its, s, grid) for told, its in zip(strain, shares, strict=True))
+        )
+        timing = retime(path, rate_limits, acceleration_limits, strain)
     return timing
+
+
+def _shares(
+    path: AxisPath,
+    s: Array,
+    speed: Array,
+    rate_limits: Sequence[float],
+    acceleration_limits: Sequence[float] | Array | None,
+    period: float,
+) -> Strain:
+    """Return what is used of each limit from one sample to the next, at places `s` (rad)."""
+
+    def fastest(values: Array, rates: Array) -> Array:
+        mean = np.abs(np.diff(values, axis=0)) / period
+        at = np.abs(rates)
+        return np.asarray(np.maximum(np.maximum(at[:-1], at[1:]), mean), dtype=np.float64)
+
+    rates, way = path.joints(s, 1) * speed[:, None], path.way(s, 1) * speed[:, None]
+    over = fastest(path.joints(s), rates) / np.array(rate_limits)
+    hand = fastest(path.way(s), way).max(axis=1, keepdims=True)
+    harder = np.zeros_like(over)
+    if acceleration_limits is not None:
+        harder = np.abs(np.diff(rates, axis=0)) / (period * np.array(acceleration_limits))
+    return Strain(over, harder, hand)
 
 
 def _at_grid(shares: Array, s: Array, grid: Array) -> Array:

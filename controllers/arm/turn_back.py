@@ -11,8 +11,10 @@ from controllers.arm.kinematics import Dimensions, forward, singularity_indices,
 from controllers.arm.law import AnyArmLaw, Motion, MotionEnd
 from controllers.arm.plan import Sample, inside_boundary
 from controllers.arm.region import elbow_scale, least_rate
+from controllers.arm.slower import floor
 from controllers.arm.trajectories import StraightTrajectory
 from controllers.arm.types import AT_REST, Joints, Twist, Vector
+from controllers.bisection import bisect
 from controllers.motion import InfeasibleMotion, check_length
 
 Slowing = Callable[[Joints, Joints], float]
@@ -20,14 +22,28 @@ _TOUCHING = 1e-6
 _TANGENTIAL = 1e-3
 _A_LITTLE = 1e-3
 """s."""
+_SLOWEST = 1e-6
+"""Share of a line's speed below which no region is looked for."""
 _AT_REST = 1e-6
 """rad/s."""
 
 
 def check_turn_back(
-    geometry: ArmGeometry, arm: Dimensions, trajectory: StraightTrajectory, sin_qs: float
+    geometry: ArmGeometry,
+    arm: Dimensions,
+    trajectory: StraightTrajectory,
+    region: Callable[[StraightTrajectory], float],
 ) -> None:
     """Raise if a line cannot be turned back on within a region.
+
+    Parameters
+    ----------
+    geometry, arm
+        The arm.
+    trajectory : StraightTrajectory
+        The line.
+    region : callable
+        Takes a line and returns the half width that it needs, sin q_s; not less at more speed.
 
     Raises
     ------
@@ -52,23 +68,41 @@ def check_turn_back(
             f"the arm starts folded (S3 = {s3:.2g}), on no side of the elbow that a sign could be "
             f"kept of."
         )
+    sin_qs = region(trajectory)
+    widest = abs(s3) if math.cos(elbow) > 0.0 else 1.0  # the start has to be outside of it
     if sin_qs > 1.0:
         limit = geometry.rate_limits[2]
-        least = max(limit * sin_qs, least_rate(geometry, trajectory.speed))
-        if math.cos(elbow) > 0.0:  # the start has to be outside the region, too
-            least /= abs(s3)
-        least = math.ceil(1e4 * least) / 1e4
+        least = max(limit * sin_qs, least_rate(geometry, trajectory.speed)) / widest
         raise InfeasibleMotion(
             f"at {trajectory.speed:g} m/s and {limit:g} rad/s of q3 eq. (13) gives sin q_s = "
             f"{sin_qs:.4f}, more than 1: there is no such region. q3 would need at least "
-            f"{least:.4f} rad/s, or the hand be no faster than "
-            f"{trajectory.speed * limit / least:.4g} m/s."
+            f"{math.ceil(1e4 * least) / 1e4:.4f} rad/s{_no_faster(trajectory, region, widest)}."
         )
-    if abs(s3) <= sin_qs and math.cos(elbow) > 0.0:
+    if sin_qs >= widest and math.cos(elbow) > 0.0:
         raise InfeasibleMotion(
             f"the arm starts inside the region: |S3| = {abs(s3):.4f} at the start, no more than "
-            f"sin q_s = {sin_qs:.4f}; its speed would begin with a step."
+            f"sin q_s = {sin_qs:.4f}; its speed would begin with a step"
+            f"{_no_faster(trajectory, region, widest)}."
         )
+
+
+def _no_faster(
+    trajectory: StraightTrajectory,
+    region: Callable[[StraightTrajectory], float],
+    widest: float,
+) -> str:
+    """Say how fast the hand may be for a region that is narrow enough; nothing if none is."""
+
+    def fits(share: float) -> bool:
+        return region(trajectory.slower(share)) < widest
+
+    if not fits(_SLOWEST):
+        return ""
+    share, _ = bisect(fits, _SLOWEST, 1.0)
+    words = f", or the hand be no faster than {floor(share * trajectory.speed):g} m/s"
+    if trajectory.turn_rate:
+        words += f" and turn no faster than {floor(share * trajectory.turn_rate):g} rad/s"
+    return words
 
 
 def check_start(arm: Dimensions, trajectory: StraightTrajectory, scale: Scale) -> None:
