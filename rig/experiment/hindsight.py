@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rig.assembly import Rig
-from rig.runtime.log import LogError, read_log
+from rig.runtime.log import LogError
+from rig.runtime.log_columns import read_columns
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,7 +32,7 @@ def after_run(rig: Rig, fault: Exception | None, log_path: Path) -> list[Said]:
     said: list[Said] = []
     if fault is not None and (held := mechanism.pose_held()):
         said.append(("hold", held, {}))
-    log = cache(lambda: read_log(log_path))  # read only if somebody asks
+    log = cache(lambda: read_columns(log_path))  # read only if somebody asks
 
     def logged(name: str) -> "NDArray[np.float64]":
         return log().column(name)

@@ -16,7 +16,7 @@ from rig.hal.motion import Fact, Segment
 from rig.runtime.log import LogError
 
 if TYPE_CHECKING:
-    from rig.runtime.log import Log
+    from rig.runtime.log_columns import LogColumns
 
 
 class FactEntry(TypedDict):
@@ -146,7 +146,7 @@ class Metric(NamedTuple):
 
 
 def evaluate(
-    log: "Log",
+    log: "LogColumns",
     segments: Sequence[Segment],
     specs: Mapping[str, MetricRequest],
     facts: Mapping[str, Fact] | None = None,
@@ -158,7 +158,7 @@ def evaluate(
 
     Parameters
     ----------
-    log : Log
+    log : LogColumns
         With the columns ``phase`` and ``reference.time``, and those that the measures take.
     segments : sequence of Segment
         Those of the experiment's reference.

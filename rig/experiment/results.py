@@ -8,7 +8,8 @@ from rig.experiment.stopwatch import Stopwatch
 from rig.hal import ContractBroken, RigError
 from rig.run_facts import RunStatus
 from rig.run_folder import RunFolder, RunFolderError
-from rig.runtime.log import Log, LogError, read_log
+from rig.runtime.log import LogError
+from rig.runtime.log_columns import LogColumns, read_columns
 
 
 def write_results(
@@ -32,7 +33,7 @@ def write_results(
     if not folder.log_path.exists():
         return metrics, unmeasured, ending
     try:
-        log = read_log(folder.log_path)
+        log = read_columns(folder.log_path)
         if plan.motion.watches:  # what it came to is known only now
             write_evaluation(plan, folder)
         if len(log.cycle):
@@ -45,7 +46,7 @@ def write_results(
     return metrics, unmeasured, ending
 
 
-def _measure(plan: Plan, log: Log) -> tuple[list[Metric], list[RigError]]:
+def _measure(plan: Plan, log: LogColumns) -> tuple[list[Metric], list[RigError]]:
     """Compute the metrics; return them, and what those of the plan's own measures failed by."""
     mechanism, motion = plan.profile.mechanism, plan.motion
     wanted = plan.experiment.metrics

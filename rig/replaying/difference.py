@@ -13,7 +13,7 @@ from rig.hal import ConfigurationError, RigError
 from rig.replaying.recorded import EXPERIMENT, PROFILE
 from rig.run_facts import MANIFEST
 from rig.run_folder import RunFolder
-from rig.runtime.log import read_log
+from rig.runtime.log_columns import read_columns
 
 _WALL_CLOCK = "timing."
 """Group of columns that differ from run to run, whatever ran."""
@@ -138,7 +138,7 @@ def first_difference(one: RunFolder, other: RunFolder) -> str | None:
     LogError
         One of them has no readable log.
     """
-    first, second = read_log(one.log_path), read_log(other.log_path)
+    first, second = read_columns(one.log_path), read_columns(other.log_path)
     names = [c.name for c in first.columns if not c.name.startswith(_WALL_CLOCK)]
     others = {c.name for c in second.columns}
     units = {c.name: c.unit for c in first.columns}
@@ -146,19 +146,17 @@ def first_difference(one: RunFolder, other: RunFolder) -> str | None:
     count = min(len(first.cycle), len(second.cycle))
     differs = (first.cycle[:count] != second.cycle[:count]).astype(bool)
     differs |= first.t[:count].view(np.uint64) != second.t[:count].view(np.uint64)
-    columns = []
     for name in shared:
         a, b = (np.ascontiguousarray(log.column(name)[:count]) for log in (first, second))
-        unlike = a.view(np.uint64) != b.view(np.uint64)
-        differs |= unlike
-        columns.append((name, unlike, a, b))
+        differs |= a.view(np.uint64) != b.view(np.uint64)
     if differs.any():
         row = int(np.argmax(differs))
         at = f"cycle {int(first.cycle[row])} ({float(first.t[row]):.4f} s)"
+        there = [(name, *(log.column(name)[row] for log in (first, second))) for name in shared]
         told = [
-            f"{name} {float(a[row])!r} against {float(b[row])!r} {units[name]}".rstrip()
-            for name, unlike, a, b in columns
-            if unlike[row]
+            f"{name} {float(a)!r} against {float(b)!r} {units[name]}".rstrip()
+            for name, a, b in there
+            if a.tobytes() != b.tobytes()
         ]
         more = f", and {len(told) - 1} more columns" if len(told) > 1 else ""
         return f"{at}: {told[0]}{more}" if told else f"{at}: it came at another time"

@@ -18,7 +18,7 @@ from rig.hal import ConfigurationError
 from rig.hal.motion import Segment
 from rig.run_facts import EVALUATION, MetricRow
 from rig.run_folder import RunFolder
-from rig.runtime.log import Log, read_log
+from rig.runtime.log_columns import LogColumns, read_columns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,7 +35,7 @@ class RunData:
     ----------
     folder : RunFolder
         Where it came from.
-    log : Log
+    log : LogColumns
         All cycles.
     segments : tuple of Segment
         Those of its reference.
@@ -44,7 +44,7 @@ class RunData:
     """
 
     folder: RunFolder
-    log: Log
+    log: LogColumns
     segments: tuple[Segment, ...]
     metrics: tuple[MetricRow, ...]
 
@@ -135,8 +135,15 @@ def _said(folder: RunFolder) -> tuple[str, str, str, str]:
     return manifest.get("experiment", ""), manifest.get("rig", ""), manifest.get("law", ""), day
 
 
-def load_run(path: str | Path) -> RunData:
+def load_run(path: str | Path, log: LogColumns | None = None) -> RunData:
     """Load a run folder, whatever became of the run.
+
+    Parameters
+    ----------
+    path : Path
+        The run folder.
+    log : LogColumns, optional
+        Its log, if it has been read already.
 
     Raises
     ------
@@ -147,4 +154,4 @@ def load_run(path: str | Path) -> RunData:
     """
     folder = RunFolder.open(path)
     segments, _ = evaluation_from_json(folder.read_json(EVALUATION, Evaluation))
-    return RunData(folder, read_log(folder.log_path), segments, folder.metrics())
+    return RunData(folder, log or read_columns(folder.log_path), segments, folder.metrics())

@@ -20,6 +20,7 @@ from rig.report.style import paper_style, save
 from rig.report.timing_figure import TIMING_FIGURES
 from rig.run_facts import FIGURES as FIGURES_FOLDER
 from rig.run_folder import RunFolderError
+from rig.runtime.log_columns import LogColumns
 
 
 def known_figures(mechanism: str | None) -> dict[str, FigureKind]:
@@ -49,7 +50,9 @@ class Drawn(NamedTuple):
     failures: list[str]
 
 
-def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
+def draw_figures(
+    path: str | Path, names: Iterable[str] | None = None, log: LogColumns | None = None
+) -> Drawn:
     """Draw a run's figures into its folder, as PNG and SVG.
 
     A figure whose quantities the log does not hold is left out; one whose code fails keeps no
@@ -61,6 +64,8 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
         The run folder.
     names : iterable of str, optional
         Keys of `known_figures`; default: all.
+    log : LogColumns, optional
+        The run's log, if it has been read already.
 
     Returns
     -------
@@ -72,7 +77,7 @@ def draw_figures(path: str | Path, names: Iterable[str] | None = None) -> Drawn:
     ConfigurationError
         A figure is unknown, there is no run folder, or no log in it.
     """
-    run = load_run(path)
+    run = load_run(path, log)
     known = known_figures(run.mechanism)
     chosen = list(known) if names is None else list(names)
     for name in chosen:

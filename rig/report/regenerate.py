@@ -21,7 +21,8 @@ from rig.report.html import write_html
 from rig.report.timing import summarise_timing
 from rig.run_facts import EVALUATION, METRICS, TIMING, MetricRow, RunStatus
 from rig.run_folder import RunFolder
-from rig.runtime.log import Log, LogError, read_log
+from rig.runtime.log import LogError
+from rig.runtime.log_columns import LogColumns, read_columns
 
 
 class RunReport(NamedTuple):
@@ -61,7 +62,7 @@ def write_report(path: str | Path) -> RunReport:
     problems: list[str] = []
     torn: list[str] = []
     try:
-        log = read_log(folder.log_path)
+        log = read_columns(folder.log_path)
     except LogError as error:
         damaged = [str(error)] if folder.log_path.exists() else []  # a run may have had none
         return RunReport(write_html(folder, [], [str(error)]), damaged)
@@ -74,13 +75,13 @@ def write_report(path: str | Path) -> RunReport:
         if not (folder.path / TIMING).exists():
             folder.write_timing(summarise_timing(log))
     names = folder.read_json(EVALUATION, Evaluation).get("figures") or None
-    drawn = draw_figures(folder.path, names)
+    drawn = draw_figures(folder.path, names, log)
     figures = [file for file in drawn.files if file.suffix == ".png"]
     page = write_html(folder, figures, [*torn, *problems], drawn.failures)
     return RunReport(page, [*torn, *drawn.failures])
 
 
-def measure_run(folder: RunFolder, log: Log) -> tuple[list[Metric], list[str]]:
+def measure_run(folder: RunFolder, log: LogColumns) -> tuple[list[Metric], list[str]]:
     """Compute every metric of a run that its log permits.
 
     Returns

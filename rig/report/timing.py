@@ -7,7 +7,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from rig.runtime.log import Log
+    from rig.runtime.log_columns import LogColumns
 
 STAGES = ("receive", "read", "control", "transmit", "record")
 """Stages of the cycle, as in the log's columns ``timing.*``."""
@@ -58,19 +58,19 @@ class NoTiming(TypedDict):
     """The summary of a log without times."""
 
 
-def has_timing(log: "Log") -> bool:
+def has_timing(log: "LogColumns") -> bool:
     """Return whether the log holds the stages' times."""
     return len(log.t) > 0 and all(
         f"timing.{name}" in log for name in (*STAGES, "slack", "lateness")
     )
 
 
-def stage_times(log: "Log") -> "NDArray[np.float64]":
+def stage_times(log: "LogColumns") -> "NDArray[np.float64]":
     """Return how long each stage took, s, shape (n, stages)."""
     return np.column_stack([log.column(f"timing.{stage}") for stage in STAGES])
 
 
-def summarise_timing(log: "Log") -> TimingSummary | NoTiming:
+def summarise_timing(log: "LogColumns") -> TimingSummary | NoTiming:
     """Summarise a run's timing for ``timing.json``; ``{}`` if the log has none.
 
     Returns

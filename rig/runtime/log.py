@@ -4,7 +4,7 @@ import fcntl
 import os
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, NamedTuple
 
@@ -78,12 +78,17 @@ class Log(NamedTuple):
         for index, column in enumerate(self.columns):
             if column.name == name:
                 return self.values[:, index]
-        known = ", ".join(column.name for column in self.columns)
-        raise LogError(f"the log has no column {name!r}; it has {known}")
+        raise no_such_column(name, self.columns)
 
     def names(self, prefix: str) -> tuple[str, ...]:
         """Return the names of the columns that start with `prefix`, in order."""
         return tuple(c.name for c in self.columns if c.name.startswith(prefix))
+
+
+def no_such_column(name: str, columns: Sequence[Column]) -> LogError:
+    """Return the error that a log has other columns than the one asked for."""
+    known = ", ".join(column.name for column in columns)
+    return LogError(f"the log has no column {name!r}; it has {known}")
 
 
 class LogFile:

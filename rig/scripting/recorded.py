@@ -16,7 +16,7 @@ from rig.report.figures import known_figures, own_figures
 from rig.report.style import paper_style
 from rig.run_facts import REPORT, Event, Manifest, RunStatus
 from rig.run_folder import RunFolder
-from rig.runtime.log import Log
+from rig.runtime.log_columns import LogColumns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -175,7 +175,7 @@ class Run:
             raise ConfigurationError("pandas is not installed; data is there without it") from error
         log = self._data.log
         index = pd.Index(log.t - log.t[:1], name="t")
-        return pd.DataFrame(log.values, index, [column.name for column in log.columns])
+        return pd.DataFrame({column.name: log.column(column.name) for column in log.columns}, index)
 
     def figure(self, name: str) -> "Figure":
         """Draw one of its figures, which a notebook shows; `figures` has the names.
@@ -236,12 +236,12 @@ class Run:
         return f"{head}<table>{rows}</table>"
 
 
-def as_structured(log: Log) -> "NDArray[np.void]":
+def as_structured(log: LogColumns) -> "NDArray[np.void]":
     """Return all rows as one structured array, with the time and the number of each cycle."""
     names = [column.name for column in log.columns]
     kinds = [("cycle", "u8"), ("t", "f8"), *[(name, "f8") for name in names]]
     rows: NDArray[np.void] = np.empty(len(log.t), np.dtype(kinds))
     rows["cycle"], rows["t"] = log.cycle, log.t
-    for name, values in zip(names, log.values.T, strict=True):
-        rows[name] = values
+    for name in names:
+        rows[name] = log.column(name)
     return rows

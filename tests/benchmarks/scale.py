@@ -7,6 +7,7 @@ Slopes are those of straight lines through the logarithms: 1 is linear.
 """
 
 import argparse
+import json
 import subprocess
 import sys
 import tempfile
@@ -21,8 +22,10 @@ from test_log_cost import record
 import rig
 from rig.assembly import REGISTRY, Backend
 from rig.config import find_configs, load_profile
+from rig.experiment.measure import PHASE_RUN
 from rig.hal.columns import Column
 from rig.mechanisms.cylinder.mechanism import AntagonisticPair
+from rig.run_facts import EVALUATION
 from rig.runtime.log import read_log
 from rig.runtime.recorder import LogRecorder
 
@@ -98,26 +101,40 @@ def log_costs(folder):
 
 
 def lengthen(source, folder, minutes):
-    """Make a run folder whose log goes on for so long: rows of a recorded run, over and over."""
+    """Make a run folder whose log goes on for so long: rows of a recorded run, over and over.
+
+    The reference's time goes on with them, and so do the segments, so that all metrics are those of
+    the whole run.
+    """
     folder.mkdir()
     for path in source.iterdir():
         if path.is_file() and path.name not in ("log.mcap", "report.html", "metrics.json"):
             (folder / path.name).write_bytes(path.read_bytes())
     log = read_log(source / "log.mcap")
+    rows = log.values[log.column("phase") == PHASE_RUN]
     period = float(np.median(np.diff(log.t)))
+    place = [column.name for column in log.columns].index("reference.time")
+    count = round(60 * minutes / period)
     with LogRecorder(folder / "log.mcap", log.columns, wall_clock_ns=0) as recorder:
-        for k in range(round(60 * minutes / period)):
-            recorder.write(k, k * period, log.values[k % len(log.t)].tolist())
+        for k in range(count):
+            row = rows[k % len(rows)].tolist()
+            row[place] = k * period
+            recorder.write(k, k * period, row)
+    told = json.loads((folder / EVALUATION).read_text(encoding="utf-8"))
+    longer = count / len(rows)
+    for segment in told["segments"]:
+        segment["start"], segment["end"] = segment["start"] * longer, segment["end"] * longer
+    (folder / EVALUATION).write_text(json.dumps(told), encoding="utf-8")
     return folder
 
 
-def length_costs(folder):
+def length_costs(folder, works):
     """Return time (s) and memory (MB) of what is done with a run, by its minutes."""
     source = rig.run("cylinder-sine", on="sim", report=False, out=folder / "runs").path
-    found = {name: [] for name in WORKS}
+    found = {name: [] for name in works}
     for minutes in MINUTES:
         long = lengthen(Path(source), folder / f"of-{minutes}", minutes)
-        for name, work in WORKS.items():
+        for name, work in works.items():
             words = [sys.executable, "-c", ONE.format(work=work), str(long)]
             done = subprocess.run(words, capture_output=True, text=True, check=False)
             if done.returncode:
@@ -151,24 +168,33 @@ def draw(path, cycles, logs, lengths):
     figure.savefig(path, dpi=110)
 
 
-def main():
-    """Measure, and say it."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--figure", type=Path, help="where the curves are drawn")
-    asked = parser.parse_args()
-    began = time.monotonic()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        cycles, logs = cycle_costs(folder), log_costs(folder)
-        for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
-            row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
-            say(f"{what}: {row}; slope {slope(x, y):.2f}")
-        lengths = length_costs(folder)
+def tell_lengths(lengths):
+    """Say what `length_costs` found."""
     for name, rows in lengths.items():
         row = "  ".join(
             f"{m}: {s:.1f} s, {mb:.0f} MB" for m, (s, mb) in zip(MINUTES, rows, strict=True)
         )
         say(f"{name}, by minutes: {row}; slope {slope(MINUTES, [s for s, _ in rows]):.2f}")
+
+
+def main():
+    """Measure, and say it."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--figure", type=Path, help="where the curves are drawn")
+    parser.add_argument("--only", choices=WORKS, help="one work, over the length of a run alone")
+    asked = parser.parse_args()
+    began = time.monotonic()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        if asked.only is not None:
+            tell_lengths(length_costs(folder, {asked.only: WORKS[asked.only]}))
+            return
+        cycles, logs = cycle_costs(folder), log_costs(folder)
+        for what, (x, y) in (("cycle, us, by devices", cycles), ("log, us, by channels", logs)):
+            row = "  ".join(f"{n}: {1e6 * cost:.1f}" for n, cost in zip(x, y, strict=True))
+            say(f"{what}: {row}; slope {slope(x, y):.2f}")
+        lengths = length_costs(folder, WORKS)
+    tell_lengths(lengths)
     if asked.figure is not None:
         draw(asked.figure, cycles, logs, lengths)
     say(f"it took {time.monotonic() - began:.0f} s")
