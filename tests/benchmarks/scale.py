@@ -44,7 +44,12 @@ import rig.export, rig.report.regenerate
 began = time.process_time()
 {work}
 spent, status = time.process_time() - began, Path("/proc/self/status").read_text()
-print(spent, int(status.partition("VmHWM:")[2].split()[0]) / 1024)
+most = max(
+    int(status.partition("VmHWM:")[2].split()[0]),
+    resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss,  # those that draw figures
+)
+spent += sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+print(spent, most / 1024)
 """
 WORKS = {
     "export --format csv": "rig.export.export_run(sys.argv[1], 'csv', sys.argv[1] + '/out.csv')",
