@@ -26,7 +26,7 @@ from test_cycle_cost import _pair, clock_cost
 from drivers.can.socketcan import SocketCanBus
 from rig.experiment.plan import load_plan
 
-ROUNDS = 3
+ROUNDS = 7
 WANTED = 0.1
 OVER_FLOOR = 3.0
 BEFORE = 20
